@@ -15,7 +15,7 @@ from pathlib import Path
 
 os.environ.setdefault("LP_NUM_THREADS", "0")
 
-from wmspec.api.generating import planned
+from wmspec.api.generating import plan_dataset
 from wmspec.dataset.build.batching import batches
 from wmspec.dataset.build.generate import job_of
 from wmspec.dataset.build.plan import Plan, Task
@@ -47,7 +47,7 @@ def main() -> None:
     parser.add_argument("specs", nargs="+", type=Path)
     parser.add_argument("--tried", type=int, default=16, help="instances of each task, at least")
     options = parser.parse_args()
-    plan: Plan = planned(options.specs, lambda _: None, backend="mujoco")
+    plan: Plan = plan_dataset(options.specs, lambda _: None, backend="mujoco")
     job, whole = job_of(plan, PoolConfig(1, 300)), 0.0
     for task in plan.tasks:
         seconds, made, shared = cost(job, task, plan.seed, options.tried)

@@ -36,7 +36,7 @@ from wmspec.core.places import Source
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.format import format_spec
 from wmspec.lang.parse.load import load_source
-from wmspec.runtime.workers.pool import PoolConfig, JobFailure, map_ordered
+from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_ordered
 
 #: Processor seconds that an input may take.
 MOST_SECONDS = 2.0

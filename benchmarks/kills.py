@@ -41,7 +41,7 @@ from tests.study.visitor import Process, letter, post
 from wmspec.core.crash import EXIT_CODE
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.study import store
-from wmspec.eval.study.make import Options, make
+from wmspec.eval.study.make import StudyOptions, make
 from wmspec.eval.study.model import load
 from wmspec.eval.study.store import Store
 
@@ -330,7 +330,7 @@ def study(home: Path, kills: int, chance: random.Random) -> str:
     killed = rounds = 0
     while killed < kills:
         folder = home / f"study-{rounds}"
-        make(DatasetReader.open(home / "dataset"), Options(per_task=6, raters=3, check_every=6), folder)
+        make(DatasetReader.open(home / "dataset"), StudyOptions(per_task=6, raters=3, check_every=6), folder)
         made, server = load(folder), Process(folder)
         heard: list[tuple[str, int]] = []
         for visitor in range(3):

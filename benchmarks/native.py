@@ -19,7 +19,7 @@ os.environ.setdefault("MUJOCO_GL", "egl")
 
 from benchmarks.cost import cost
 from benchmarks.loops import LOOPS
-from wmspec.api.generating import planned
+from wmspec.api.generating import plan_dataset
 from wmspec.compile.design.design import Design
 from wmspec.dataset.build.generate import job_of
 from wmspec.runtime.caches.cache_keys import look_key, physics_key, shot_key
@@ -74,7 +74,7 @@ def main() -> None:
     parser.add_argument("--native", type=int, default=3, help="of these by the loop")
     parser.add_argument("--size", type=int, default=384)
     options = parser.parse_args()
-    plan = planned(options.specs, lambda _: None, backend=options.backend, size=options.size)
+    plan = plan_dataset(options.specs, lambda _: None, backend=options.backend, size=options.size)
     job = job_of(plan, PoolConfig(1, 300))
     for task in plan.tasks:
         seconds, made, _ = cost(job, task, plan.seed, options.tried)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.core.crash import in_our_code
+from wmspec.core.crash import is_own_error
 from wmspec.core.diagnostics import GraphicsError
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Camera, Frame, Geom, Scene, Shot
@@ -227,7 +227,7 @@ def _graphics(model: Any, width: int, height: int) -> tuple[Any, Any]:
         with silence():
             context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
     except Exception as error:  # each OpenGL backend has its own exception
-        if in_our_code(error):
+        if is_own_error(error):
             raise
         raise GraphicsError(
             f"MuJoCo cannot draw: no OpenGL ({error}); set MUJOCO_GL=egl and install Mesa's EGL "

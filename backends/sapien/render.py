@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.core.crash import in_our_code
+from wmspec.core.crash import is_own_error
 from wmspec.core.diagnostics import GraphicsError
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Body, Camera, Frame, Geom, Pose, Scene, Shot
@@ -134,7 +134,7 @@ def _sentinel() -> Any:
             for one in eyes:
                 one.take_picture()
     except Exception as error:  # SAPIEN raises RuntimeError for every error
-        if in_our_code(error):
+        if is_own_error(error):
             raise
         raise GraphicsError(
             f"SAPIEN cannot draw: no suitable Vulkan device ({error}); without a GPU it needs Mesa 24.3 or newer "

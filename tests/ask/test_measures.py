@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tests.physics.scenes import body, scene, turn
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Call, Items, Operation, Option, Value

@@ -6,7 +6,7 @@ import pytest
 
 from tests.ask.asking import SCENE
 from tests.language.specs import task_from
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.runtime.questions.referring_expressions import Ambiguous, group_expression, referring_expression
 from wmspec.runtime.questions.verbalize import format_expression, question_text, verbalize, verbalize_option
 

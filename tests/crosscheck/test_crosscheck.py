@@ -14,8 +14,8 @@ from wmspec.compile.design.design import Design
 from wmspec.lang.check.ir.ir import QuestionKind
 from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.compare.check import check
-from wmspec.runtime.compare.model import Checked, Verdict
-from wmspec.runtime.compare.summary import Share, doubtful, lines, suspects
+from wmspec.runtime.compare.model import CheckResult, Verdict
+from wmspec.runtime.compare.summary import Share, unreliable_answers, lines, suspects
 from wmspec.runtime.compare.tolerance import Tolerances
 from wmspec.runtime.compare.verbalize import dispute
 
@@ -31,7 +31,7 @@ def crosscheck(*arguments: str, code: int) -> str:
     return done.stdout if code != 2 else done.stderr
 
 
-def checked(text: str, count: int = 1) -> list[Checked]:
+def checked(text: str, count: int = 1) -> list[CheckResult]:
     design = Design(task_from(text))
     executors = [TraceCache(engine) for engine in PAIR]
     return [check(design, i, executors, Tolerances()) for i in range(count)]
@@ -65,12 +65,12 @@ def test_chaos_is_explained_and_fails(tmp_path: Path) -> None:
 
 def test_answers_that_rest_on_what_engines_get_wrong_are_marked() -> None:
     found = checked((HERE / "row.wms").read_text())
-    row, roll = doubtful(found)
+    row, roll = unreliable_answers(found)
     assert (row.answers, roll.answers) == (Share(1, 1), Share(1, 1))
     assert "`a` and `b` meet" in row.where
     assert "`b` touches `c`" in row.where
     assert "`can` rolls" in roll.where
-    assert not doubtful(checked((HERE / "race.wms").read_text()))
+    assert not unreliable_answers(checked((HERE / "race.wms").read_text()))
 
 
 def test_a_question_that_no_engine_would_ask_does_not_fail() -> None:

@@ -12,7 +12,7 @@ from tests.engines import installed
 from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import Source
-from wmspec.editor.start import template_titles, first_spec, templates
+from wmspec.editor.start import first_spec, template_titles, templates
 from wmspec.lang.parse.format import format_spec
 
 

@@ -12,7 +12,7 @@ import pytest
 
 import wmspec
 from tests.engines import installed
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.dataset.build.format_units import format_value
 from wmspec.lang.check.statements.builder import observe, task, thing
 from wmspec.runtime.questions.verbalize import verbalize

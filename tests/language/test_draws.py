@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from tests.language.specs import random_text, task_from
 from wmspec.compile.design.design import Design
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.rng import Permutation
 
 # ---------------------------------------------------------------- domains

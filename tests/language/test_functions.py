@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from wmspec.compile.design.design import Design
 from wmspec.compile.layout.cavities import has_room
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.view import gaze_direction, view_coordinates
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir import ir

@@ -13,9 +13,9 @@ from scipy.optimize import linprog
 
 from tests.language.specs import random_text, task_from
 from wmspec.compile.design.design import Design
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.values import Evaluator
-from wmspec.compile.lint.overlap import SLACK, Overlap, overlaps
+from wmspec.compile.lint.overlap import MAX_OVERLAP, Overlap, overlaps
 from wmspec.compile.lint.visibility import blind_cameras
 from wmspec.lang.check.statements.builder import action, observe, task, thing
 
@@ -47,7 +47,7 @@ def test_spheres_are_as_deep_in_one_another_as_their_radii_exceed_their_distance
     other = thing("object", "other", shape="sphere", radius=s, at=at)
     depth = min(r + s - math.hypot(*at), 2 * r, 2 * s)
     told = found(ball, other)
-    assert bool(told) == (depth > SLACK)
+    assert bool(told) == (depth > MAX_OVERLAP)
     if told:
         assert told[0].depth == pytest.approx(depth, abs=1e-4)
 

@@ -6,7 +6,7 @@ import pytest
 
 import wmspec
 from wmspec.compile.design.design import Design
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import Report
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.statements.task import check

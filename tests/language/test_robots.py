@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from tests.language.specs import SPECS, task_from, task_of
 from wmspec.compile.design.design import Design
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.robots.ground_path import arc_length_at
 from wmspec.compile.robots.obstacles import hull, obstacles
 from wmspec.compile.robots.travel import STOP_DISTANCE, WALKER_HEIGHTS, WALKER_RADIUS, Travel, travels

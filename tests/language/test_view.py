@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.view import camera_direction, common_direction, view_coordinates
 from wmspec.compile.stage.cameras import _looking
 from wmspec.lang.check.statements.builder import observe, task, thing

@@ -19,7 +19,7 @@ from tests.engines import installed
 from tests.language.specs import SPECS, task_of
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.design import Design
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.robots.arm import downward_pose
 from wmspec.compile.robots.base_pose import base
 from wmspec.compile.robots.franka import PANDA

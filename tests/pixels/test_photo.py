@@ -18,12 +18,12 @@ from tests.endtoend.test_commands import SPEED
 from tests.engines import installed
 from tests.pixels.scenes import body, scene
 from wmspec.api import generate
-from wmspec.api.generating import planned
+from wmspec.api.generating import plan_dataset
 from wmspec.api.verifying import verify
 from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.caches.render_cache import RenderCache
-from wmspec.runtime.engines.registry import drawing
+from wmspec.runtime.engines.registry import require_look
 from wmspec.sim.materials import TEXTURES
 from wmspec.sim.photo import library
 from wmspec.sim.photo.light import ceiling_lights, directions, environment_map
@@ -209,8 +209,8 @@ def test_a_dataset_says_what_drew_it_and_is_drawn_again(tmp_path: Path) -> None:
     assert "mitsuba-oidn" in versions
     again = verify(tmp_path / "out", workers=0)
     assert (again.verdict, dict(again.versions)) == ("same", {})
-    parity = planned(SPEED, **{**how, "look": "parity", "samples": None})
-    assert planned(SPEED, **how).fingerprint != parity.fingerprint
+    parity = plan_dataset(SPEED, **{**how, "look": "parity", "samples": None})
+    assert plan_dataset(SPEED, **how).fingerprint != parity.fingerprint
     assert "mitsuba" not in parity.versions
 
 
@@ -218,4 +218,4 @@ def test_an_unknown_look_is_an_error_that_names_the_looks() -> None:
     installed("mujoco")
     unknown: Any = "beauty"
     with pytest.raises(WmsError, match=r"no look `beauty`; choose `parity`, .* or `photo`, for people"):
-        drawing(("mujoco",), unknown)
+        require_look(("mujoco",), unknown)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Prim
 from wmspec.lang.check.ir.ir import Entity
 

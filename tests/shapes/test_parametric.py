@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from tests.engines import ENGINES, installed
 from wmspec.compile.design.design import Design
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import ImpossibleValue, StageError

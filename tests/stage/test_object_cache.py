@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given
 from tests.examples import examples
 from tests.language.specs import SPECS, random_spec, task_from, task_of
 from wmspec.compile.design.design import Design
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage import object_cache
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import build_document

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from wmspec.compile.design.design import Design
 from wmspec.compile.layout import scatter
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import WmsError

@@ -23,7 +23,7 @@ from wmspec.eval.report import replies
 from wmspec.eval.study import store
 from wmspec.eval.study.answers import Answer, Person
 from wmspec.eval.study.collect import collect
-from wmspec.eval.study.make import Options, make
+from wmspec.eval.study.make import StudyOptions, make
 from wmspec.eval.study.model import Study, load
 from wmspec.eval.study.store import Store
 
@@ -185,7 +185,7 @@ def test_two_of_a_name_are_two_people(study: Path, tmp_path: Path) -> None:
 
 
 def test_numbers_are_scored_in_the_unit_that_was_asked_for(tmp_path: Path) -> None:
-    study = make(DatasetReader.open(in_numbers(tmp_path / "data")), Options(per_task=4, raters=1), tmp_path / "study")
+    study = make(DatasetReader.open(in_numbers(tmp_path / "data")), StudyOptions(per_task=4, raters=1), tmp_path / "study")
     answers = []
     for step in range(len(study.slots[0])):
         shown = study.step(0, step)

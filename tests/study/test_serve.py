@@ -17,7 +17,7 @@ from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.study import store
 from wmspec.eval.study.answers import Answer, Person
 from wmspec.eval.study.collect import collect
-from wmspec.eval.study.make import Options, make
+from wmspec.eval.study.make import StudyOptions, make
 from wmspec.eval.study.model import load
 from wmspec.eval.study.serve import LARGEST, Server
 from wmspec.eval.study.store import Full, Store
@@ -121,7 +121,7 @@ def test_shares_are_given_out_evenly_and_who_comes_back_has_the_same(study: Path
 
 def test_answers_of_another_study_are_not_mixed_in(dataset: DatasetReader, study: Path, tmp_path: Path) -> None:
     Store(study / store.FILE, load(study)).close()
-    other = make(dataset, Options(per_task=2), tmp_path / "other")
+    other = make(dataset, StudyOptions(per_task=2), tmp_path / "other")
     with pytest.raises(WmsError, match="another study"):
         Store(study / store.FILE, other)
 

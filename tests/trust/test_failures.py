@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.dataset.made import make, plan
-from wmspec.core.crash import EXIT_CODE, Crash, in_our_code
+from wmspec.core.crash import EXIT_CODE, Crash, is_own_error
 from wmspec.core.tally import Tally
 
 HERE = Path(__file__).parent
@@ -208,12 +208,12 @@ def test_mistakes_in_our_code_are_told_from_what_is_missing() -> None:
             exec(compile(code, "x.py", "exec"), {"__name__": module})
         return caught.value
 
-    assert in_our_code(raised("from wmspec.sim.scene import nowhere", "x"))
-    assert in_our_code(raised("import backends.nowhere", "x"))
-    assert in_our_code(raised("None.step", "backends.mujoco.render"))
-    assert not in_our_code(raised("None.step", "mujoco.egl"))
-    assert not in_our_code(raised("import no_such_package", "backends.mujoco.render"))
-    assert not in_our_code(raised("raise RuntimeError('no device')", "backends.sapien.render"))
+    assert is_own_error(raised("from wmspec.sim.scene import nowhere", "x"))
+    assert is_own_error(raised("import backends.nowhere", "x"))
+    assert is_own_error(raised("None.step", "backends.mujoco.render"))
+    assert not is_own_error(raised("None.step", "mujoco.egl"))
+    assert not is_own_error(raised("import no_such_package", "backends.mujoco.render"))
+    assert not is_own_error(raised("raise RuntimeError('no device')", "backends.sapien.render"))
 
 
 # ---------------------------------------------------------------- folders, libraries

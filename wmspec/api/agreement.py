@@ -9,19 +9,19 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wmspec.api.loading import Tell, load_all, of_dimensions, warn
+from wmspec.api.loading import Tell, filter_dimensions, load_all, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.tally import Tally
 from wmspec.lang.check.ir.record import to_json
-from wmspec.runtime.compare.model import Checked
+from wmspec.runtime.compare.model import CheckResult
 from wmspec.runtime.compare.record import junit, record
-from wmspec.runtime.compare.summary import Doubtful, Line, Suspect, doubtful, lines, suspects
-from wmspec.runtime.compare.sweep import Job, Swept, pairs, sweep
+from wmspec.runtime.compare.summary import UnreliableAnswers, TaskAgreement, Suspect, unreliable_answers, lines, suspects
+from wmspec.runtime.compare.sweep import SweepConfig, Swept, pairs, sweep
 from wmspec.runtime.compare.tolerance import tolerances
 from wmspec.runtime.compare.verbalize import complaints
-from wmspec.runtime.engines.registry import chosen, only_here
+from wmspec.runtime.engines.registry import is_process_local, select_backends
 from wmspec.runtime.workers.pool import PoolConfig
 
 if TYPE_CHECKING:
@@ -39,13 +39,13 @@ class Agreement:
     instances and the instances that failed by an internal error, a crash or a timeout.
     """
 
-    job: Job
-    instances: tuple[Checked, ...]
+    job: SweepConfig
+    instances: tuple[CheckResult, ...]
     strict: bool
     tally: Tally
 
     @property
-    def lines(self) -> tuple[Line, ...]:
+    def lines(self) -> tuple[TaskAgreement, ...]:
         """One line per task and pair of engines: how many answers agree, and how far bodies diverge."""
         return lines(self.instances, pairs(self.job.engines))
 
@@ -55,16 +55,16 @@ class Agreement:
         return suspects(self.instances)
 
     @property
-    def doubtful(self) -> tuple[Doubtful, ...]:
+    def unreliable_answers(self) -> tuple[UnreliableAnswers, ...]:
         """Answers that depend on motion that engines simulate wrongly; their agreement proves nothing."""
-        return doubtful(self.instances)
+        return unreliable_answers(self.instances)
 
     @property
-    def failed(self) -> tuple[Checked, ...]:
+    def failed(self) -> tuple[CheckResult, ...]:
         """The instances on which engines disagree, or that an engine cannot execute."""
         return tuple(c for c in self.instances if not c.passes(self.strict))
 
-    def complaints(self, instance: Checked) -> list[str]:
+    def complaints(self, instance: CheckResult) -> list[str]:
         """Return the failures of an instance, one sentence each: where and when engines differ, and the remedy."""
         return complaints(instance, self.strict)
 
@@ -120,15 +120,15 @@ def crosscheck(
     Raises:
         WmsError: fewer than two engines are installed, or there are no tasks.
     """
-    engines = chosen(backend)
+    engines = select_backends(backend)
     if len(engines) < 2:
         raise WmsError(f"a crosscheck needs two engines, found only {engines[0]}; try `wmspec doctor`")
     gathered_tasks = collect_tasks(tasks, seed, tell)
     specs = [task.spec for task in gathered_tasks]
     limits = tuple((s.name, tolerances(tolerance, s.tolerances)) for s in specs)
-    job = Job(tuple((s.name, to_json(s)) for s in specs), gathered_tasks[0].seed, engines, limits)
+    job = SweepConfig(tuple((s.name, to_json(s)) for s in specs), gathered_tasks[0].seed, engines, limits)
     with progress(sum(min(sample, len(task)) for task in gathered_tasks), "crosschecking") as advance:
-        swept = sweep(specs, sample, job, effort(workers, timeout, engines), advance)
+        swept = sweep(specs, sample, job, worker_settings(workers, timeout, engines), advance)
     return Agreement(job, swept.checked, strict, _tally(swept))
 
 
@@ -153,17 +153,17 @@ def collect_tasks(tasks: Tasks, seed: int | None, tell: Tell, dimensions: Sequen
         raise WmsError(f"these tasks have different seeds, {sorted(seeds)}; load them with one")
     if seed is not None and seeds - {seed}:
         raise WmsError(f"these tasks were loaded with the seed {seeds.pop()}, not {seed}; load them with `seed={seed}`")
-    return of_dimensions(loaded, dimensions)
+    return filter_dimensions(loaded, dimensions)
 
 
-def effort(workers: int | None, timeout: float, engines: Iterable[str]) -> PoolConfig:
+def worker_settings(workers: int | None, timeout: float, engines: Iterable[str]) -> PoolConfig:
     """Return the worker settings: one worker per core by default, none for engines that exist in this process only."""
-    if only_here(engines):
+    if is_process_local(engines):
         return PoolConfig(0, timeout)
     return PoolConfig((os.cpu_count() or 1) if workers is None else workers, timeout)
 
 
-def _row(line: Line) -> Mapping[str, Any]:
+def _row(line: TaskAgreement) -> Mapping[str, Any]:
     """Return a line as columns; each share becomes two."""
     plain = asdict(line) | {"engines": " ".join(line.engines)}
     for name in ("answers", "before_gates", "episodes"):

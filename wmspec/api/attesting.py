@@ -10,7 +10,7 @@ from wmspec.api.agreement import collect_tasks
 from wmspec.api.generating import generate
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
-from wmspec.api.verifying import drawn_in, unpacked
+from wmspec.api.verifying import render_settings, write_specs
 from wmspec.dataset.attestation import Attestation, differences
 from wmspec.dataset.attestation import attest as attestation_of
 from wmspec.dataset.build import files
@@ -42,7 +42,7 @@ def attest(
     made = attestation_of(reader)
     shown = set(reader.tasks[::SAMPLE_STRIDE])
     with TemporaryDirectory() as scratch:
-        tasks = [t for t in collect_tasks(unpacked(reader, Path(scratch)), 0, tell) if t.name in shown]
+        tasks = [t for t in collect_tasks(write_specs(reader, Path(scratch)), 0, tell) if t.name in shown]
         generate(
             tasks,
             folder / "debug",
@@ -50,7 +50,7 @@ def attest(
             backend=",".join(made.engines),
             size=made.size,
             consensus=reader.manifest["consensus"],
-            **drawn_in(reader)._asdict(),
+            **render_settings(reader)._asdict(),
             workers=workers,
             progress=progress,
             tell=tell,

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 #: Codes of mistakes that also depend on the files in a folder; their results are not cached.
 _LISTING = frozenset({"WMS207", "WMS208", "WMS210"})
 #: A result that depends on folders with more files or bytes than this is not cached.
-MOST_FILES, MOST_BYTES = 1000, 50_000_000
+MAX_FILES, MAX_BYTES = 1000, 50_000_000
 
 
 @dataclass(frozen=True)
@@ -77,10 +77,10 @@ def _checked(path: Path) -> Checked:
     entry = _entry(path)
     if (cached := _cached(entry, path)) is not None:
         return cached
-    from wmspec.api.loading import diagnosed
+    from wmspec.api.loading import diagnose_file
 
     with folders_searched() as searched:
-        diagnosis, program = diagnosed(path)
+        diagnosis, program = diagnose_file(path)
     checked = _of(diagnosis)
     if (record := _record(path, checked, program, searched)) is not None:
         disk_cache.write(entry, json.dumps(record).encode())
@@ -129,8 +129,8 @@ def _record(path: Path, checked: Checked, program: Program, searched: set[Path])
     if None in folders.values():
         return None
     try:
-        diagnostics = [_written(d, sources) for d in checked.diagnostics]
-    except _Elsewhere:
+        diagnostics = [_diagnostic_record(d, sources) for d in checked.diagnostics]
+    except _UncachedSource:
         return None
     texts = {str(library): _digest(file.span.source) for library, file in program.libraries.items()}
     return {
@@ -164,7 +164,7 @@ def _cached(entry: str, path: Path) -> Checked | None:
             return None
         if any(_state(Path(folder)) != state for folder, state in record["folders"].items()):
             return None
-        diagnostics = tuple(_read(d, sources) for d in record["diagnostics"])
+        diagnostics = tuple(_diagnostic_from(d, sources) for d in record["diagnostics"])
         return Checked(diagnostics, tuple(CheckedTask(*task) for task in record["tasks"]))
     except (
         WmsError,
@@ -183,14 +183,14 @@ def _digest(source: Source) -> str:
 def _state(folder: Path) -> str | None:
     """Return a digest of all files below a folder except specs; None if there are too many, or one cannot be read."""
     facts: list[tuple[str, str]] = []
-    left = MOST_BYTES
+    left = MAX_BYTES
     try:
         for name in _names(str(folder)):
             if Path(name).is_symlink():
                 facts.append((f"{name} ->", str(Path(name).readlink())))
             if Path(name).is_file():
                 left -= Path(name).stat().st_size
-                if left < 0 or len(facts) > MOST_FILES:
+                if left < 0 or len(facts) > MAX_FILES:
                     return None
                 facts.append((name, disk_cache.digest(Path(name).read_bytes())))
     except OSError:
@@ -210,16 +210,16 @@ def _names(folder: str) -> Iterator[str]:
 # ---------------------------------------------------------------- diagnostics as JSON
 
 
-class _Elsewhere(Exception):
+class _UncachedSource(Exception):
     """Raised if a diagnostic points into a text that the result does not depend on."""
 
 
-def _written(d: Diagnostic, sources: Mapping[str, Source]) -> dict[str, Any]:
+def _diagnostic_record(d: Diagnostic, sources: Mapping[str, Source]) -> dict[str, Any]:
     help = [d.help, d.help.wrong, d.help.right] if isinstance(d.help, Remedy) else d.help
-    notes = [[note.message, _place(note.place, sources)] for note in d.notes]
+    notes = [[note.message, _place_record(note.place, sources)] for note in d.notes]
     return {
         "message": d.message,
-        "place": _place(d.place, sources),
+        "place": _place_record(d.place, sources),
         "help": help,
         "code": d.code,
         "notes": notes,
@@ -227,23 +227,23 @@ def _written(d: Diagnostic, sources: Mapping[str, Source]) -> dict[str, Any]:
     }
 
 
-def _read(record: dict[str, Any], sources: Mapping[str, Source]) -> Diagnostic:
+def _diagnostic_from(record: dict[str, Any], sources: Mapping[str, Source]) -> Diagnostic:
     help = Remedy.of(*record["help"]) if isinstance(record["help"], list) else record["help"]
     notes = []
     for message, where in record["notes"]:
-        place = _placed(where, sources)
+        place = _place_from(where, sources)
         if place is None:
             raise ValueError("a note without a place")
         notes.append(Note(message, place))
-    place = _placed(record["place"], sources)
+    place = _place_from(record["place"], sources)
     return Diagnostic(record["message"], place, help, record["code"], tuple(notes), record["severity"])
 
 
-def _place(place: Place | None, sources: Mapping[str, Source]) -> list[Any] | None:
+def _place_record(place: Place | None, sources: Mapping[str, Source]) -> list[Any] | None:
     match place:
         case Span(source=source, start=start, end=end):
             if source != sources.get(source.name):
-                raise _Elsewhere
+                raise _UncachedSource
             return ["span", source.name, start, end]
         case Location():
             return ["location", place.file, place.line, place.column, place.start, place.end]
@@ -254,7 +254,7 @@ def _place(place: Place | None, sources: Mapping[str, Source]) -> list[Any] | No
     return None
 
 
-def _placed(record: list[Any] | None, sources: Mapping[str, Source]) -> Place | None:
+def _place_from(record: list[Any] | None, sources: Mapping[str, Source]) -> Place | None:
     match record:
         case ["span", name, start, end]:
             return Span(sources[name], start, end)

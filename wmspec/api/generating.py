@@ -10,10 +10,10 @@ from os import PathLike
 from pathlib import Path
 from typing import Literal, TypedDict, Unpack
 
-from wmspec.api.agreement import Tasks, effort, collect_tasks
+from wmspec.api.agreement import Tasks, collect_tasks, worker_settings
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
-from wmspec.api.rendering import SIDE, pixels, samples_of
+from wmspec.api.rendering import DEFAULT_SIDE, check_samples, pixels
 from wmspec.api.task import Task
 from wmspec.compile.design.design import share
 from wmspec.core.diagnostics import WmsError
@@ -26,7 +26,7 @@ from wmspec.dataset.build.manifest import Summary
 from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.plan import Task as PlannedTask
 from wmspec.dataset.build.reuse import PriorInstances
-from wmspec.runtime.engines.registry import chosen, drawing, versions
+from wmspec.runtime.engines.registry import require_look, select_backends, versions
 from wmspec.runtime.questions.consensus import Consensus
 from wmspec.runtime.workers.cluster import ray_cluster
 from wmspec.runtime.workers.pool import PoolConfig
@@ -61,7 +61,7 @@ class DatasetOptions(TypedDict, total=False):
 Executor = Literal["local", "ray"]
 
 #: The default licence of data from the specs of wmspec.
-OURS = "CC-BY-4.0"
+DEFAULT_LICENCE = "CC-BY-4.0"
 
 
 def generate(
@@ -102,21 +102,21 @@ def generate(
         WmsError: two options exclude each other, an engine is missing, the cluster is not reachable, or the folder
             cannot be used.
     """
-    plan = planned(tasks, tell, **options)
+    plan = plan_dataset(tasks, tell, **options)
     before = PriorInstances([Path(folder) for folder in reuse], plan)
     with Dataset.open(Path(output), plan, force) as dataset:
         for notice in dataset.notices:
             tell(notice)
         pending = sum(len(shard.indices) for shard in dataset.pending())
         with (
-            crew(executor, address, workers, timeout, plan) as pool,
+            open_workers(executor, address, workers, timeout, plan) as pool,
             progress(pending, "generating") as advance,
         ):
             spent = make(dataset, pool, advance, before)
         return replace(dataset.finish(), shared=spent.shared, balance=spent.balance, crash=spent.crash)
 
 
-def crew(
+def open_workers(
     executor: Executor, address: str, workers: int | None, timeout: float, plan: Plan
 ) -> AbstractContextManager[PoolConfig]:
     """Return the workers of a plan, as a context. Raises WmsError for an address without Ray."""
@@ -124,10 +124,10 @@ def crew(
         return ray_cluster(address, workers, timeout, plan.versions)
     if address:
         raise WmsError("`address` is for Ray clusters", help="set `executor` to ray too")
-    return nullcontext(effort(workers, timeout, plan.engines))
+    return nullcontext(worker_settings(workers, timeout, plan.engines))
 
 
-def planned(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptions]) -> Plan:
+def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptions]) -> Plan:
     """Return the plan of a dataset, before anything is generated. Raises WmsError where `generate` would."""
     look, renderer, backend = options.get("look", "parity"), options.get("renderer", ""), options.get("backend", "all")
     per_task, full = options.get("per_task"), options.get("full", False)
@@ -136,22 +136,24 @@ def planned(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptions]) 
     if not -(1 << 63) <= options.get("seed", 0) < 1 << 63:
         raise WmsError(f"a seed is an integer from {-(1 << 63)} to {(1 << 63) - 1}")
     chosen_tasks = collect_tasks(tasks, options.get("seed"), tell, options.get("dimensions", ()))
-    engines = chosen(backend) if renderer else drawing(chosen(backend), look)
-    drawers = drawing(chosen(renderer), look) if renderer else engines
+    engines = select_backends(backend) if renderer else require_look(select_backends(backend), look)
+    drawers = require_look(select_backends(renderer), look) if renderer else engines
     if renderer and len(drawers) > 1:
         raise WmsError("`renderer` expects one engine; without it, each engine draws its own episodes")
     for task in chosen_tasks:
         if not task.questions:
             raise WmsError(f"the task `{task.name}` has no question; nothing to generate")
     return Plan(
-        texts=texts(chosen_tasks),
-        tasks=tuple(PlannedTask(t.spec, indices(t, per_task, full, options.get("part", (1, 1)))) for t in chosen_tasks),
+        spec_texts=spec_texts(chosen_tasks),
+        tasks=tuple(
+            PlannedTask(t.spec, instance_indices(t, per_task, full, options.get("part", (1, 1)))) for t in chosen_tasks
+        ),
         engines=engines,
-        size=pixels(options.get("size", SIDE)),
+        size=pixels(options.get("size", DEFAULT_SIDE)),
         seed=chosen_tasks[0].seed,
         consensus=options.get("consensus", "all"),
         look=look,
-        samples=samples_of(look, options.get("samples")),
+        samples=check_samples(look, options.get("samples")),
         renderer=drawers[0] if renderer else "",
         licence=_licence(chosen_tasks, options.get("licence", "")),
         versions=versions({*engines, *drawers}, look),
@@ -162,13 +164,14 @@ def _licence(tasks: Sequence[Task], chosen: str) -> str:
     """Return the data licence; empty if each spec states its own. Raises WmsError if it is no SPDX identifier."""
     if chosen and not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9.+-]{0,60}", chosen):
         raise WmsError(
-            f"`{chosen}` is not a licence identifier", help="give its SPDX identifier, such as CC-BY-4.0 or CC0-1.0"
+            f"`{select_backends}` is not a licence identifier",
+            help="give its SPDX identifier, such as CC-BY-4.0 or CC0-1.0",
         )
     ours = resource("specs").resolve()
-    return chosen or (OURS if all(t.path and t.path.resolve().is_relative_to(ours) for t in tasks) else "")
+    return chosen or (DEFAULT_LICENCE if all(t.path and t.path.resolve().is_relative_to(ours) for t in tasks) else "")
 
 
-def texts(tasks: Sequence[Task]) -> dict[str, str]:
+def spec_texts(tasks: Sequence[Task]) -> dict[str, str]:
     """Return the specs and their libraries by file name, with as much of the path as is needed to be unique."""
     programs = {task.path.resolve() if task.path else Path(task.file): task.program for task in tasks}
     read: dict[str, str] = {}
@@ -180,7 +183,7 @@ def texts(tasks: Sequence[Task]) -> dict[str, str]:
     return read
 
 
-def indices(task: Task, per_task: int | None, full: bool, part: tuple[int, int]) -> tuple[int, ...]:
+def instance_indices(task: Task, per_task: int | None, full: bool, part: tuple[int, int]) -> tuple[int, ...]:
     """Return the indices to generate: all, or a sample of the requested or the paper's size; of these a share."""
     count = len(task) if full else per_task or instance_count(task.name, task.questions)
     if min(count or len(task), len(task)) > INSTANCES.most:

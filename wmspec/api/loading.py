@@ -87,10 +87,10 @@ def diagnose(*paths: PathOrText, text: str | None = None) -> Diagnosis:
     file cannot be read.
     """
     files: list[Path | Source] = [*spec_files(map(Path, paths)), *([_text(text)] if text is not None else [])]
-    return joined([diagnosed(file)[0] for file in files])
+    return merge_diagnoses([diagnose_file(file)[0] for file in files])
 
 
-def diagnosed(file: Path | Source) -> tuple[Diagnosis, Program]:
+def diagnose_file(file: Path | Source) -> tuple[Diagnosis, Program]:
     """Return the diagnosis of one spec and its parsed program. Raises WmsError if the file cannot be read."""
     report = Report()  # per file, so that mistakes in one do not prevent the check of another
     program = _program(file, report)
@@ -99,7 +99,7 @@ def diagnosed(file: Path | Source) -> tuple[Diagnosis, Program]:
     return _diagnosis(report, tasks, tried=True), program
 
 
-def joined(found: Sequence[Diagnosis]) -> Diagnosis:
+def merge_diagnoses(found: Sequence[Diagnosis]) -> Diagnosis:
     """Return several diagnoses as one."""
     if len(found) == 1:
         return found[0]
@@ -157,21 +157,21 @@ def _diagnosis(report: Report, tasks: Sequence[Task], tried: bool) -> Diagnosis:
     return Diagnosis(report.diagnostics, tuple(sizes), designs, frozenset(mistaken))
 
 
-def of_dimensions(tasks: Sequence[Task], dimensions: Sequence[str]) -> tuple[Task, ...]:
+def filter_dimensions(tasks: Sequence[Task], dimensions: Sequence[str]) -> tuple[Task, ...]:
     """Return the tasks in any of the dimensions or below; all tasks if none is given.
 
     Raises WmsError if a dimension has no task.
     """
     known = {task.dimension for task in tasks}
-    for wanted in dimensions:
-        if not any(_within(dimension, wanted) for dimension in known):
+    for requested in dimensions:
+        if not any(_within(dimension, requested) for dimension in known):
             parts = {d.rsplit(".", n)[0] for d in known for n in range(d.count(".") + 1)}
-            raise WmsError(f"no task has the dimension `{wanted}`; {suggestion(wanted, parts)}".rstrip("; "))
+            raise WmsError(f"no task has the dimension `{requested}`; {suggestion(requested, parts)}".rstrip("; "))
     return tuple(t for t in tasks if not dimensions or any(_within(t.dimension, d) for d in dimensions))
 
 
-def _within(dimension: str, wanted: str) -> bool:
-    return f"{dimension}.".startswith(f"{wanted}.")
+def _within(dimension: str, requested: str) -> bool:
+    return f"{dimension}.".startswith(f"{requested}.")
 
 
 def _text(text: str) -> Source:

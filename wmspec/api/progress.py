@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, contextmanager
 from time import monotonic
 
 #: Without a terminal, the longest time between two lines, in seconds.
-QUIET = 300.0
+MAX_SILENCE = 300.0
 
 #: Receives a task name and the number of newly finished instances.
 Advance = Callable[[str, int], None]
@@ -29,14 +29,14 @@ def progress_bar(total: int, doing: str, what: str = "instances") -> Iterator[Ca
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     console = Console(stderr=True)
-    done, told = 0, monotonic()
+    done, last_line = 0, monotonic()
     if not console.is_terminal:
 
         def line(task: str, count: int) -> None:
-            nonlocal done, told
+            nonlocal done, last_line
             before, done = done, done + count
-            if total and (before * 10 // total != done * 10 // total or monotonic() - told > QUIET):
-                told = monotonic()
+            if total and (before * 10 // total != done * 10 // total or monotonic() - last_line > MAX_SILENCE):
+                last_line = monotonic()
                 console.print(f"{done} of {total} {what} ({task})", highlight=False)
 
         yield line

@@ -128,7 +128,7 @@ class Task(Sequence["Instance"]):
     @property
     def images(self) -> int:
         """The number of pictures of a question, without those of its options."""
-        from wmspec.compile.layout.values import Evaluator
+        from wmspec.compile.layout.evaluator import Evaluator
         from wmspec.runtime.questions.views import views_of
 
         first = self.design[0]

@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from wmspec.api.agreement import effort, collect_tasks
+from wmspec.api.agreement import collect_tasks, worker_settings
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
@@ -19,7 +19,7 @@ from wmspec.dataset.build.plan import Task as PlannedTask
 from wmspec.dataset.build.reader import DatasetReader, read_plan
 from wmspec.dataset.verify import Verification
 from wmspec.dataset.verify import verify as compare
-from wmspec.runtime.engines.registry import chosen, drawing, versions
+from wmspec.runtime.engines.registry import require_look, select_backends, versions
 from wmspec.sim.scene.model import Look
 
 LIBRARY = "<library>/"
@@ -50,16 +50,16 @@ def verify(
     dataset = DatasetReader.open(Path(folder))
     dataset.intact()
     with TemporaryDirectory() as scratch:
-        tasks = collect_tasks(unpacked(dataset, Path(scratch)), dataset.manifest["seed"], tell)
+        tasks = collect_tasks(write_specs(dataset, Path(scratch)), dataset.manifest["seed"], tell)
     known = {task.name: task for task in tasks}
     if unknown := [name for name in dataset.tasks if name not in known]:
         raise WmsError(f"the specs in {dataset.folder / files.MANIFEST} have no task `{unknown[0]}`")
     plan = _plan(dataset, [known[name] for name in dataset.tasks], sample)
     with progress(sum(len(task.indices) for task in plan.tasks), "verifying") as advance:
-        return compare(dataset, plan, effort(workers, timeout, plan.engines), advance)
+        return compare(dataset, plan, worker_settings(workers, timeout, plan.engines), advance)
 
 
-def unpacked(dataset: DatasetReader, scratch: Path) -> list[Path]:
+def write_specs(dataset: DatasetReader, scratch: Path) -> list[Path]:
     """Write the specs of a manifest to files, each in a folder with all libraries; return their paths."""
     texts = {name: spec["text"] for name, spec in dataset.manifest["specs"].items()}
     tasks = {name: text for name, text in texts.items() if not name.startswith(LIBRARY)}
@@ -78,9 +78,9 @@ def unpacked(dataset: DatasetReader, scratch: Path) -> list[Path]:
 
 def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan:
     """Return the plan of the dataset, restricted to a sample of its instances."""
-    manifest, plan = dataset.manifest, drawn_in(dataset)
-    engines = chosen(",".join(manifest["engines"]))
-    drawers = drawing([plan.renderer] if plan.renderer else engines, plan.look)
+    manifest, plan = dataset.manifest, render_settings(dataset)
+    engines = select_backends(",".join(manifest["engines"]))
+    drawers = require_look([plan.renderer] if plan.renderer else engines, plan.look)
     return Plan(
         texts={},
         tasks=tuple(PlannedTask(task.spec, _spread(_indices(dataset, task), sample)) for task in tasks),
@@ -95,7 +95,7 @@ def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan
     )
 
 
-class Drawn(NamedTuple):
+class RenderSettings(NamedTuple):
     """The render settings of a dataset."""
 
     look: Look
@@ -103,16 +103,16 @@ class Drawn(NamedTuple):
     renderer: str
 
 
-def drawn_in(dataset: DatasetReader) -> Drawn:
+def render_settings(dataset: DatasetReader) -> RenderSettings:
     """Return the render settings of a dataset; the defaults if it has no plan file."""
     plan = read_plan(dataset.folder)
-    return Drawn(plan.get("look", "parity"), plan.get("samples"), plan.get("renderer", ""))
+    return RenderSettings(plan.get("look", "parity"), plan.get("samples"), plan.get("renderer", ""))
 
 
 def _indices(dataset: DatasetReader, task: Task) -> list[int]:
-    asked = {row["index"] for row in dataset.rows(task.name, ["id", "task", "index", "engine"])}
-    asked |= {r["index"] for r in dataset.manifest["rejected"]["list"] if r["task"] == task.name}
-    return sorted(asked)
+    indices = {row["index"] for row in dataset.rows(task.name, ["id", "task", "index", "engine"])}
+    indices |= {r["index"] for r in dataset.manifest["rejected"]["list"] if r["task"] == task.name}
+    return sorted(indices)
 
 
 def _spread(indices: list[int], sample: int | None) -> tuple[int, ...]:

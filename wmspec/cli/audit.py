@@ -84,5 +84,7 @@ def _print(result: Audit) -> None:
         for what in those[:MAX_PRINTED]:
             click.echo(f"{click.style(WORDS['fails'], fg='red')}: {check}{f' {task}' if task else ''}: {what}")
         if len(those) > MAX_PRINTED:
-            click.echo(f"  and {len(those) - MAX_PRINTED:,} more; all of them are in the report that `-o FOLDER` writes")
+            click.echo(
+                f"  and {len(those) - MAX_PRINTED:,} more; all of them are in the report that `-o FOLDER` writes"
+            )
     click.echo(verdict(result))

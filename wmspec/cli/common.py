@@ -150,12 +150,12 @@ def load_instance(path: Path, name: str, index: int, seed: int, redraw: int = 0)
 
 def parse_size(text: str) -> tuple[int, int]:
     """`384` or `320x240` as width and height in pixels. Raises WmsError for anything else."""
-    from wmspec.api.rendering import LEAST_SIDE, MOST_SIDE
+    from wmspec.api.rendering import MAX_SIDE, MIN_SIDE
 
     match = re.fullmatch(r"(\d+)(?:x(\d+))?", text.strip())
     width, height = (int(match[1]), int(match[2] or match[1])) if match else (0, 0)
-    if not all(LEAST_SIDE <= side <= MOST_SIDE for side in (width, height)):
-        limits = f"from {LEAST_SIDE} to {MOST_SIDE}"
+    if not all(MIN_SIDE <= side <= MAX_SIDE for side in (width, height)):
+        limits = f"from {MIN_SIDE} to {MAX_SIDE}"
         raise WmsError(f"size `{text}`: expected pixels such as 384 or 320x240, each {limits}")
     return width, height
 

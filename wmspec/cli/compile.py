@@ -7,8 +7,8 @@ from pathlib import Path
 import click
 
 from wmspec.cli.common import (
-    load_instance,
     instance_option,
+    load_instance,
     make_folder,
     redraw_option,
     seed_option,
@@ -36,7 +36,7 @@ def compile_command(
     The stage is a base layer for the task, an override layer for the instance, and one for each counterfactual over
     that. The native files (a model, or a script) run in their engine without wmspec.
     """
-    from wmspec.runtime.engines.registry import chosen
+    from wmspec.runtime.engines.registry import select_backends
 
     chosen_instance = load_instance(spec, task, instance, seed, redraw)
     checked = chosen_instance.task
@@ -47,7 +47,7 @@ def compile_command(
         raise WmsError("say where to write: `--output FOLDER`, or `--ir` to print the checked task")
     folder = make_folder(output / checked.name)
     written = chosen_instance.write(folder)
-    for engine in chosen(backend) if backend else ():
+    for engine in select_backends(backend) if backend else ():
         native = make_folder(folder / f"{instance:06d}.{engine}")
         written += [write_text(native / file, text) for file, text in chosen_instance.native(engine).items()]
     for path in written:

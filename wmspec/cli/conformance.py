@@ -44,7 +44,7 @@ def conformance_command(
     except ConformanceError as error:
         raise WmsError(str(error)) from None
     scores: list[Score] = []
-    for engine in registry.chosen(backend):
+    for engine in registry.select_backends(backend):
         folder = make_folder(output / engine) if output else None
         scores += score_engine(engine, selected, folder)
     records = [score.record() for score in scores]

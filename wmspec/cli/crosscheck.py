@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import seed_option, exit_if_failed, specs_argument, tell, write_text
+from wmspec.cli.common import exit_if_failed, seed_option, specs_argument, tell, write_text
 
 if TYPE_CHECKING:
     from wmspec.api import Agreement

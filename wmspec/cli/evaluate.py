@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.api.progress import progress_bar
-from wmspec.cli.common import json_option, seed_option, exit_if_failed
+from wmspec.cli.common import exit_if_failed, json_option, seed_option
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.tally import Tally
 
 if TYPE_CHECKING:
     from wmspec.eval.models.request import Ask
     from wmspec.eval.models.results import Counts
-    from wmspec.eval.models.run import Ended, Run
+    from wmspec.eval.models.run import Run, RunResult
     from wmspec.eval.models.server import Server
 
 _PATH = click.Path(path_type=Path)
@@ -160,7 +160,7 @@ def _evaluate(run: Run, server: Server | None, options: dict[str, Any], as_json:
     exit_if_failed(_tally(ended))
 
 
-def _tally(ended: Ended) -> Tally:
+def _tally(ended: RunResult) -> Tally:
     """Every request that failed counts: the same command tries it again."""
     status = ended.counts.status
     failed = status.get("error", 0)

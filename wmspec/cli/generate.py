@@ -12,12 +12,12 @@ import click
 from wmspec.cli import INTERRUPTED
 from wmspec.cli.common import (
     dimension_option,
+    exit_if_failed,
     json_option,
     look_options,
     parse_share,
     parse_size,
     seed_option,
-    exit_if_failed,
     size_option,
     specs_argument,
     tell,
@@ -120,8 +120,8 @@ def generate_command(
     timeouts; the first cause is printed in full. With --dry-run, only the latter counts.
     """
     from wmspec.api import generate, progress_bar
-    from wmspec.api.agreement import effort
-    from wmspec.api.generating import planned
+    from wmspec.api.agreement import worker_settings
+    from wmspec.api.generating import plan_dataset
 
     choices: DatasetOptions = {
         "per_task": per_task,
@@ -138,8 +138,8 @@ def generate_command(
         "licence": licence,
     }
     if dry_run:
-        plan = planned(specs, tell, **choices)
-        print_cost(plan, effort(workers, timeout, plan.engines), as_json)
+        plan = plan_dataset(specs, tell, **choices)
+        print_cost(plan, worker_settings(workers, timeout, plan.engines), as_json)
         return
     if output is None:
         raise WmsError("where to? give the folder of the dataset with -o, or --dry-run to learn what it would take")

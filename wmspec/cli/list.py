@@ -29,9 +29,9 @@ def list_command(specs: tuple[Path, ...], dimension: tuple[str, ...], sizes: boo
     Without SPECS: the tasks of WM-ABench. `wmspec list specs/gallery` lists further shipped tasks.
     """
     from wmspec.api import load_all
-    from wmspec.api.loading import of_dimensions
+    from wmspec.api.loading import filter_dimensions
 
-    rows = [_row(task) for task in of_dimensions(load_all(*specs, tell=tell), dimension)]
+    rows = [_row(task) for task in filter_dimensions(load_all(*specs, tell=tell), dimension)]
     if as_json:
         click.echo(json.dumps(rows, indent=2))
     else:

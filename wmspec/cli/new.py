@@ -10,8 +10,8 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 
 
-def _list(context: click.Context, _: click.Parameter, wanted: bool) -> None:
-    if not wanted:
+def _list(context: click.Context, _: click.Parameter, requested: bool) -> None:
+    if not requested:
         return
     from wmspec.editor.start import template_titles
 

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.cli.common import (
-    load_instance,
+    exit_if_failed,
     instance_option,
+    load_instance,
     look_options,
     make_folder,
     parse_size,
     redraw_option,
     seed_option,
-    exit_if_failed,
     size_option,
     task_option,
 )
@@ -103,7 +103,9 @@ def render_command(
                 click.echo(path)
                 drawn += 1
     cause = "\n".join(causes[:1])
-    exit_if_failed(Tally("picture was drawn", drawn, "engines", len(executions), len(causes), cause, how="failed", most=0))
+    exit_if_failed(
+        Tally("picture was drawn", drawn, "engines", len(executions), len(causes), cause, how="failed", most=0)
+    )
 
 
 @contextmanager
@@ -135,7 +137,7 @@ def _executions(
     """What gives the episodes: one of each engine that executes it, or the one that was written to disk."""
     from wmspec.api import load_episode, open_stage
     from wmspec.api.episode import execute
-    from wmspec.runtime.engines.registry import chosen
+    from wmspec.runtime.engines.registry import select_backends
 
     suffix = source.suffix.lower()
     if suffix == ".npz":
@@ -148,7 +150,7 @@ def _executions(
         print_notes([episode])
         return episode
 
-    return [partial(executed, engine) for engine in chosen(backend)]
+    return [partial(executed, engine) for engine in select_backends(backend)]
 
 
 def _write(pictures: _Pictures, output: Path, name: str, rate: float, many: bool) -> Iterator[Path]:

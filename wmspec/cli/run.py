@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.cli.common import (
-    load_instance,
     instance_option,
     json_option,
+    load_instance,
     paint,
     redraw_option,
     seed_option,
@@ -73,9 +73,9 @@ def run_command(
     Exits with 1 if some of several engines refuse it; results of the others are printed.
     """
     from wmspec.api import run
-    from wmspec.runtime.engines.registry import chosen
+    from wmspec.runtime.engines.registry import select_backends
 
-    engines = chosen(backend)
+    engines = select_backends(backend)
     if output is not None and len(engines) > 1:
         raise WmsError("one file holds the trace of one engine; choose one with --backend, or leave out --output")
     seconds = parse_duration(duration) if duration else None

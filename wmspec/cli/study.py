@@ -54,11 +54,11 @@ def study_command() -> None:
 def make_command(dataset: Path, output: Path, **flags: object) -> None:
     """Create a study: assignment and order of questions, the page, and texts to edit."""
     from wmspec.dataset.build.reader import DatasetReader
-    from wmspec.eval.study.make import Options, make
+    from wmspec.eval.study.make import StudyOptions, make
     from wmspec.eval.study.page import unfinished
 
     fields = {{"task": "tasks", "engine": "engines"}.get(name, name): value for name, value in flags.items()}
-    options = Options(**fields)  # type: ignore[arg-type]
+    options = StudyOptions(**fields)  # type: ignore[arg-type]
     study = make(DatasetReader.open(dataset), options, make_folder(output))
     asked = sum(item.kind == "question" for item in study.items)
     click.echo(

@@ -29,11 +29,11 @@ def watch_command(spec: Path, port: int, instances: int, size: int, backend: str
     """
     from wmspec.editor.page import PageServer
     from wmspec.editor.watch import PreviewOptions, Watch
-    from wmspec.runtime.engines.registry import chosen
+    from wmspec.runtime.engines.registry import select_backends
 
     if not spec.is_file():
         raise WmsError("there is no such file", FilePlace(str(spec)), "`wmspec new NAME` writes a first spec")
-    engines = chosen(backend)
+    engines = select_backends(backend)
     if len(engines) > 1:
         raise WmsError("a page is drawn by one engine; name one with `--backend`")
     watch = Watch(spec, PreviewOptions(engines[0], instances, size))

@@ -21,7 +21,7 @@ EXIT_CODE = 70
 #: Environment variable that makes commands print the traceback.
 VARIABLE = "WMSPEC_TRACEBACK"
 #: The packages of wmspec.
-OURS = ("wmspec", "backends")
+PACKAGES = ("wmspec", "backends")
 #: Exceptions that Python raises for programming errors, independent of the machine.
 MISTAKES = (ArithmeticError, AssertionError, AttributeError, ImportError, LookupError, NameError, TypeError)
 
@@ -42,7 +42,7 @@ class Crash:
     def of(cls, error: BaseException, skip: int = 0) -> Crash:
         """Return the crash of an exception; its traceback omits the first `skip` frames."""
         way = list(traceback.walk_tb(error.__traceback__))[skip:]
-        ours = [step for step in way if step[0].f_globals.get("__name__", "").split(".")[0] in OURS]
+        ours = [step for step in way if step[0].f_globals.get("__name__", "").split(".")[0] in PACKAGES]
         kind, message = type(error).__name__, str(error)
         short = re.sub(r"0x[0-9a-f]{6,}", "0x...", " ".join(message.split()))[:300]
         place = f" ({_place(*ours[-1])})" if ours else ""
@@ -68,7 +68,7 @@ class Crash:
 
         The same error of the same command has the same file. None if no file can be written.
         """
-        content = "\n\n".join([_circumstances(), self.traceback])
+        content = "\n\n".join([_environment(), self.traceback])
         name = f"error-{hashlib.sha256(content.encode()).hexdigest()[:12]}.txt"
         for folder in (_cache, _temporary):
             try:
@@ -80,17 +80,17 @@ class Crash:
         return None
 
 
-def in_our_code(error: BaseException) -> bool:
+def is_own_error(error: BaseException) -> bool:
     """Whether an exception is a mistake in wmspec: raised in its code, or by an import of a missing module of it."""
     if isinstance(error, ImportError):
         missing = error.name or ""
-        if missing.split(".")[0] in OURS:
+        if missing.split(".")[0] in PACKAGES:
             return True
         if not error.msg.startswith("cannot import name") and "." not in missing:
             return False  # a package or a system library is not there
     way = list(traceback.walk_tb(error.__traceback__))
     innermost = way[-1][0].f_globals.get("__name__", "") if way else ""
-    return isinstance(error, MISTAKES) and innermost.split(".")[0] in OURS
+    return isinstance(error, MISTAKES) and innermost.split(".")[0] in PACKAGES
 
 
 def how_to_report(file: bool = True) -> str:
@@ -133,7 +133,7 @@ def _temporary() -> Path:
     return Path(tempfile.mkdtemp(prefix="wmspec-"))
 
 
-def _circumstances() -> str:
+def _environment() -> str:
     """Return the command line and the versions of Python, the system, wmspec and its requirements."""
     try:
         needed = sorted({re.split(r"[^\w.-]", one, maxsplit=1)[0] for one in requires("wmspec") or ()})

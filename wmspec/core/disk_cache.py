@@ -23,7 +23,7 @@ from pathlib import Path
 import wmspec
 
 #: With more entries than this, the older half is removed.
-MOST_ENTRIES = 4000
+MAX_ENTRIES = 4000
 _CHECKSUM = hashlib.sha256().digest_size
 _WRITABLE_BY_OTHERS = stat.S_IWGRP | stat.S_IWOTH
 
@@ -95,7 +95,7 @@ def _ours(status: os.stat_result) -> bool:
 
 def _prune(place: Path) -> None:
     names = os.listdir(place)  # noqa: PTH208  names are enough
-    if len(names) > MOST_ENTRIES:
+    if len(names) > MAX_ENTRIES:
         written = []
         for name in names:
             with suppress(OSError):  # another process was quicker

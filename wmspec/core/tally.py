@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 #: The largest accepted share of units that end as internal errors, crashes or timeouts.
-MOST_FAILED = 0.1
+MAX_FAILED_SHARE = 0.1
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Tally:
     failed: int = 0
     cause: str = ""
     how: str = "ended as internal errors, crashes or timeouts"
-    most: float = MOST_FAILED
+    most: float = MAX_FAILED_SHARE
 
     @property
     def passed(self) -> bool:

@@ -22,7 +22,7 @@ from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.reader import CHANNELS, PICTURES, DatasetReader
 from wmspec.dataset.build.rows import Row, identity
 from wmspec.dataset.build.worker import make_instances
-from wmspec.runtime.workers.pool import PoolConfig, JobFailure, map_batches
+from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_batches
 
 #: Relative and absolute (SI units) tolerance within which numbers are nearly equal.
 NEAR_RELATIVE, NEAR_ABSOLUTE = 0.01, 1e-3

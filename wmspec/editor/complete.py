@@ -10,7 +10,7 @@ from typing import Literal
 
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Span
-from wmspec.editor.completion_context import Reader, ExpectedInput
+from wmspec.editor.completion_context import ExpectedInput, Reader
 from wmspec.editor.cursor import Cursor, cursor
 from wmspec.editor.document import Document
 from wmspec.editor.names import Names
@@ -104,7 +104,9 @@ def _others(document: Document, meaning: Expressions | None, place: Cursor, offs
         return
     arguments = any(p.read is not None and getattr(p.read, "type", "") == "LPAR" for p in place.stack)
     for name, slot in expected.slots.items():
-        yield CompletionItem(name, "argument" if arguments else "property", accepted_values(slot), slot.meaning, f"{name}: ")
+        yield CompletionItem(
+            name, "argument" if arguments else "property", accepted_values(slot), slot.meaning, f"{name}: "
+        )
     if expected.kind:
         yield from _named(document, meaning, expected, offset)
     elif expected.types is None or expected.types:
@@ -127,7 +129,9 @@ def accepted_values(slot: PropertySpec) -> str:
 # ---------------------------------------------------------------- values
 
 
-def _values(document: Document, meaning: Expressions | None, expected: ExpectedInput, offset: int) -> Iterator[CompletionItem]:
+def _values(
+    document: Document, meaning: Expressions | None, expected: ExpectedInput, offset: int
+) -> Iterator[CompletionItem]:
     types = expected.types
     for name, of, what in _typed(document, meaning, offset):
         if types is None or of is None or any(_may_be(of, t) for t in types):
@@ -241,14 +245,18 @@ def _members(meaning: Expressions | None, of: Span, visible: Iterable[str]) -> I
     if isinstance(block, s.Action):
         call = block.call.function.span.text if isinstance(block.call, s.Call) else ""
         arguments = VERBS[call].arguments if call in VERBS else {}
-        yield from (CompletionItem(name, "argument", accepted_values(slot), slot.meaning) for name, slot in arguments.items())
+        yield from (
+            CompletionItem(name, "argument", accepted_values(slot), slot.meaning) for name, slot in arguments.items()
+        )
         yield CompletionItem("start", "argument", "time", "when it starts")
     elif isinstance(block, s.Block):
         kind = SETS.get(block.kind, block.kind)
         names = {p.name.id for p in block.properties}
         table = allowed_properties(entity_type(kind, names, block.model.id if block.model else "", bool(block.parts)))
         yield from (CompletionItem(part.name.id, "part", "part") for part in block.parts)
-        yield from (CompletionItem(name, "property", accepted_values(slot), slot.meaning) for name, slot in table.items())
+        yield from (
+            CompletionItem(name, "property", accepted_values(slot), slot.meaning) for name, slot in table.items()
+        )
     else:
         expression = parse_expression(of, Report())
         with suppress(Failed):

@@ -141,7 +141,11 @@ class Reader:
             case "TOLERANCE":
                 return ExpectedInput(kind="table", words={name: slot.meaning for name, slot in TOLERANCES.items()})
             case "name" if below == "TOLERANCE":
-                return ExpectedInput(TOLERANCES[self._text(top)].types) if self._text(top) in TOLERANCES else ExpectedInput()
+                return (
+                    ExpectedInput(TOLERANCES[self._text(top)].types)
+                    if self._text(top) in TOLERANCES
+                    else ExpectedInput()
+                )
         if here.startswith("__") and "star" in here:
             return self._body(top)
         if here.lower() in SETTINGS:

@@ -50,7 +50,9 @@ def completion(ls: Server, params: lsp.CompletionParams) -> lsp.CompletionList:
     offset = positions.offset(params.position)
     offers = complete(document, offset)
     where = positions.between(offers.start, offset)
-    return lsp.CompletionList(False, [protocol.lsp_completion(i, offer, where) for i, offer in enumerate(offers.offers)])
+    return lsp.CompletionList(
+        False, [protocol.lsp_completion(i, offer, where) for i, offer in enumerate(offers.offers)]
+    )
 
 
 def hovered(ls: Server, params: lsp.HoverParams) -> lsp.Hover | None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from wmspec.core.node import Node
 from wmspec.core.places import Source, Span
-from wmspec.editor.complete import type_with_example, accepted_values
+from wmspec.editor.complete import accepted_values, type_with_example
 from wmspec.editor.document import Document
 from wmspec.editor.names import Names, Occurrence
 from wmspec.lang.check.expressions.calls import signature

@@ -21,7 +21,7 @@ from wmspec import __version__
 from wmspec.api.loading import TextCheck
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.editor.document import Document
-from wmspec.editor.protocol import Positions, path_of, positions_in, lsp_diagnostic
+from wmspec.editor.protocol import Positions, lsp_diagnostic, path_of, positions_in
 from wmspec.runtime.workers.pool import HelperProcess
 
 #: How long after the last key a text is checked (s), and how long a picture may take.

@@ -105,7 +105,9 @@ class Watch:
         except WmsError as error:
             self._publish(State(phase="done", diagnostics=error.diagnostics, rows=last, stale=bool(last)))
             return ()
-        checked = State(phase="drawing", diagnostics=diagnosis.diagnostics, tasks=diagnosis.tasks, rows=last, stale=True)
+        checked = State(
+            phase="drawing", diagnostics=diagnosis.diagnostics, tasks=diagnosis.tasks, rows=last, stale=True
+        )
         if not tasks:
             self._publish(replace(checked, phase="done", stale=bool(last)))
             return self._libraries(text)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from wmspec.compile.design.depend import dependencies
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.lang.check.ir.evaluate import evaluate, parts
 from wmspec.lang.check.ir.ir import Expr, Interpolation, Question, Ref, Value
 

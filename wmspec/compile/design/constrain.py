@@ -12,7 +12,7 @@ from typing import Any
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.describe import format_levels
 from wmspec.compile.design.levels import Level
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import ImpossibleValue, SpecError, WmsError
 from wmspec.core.places import Location
 from wmspec.lang.check.ir.evaluate import evaluate

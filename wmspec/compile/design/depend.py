@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Iterable, Iterator
 
+from wmspec.compile.layout.evaluator import INHERITED
 from wmspec.compile.layout.motion import CARRYING
-from wmspec.compile.layout.values import INHERITED
 from wmspec.lang.check.ir.evaluate import parts
 from wmspec.lang.check.ir.ir import Call, Choices, Entity, Expr, Property, Ref, TaskSpec, Value
 from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MEASURES

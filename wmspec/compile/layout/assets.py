@@ -16,7 +16,7 @@ from wmspec.lang.check.ir.ir import Entity
 from wmspec.lang.check.types import units
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 #: Tolerance (rad, m) for a joint that starts beyond a limit.
 _ROUNDING = 1e-9

@@ -11,7 +11,7 @@ from wmspec.compile.layout.solids import Box, bounds
 from wmspec.core.space import IDENTITY, Pose, Vector, inverse, multiply
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 #: Overlap (m) that still counts as contact.
 _TOUCH = 1e-9

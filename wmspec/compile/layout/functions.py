@@ -15,7 +15,7 @@ from wmspec.lang.check.ir.evaluate import NoValue
 from wmspec.lang.check.tables import colors
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 Location = tuple[str, float, float]
 
@@ -113,7 +113,7 @@ def _nth(_values: Evaluator, items: tuple[Any, ...], number: float) -> Any:
     """Return the item with an index; negative indices count from the end."""
     i = int(number)
     if not -len(items) <= i < len(items):
-        raise NoValue(f"number {i} is asked for, and only {len(items)} are there")
+        raise NoValue(f"index {i} is out of range: there are {len(items)} items")
     return items[i]
 
 

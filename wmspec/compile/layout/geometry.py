@@ -15,7 +15,7 @@ from wmspec.sim.shapes import SHAPES, Shape
 from wmspec.sim.shapes.shape import UnfitError
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 
 def pieces(values: Evaluator, owner: str) -> tuple[PlacedShape, ...]:

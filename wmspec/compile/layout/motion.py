@@ -16,7 +16,7 @@ from wmspec.lang.check.tables.verbs import VERBS
 from wmspec.lang.check.tables.vocabulary import HEADINGS
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 #: Verbs that move an object along a fixed path, which makes it kinematic.
 CARRYING = tuple(name for name, verb in VERBS.items() if verb.carries)

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 from wmspec.compile.layout import assets, scatter
 from wmspec.compile.layout.geometry import own_rotation
 from wmspec.compile.layout.solids import Face, reach
-from wmspec.compile.layout.surfaces import Spot, is_point, contact_face
+from wmspec.compile.layout.surfaces import Spot, contact_face, is_point
 from wmspec.core.space import Pose, add, align_z, from_ypr, inverse, multiply, rotate, scale
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 
 def pose(values: Evaluator, owner: str) -> Pose:

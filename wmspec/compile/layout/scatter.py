@@ -19,7 +19,7 @@ from wmspec.core.rng import uniform
 from wmspec.core.space import UP, from_ypr
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 #: Centre and radius (m) of the area that a scattered object covers.
 Circle = tuple[float, float, float]

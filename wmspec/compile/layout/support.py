@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from wmspec.compile.layout import assets
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.placement import frame
 from wmspec.compile.layout.solids import bounds
 from wmspec.compile.layout.surfaces import support_faces
-from wmspec.compile.layout.values import Evaluator
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import UP
 from wmspec.lang.check.types import units

@@ -12,7 +12,7 @@ from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import UP, Vector, add, align_z, inverse, rotate, scale
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 #: Tag of the value of `left_of(...)` and similar functions: `("place", x, y)` on the world's ground.
 WORLD: Final = "place"

@@ -9,7 +9,7 @@ from wmspec.core.space import add, rotate, scale
 from wmspec.lang.check.ir.evaluate import NoValue
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 #: A direction with a smaller horizontal component points straight up or down.
 MIN_HORIZONTAL = 1e-6

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 from wmspec.compile.layout.assets import exceeded_limit, format_coordinate
 from wmspec.compile.lint.rule import Breach, rule
-from wmspec.compile.lint.scene_rules import Scene
+from wmspec.compile.lint.scene_rules import LintScene
 from wmspec.core.places import Location
 
 
 @rule("WMS304")
-def target_beyond_limit(scene: Scene) -> Iterator[Breach]:
+def target_beyond_limit(scene: LintScene) -> Iterator[Breach]:
     """Find drives with a target beyond a limit of their joint."""
     values = scene.values
     for thing in values.spec.things:
@@ -22,7 +22,7 @@ def target_beyond_limit(scene: Scene) -> Iterator[Breach]:
             yield from _beyond(scene, thing.name, joint, values.place(thing.name, "target"))
 
 
-def _beyond(scene: Scene, owner: str, joint: str, place: Location) -> Iterator[Breach]:
+def _beyond(scene: LintScene, owner: str, joint: str, place: Location) -> Iterator[Breach]:
     values = scene.values
     target = values.number(owner, "target")
     if (limit := exceeded_limit(values, joint, target)) is not None:
@@ -33,7 +33,7 @@ def _beyond(scene: Scene, owner: str, joint: str, place: Location) -> Iterator[B
 
 
 @rule("WMS304")
-def acts_on_nothing(scene: Scene) -> Iterator[Breach]:
+def acts_on_nothing(scene: LintScene) -> Iterator[Breach]:
     """Find actions on objects that are absent or have vanished."""
     values = scene.values
     for action in values.spec.things:

@@ -6,29 +6,29 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.lint.action_rules import target_beyond_limit
-from wmspec.compile.lint.question_rules import is_posed, answer_picture_time
+from wmspec.compile.lint.question_rules import answer_picture_time, is_posed
 from wmspec.compile.lint.rule import Breach, rule
-from wmspec.compile.lint.scene_rules import Scene, late_action, objects_inside_one_another, outside
+from wmspec.compile.lint.scene_rules import LintScene, late_action, objects_inside_one_another, picture_outside
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import build_document
 from wmspec.core.diagnostics import Note
 from wmspec.lang.check.ir.ir import Counterfactual, Question
 
 #: Properties that legitimately follow from the pose of another entity.
-_FOLLOWS = ("pose", "way", "form", "there", "start")
+_DERIVED = ("pose", "way", "form", "there", "start")
 
 
 @dataclass(frozen=True)
-class Changed:
+class ChangedScene:
     """A counterfactual of a question: the scene, its stage, and the changed scene."""
 
     question: Question
     change: Counterfactual
-    scene: Scene
+    scene: LintScene
     stage: Document
-    otherwise: Scene
+    otherwise: LintScene
 
     @cached_property
     def differing(self) -> Mapping[str, frozenset[str]]:
@@ -42,23 +42,23 @@ class Changed:
 
 
 @rule("WMS304", "error")
-def option_after_the_end(changed: Changed) -> Iterator[Breach]:
+def option_after_the_end(changed: ChangedScene) -> Iterator[Breach]:
     """Find options that are pictures after the end of the episode."""
     truth, otherwise = changed.scene.values, changed.otherwise.values
     time = answer_picture_time(changed.question, truth) if is_posed(changed.question, truth) else None
     if time is not None and truth.during(time) and not otherwise.during(time):
-        yield outside(time, otherwise, changed.change.place)
+        yield picture_outside(time, otherwise, changed.change.place)
 
 
 @rule(late_action.code, late_action.severity)
-def action_added_too_late(changed: Changed) -> Iterator[Breach]:
+def action_added_too_late(changed: ChangedScene) -> Iterator[Breach]:
     """Find actions that a counterfactual adds after the end of the episode."""
     if changed.change.change == "add":
         yield from (one for one in late_action.breaches(changed.otherwise) if one.about == changed.change.name)
 
 
 @rule("WMS503", "error")
-def idle_counterfactual(changed: Changed) -> Iterator[Breach]:
+def idle_counterfactual(changed: ChangedScene) -> Iterator[Breach]:
     """Find counterfactuals that change nothing."""
     name = changed.change.name
     if not changed.differing:
@@ -66,7 +66,7 @@ def idle_counterfactual(changed: Changed) -> Iterator[Breach]:
 
 
 @rule("WMS503", "error")
-def twin_counterfactuals(changed: Changed) -> Iterator[Breach]:
+def twin_counterfactuals(changed: ChangedScene) -> Iterator[Breach]:
     """Find pairs of counterfactuals of a question with equal results."""
     values = changed.otherwise.values
     others = changed.question.alternatives(changed.scene.instance.factors)
@@ -82,7 +82,7 @@ def twin_counterfactuals(changed: Changed) -> Iterator[Breach]:
 
 
 @rule("WMS505")
-def broad_counterfactual(changed: Changed) -> Iterator[Breach]:
+def broad_counterfactual(changed: ChangedScene) -> Iterator[Breach]:
     """Find counterfactuals that change more than the named property."""
     change = changed.change
     more = sorted(set(_more(changed)))
@@ -95,14 +95,14 @@ def broad_counterfactual(changed: Changed) -> Iterator[Breach]:
 
 
 @rule(objects_inside_one_another.code, objects_inside_one_another.severity)
-def objects_put_inside_one_another(changed: Changed) -> Iterator[Breach]:
+def objects_put_inside_one_another(changed: ChangedScene) -> Iterator[Breach]:
     """Find objects that a counterfactual makes overlap."""
     if changed.change.change == "state":
         yield from objects_inside_one_another.breaches(changed.otherwise)
 
 
 @rule(target_beyond_limit.code, target_beyond_limit.severity)
-def target_put_beyond_limit(changed: Changed) -> Iterator[Breach]:
+def target_put_beyond_limit(changed: ChangedScene) -> Iterator[Breach]:
     """Find drives whose target a counterfactual moves beyond a limit of their joint."""
     if changed.change.property == "target":
         before = {one.about for one in target_beyond_limit.breaches(changed.scene)}
@@ -121,7 +121,7 @@ RULES = (
 )
 
 
-def _alike(changed: Changed, other: Counterfactual, twin: Evaluator) -> bool:
+def _alike(changed: ChangedScene, other: Counterfactual, twin: Evaluator) -> bool:
     """Whether two counterfactuals have equal results; added actions are compared without their names."""
     if changed.change.change == other.change == "add":
         return _done(changed.otherwise.values, changed.change.name) == _done(twin, other.name)
@@ -133,7 +133,7 @@ def _done(values: Evaluator, action: str) -> tuple[str, dict[str, object]]:
     return thing.verb, {name: values.property(action, name) for name in thing.properties}
 
 
-def _more(changed: Changed) -> Iterator[str]:
+def _more(changed: ChangedScene) -> Iterator[str]:
     """Yield properties of other entities whose expressions depend on the changed property."""
     change, spec = changed.change, changed.scene.values.spec
     if change.value is None:
@@ -144,5 +144,5 @@ def _more(changed: Changed) -> Iterator[str]:
         owned = [source.rpartition(".") for source in sources]
         if all(owner != change.owner for owner, _, _ in owned):
             others = (o for o in owned if asset.get(o[0]) != change.owner)  # links of an asset depend on its base
-            following = (f"{owner}.{name}" for owner, _, name in others if name not in _FOLLOWS)
+            following = (f"{owner}.{name}" for owner, _, name in others if name not in _DERIVED)
             yield from (source for source in following if target in changed.scene.depend.source(source))

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from wmspec.compile.lint.question_rules import is_posed, answer_picture_time
+from wmspec.compile.lint.question_rules import answer_picture_time, is_posed
 from wmspec.compile.lint.rule import Breach, rule
-from wmspec.compile.lint.scene_rules import Scene
-from wmspec.compile.lint.task_rules import Task
+from wmspec.compile.lint.scene_rules import LintScene
+from wmspec.compile.lint.task_rules import LintTask
 from wmspec.lang.check.ir.evaluate import evaluate, parts
 from wmspec.lang.check.ir.ir import Interpolation, Question, Ref, time_of_last_picture
 from wmspec.lang.check.types import units
@@ -19,7 +19,7 @@ _MOMENT = 1e-9
 
 
 @rule("WMS510")
-def answer_in_text(task: Task) -> Iterator[Breach]:
+def answer_in_text(task: LintTask) -> Iterator[Breach]:
     """Find texts that contain everything that distinguishes the options, or the answer itself."""
     for question in task.spec.questions:
         mentioned = [part.value for part in question.text if isinstance(part, Interpolation)]
@@ -34,7 +34,7 @@ def answer_in_text(task: Task) -> Iterator[Breach]:
 
 
 @rule("WMS510")
-def answer_in_appearance(task: Task) -> Iterator[Breach]:
+def answer_in_appearance(task: LintTask) -> Iterator[Breach]:
     """Find states of a closed set that are visible in all pictures and so eliminate options."""
     for question in task.spec.questions:
         for varied in question.orbit:
@@ -49,7 +49,7 @@ def answer_in_appearance(task: Task) -> Iterator[Breach]:
 
 
 @rule("WMS510")
-def answer_in_pictures(scene: Scene) -> Iterator[Breach]:
+def answer_in_pictures(scene: LintScene) -> Iterator[Breach]:
     """Find pictures that show the answer; in a prediction, any picture at or after the answer's time."""
     values = scene.values
     shown = [(o, moment) for o in values.spec.observations for moment in evaluate(o.times, values)]
@@ -63,7 +63,7 @@ def answer_in_pictures(scene: Scene) -> Iterator[Breach]:
             itself = abs(moment - time) < _MOMENT and observation.camera == _camera(question)
             if itself or (foretold and moment > time - _MOMENT):
                 at = units.format_quantity(moment, units.TIME)
-                what = f"the picture that is asked for is shown: that at {at}, {scene.where}"
+                what = f"the requested picture is shown: that at {at}, {scene.where}"
                 yield Breach(what, observation.place, _remedy(scene, question), about=("shown", question.place))
                 break
 
@@ -72,7 +72,7 @@ TASK_RULES = (answer_in_text, answer_in_appearance)
 SCENE_RULES = (answer_in_pictures,)
 
 
-def _remedy(scene: Scene, question: Question) -> str:
+def _remedy(scene: LintScene, question: Question) -> str:
     """Without a `horizon`, the end is the last picture that is shown."""
     spec = scene.values.spec
     unwritten = spec.horizon == time_of_last_picture(spec.observations)

@@ -6,12 +6,12 @@ import math
 from collections.abc import Iterator
 
 from wmspec.compile.design.about import referenced_objects
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import all_pieces, pieces
 from wmspec.compile.layout.solids import bounds, corners
-from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.lint.question_rules import is_posed
 from wmspec.compile.lint.rule import Breach, rule
-from wmspec.compile.lint.scene_rules import Scene
+from wmspec.compile.lint.scene_rules import LintScene
 from wmspec.compile.lint.visibility import moved_objects
 from wmspec.core.diagnostics import Note
 from wmspec.core.space import Pose, Vector, add, inverse, rotate, scale
@@ -20,7 +20,7 @@ from wmspec.sim.shapes.box import Box
 
 
 @rule("WMS605")
-def hidden_thing(scene: Scene) -> Iterator[Breach]:
+def hidden_thing(scene: LintScene) -> Iterator[Breach]:
     """Find relevant or moved objects that one box hides from every camera that looks at the start."""
     values = scene.values
     cameras = _looking_first(values)

@@ -10,7 +10,7 @@ from itertools import combinations
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.describe import format_instance
 from wmspec.compile.design.design import Design, Instance
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.lint.question_rules import is_posed
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.core.diagnostics import WmsError
@@ -21,11 +21,11 @@ from wmspec.lang.check.types import units
 from wmspec.lang.check.types.types import AN_ANGLE
 
 #: Maximum number of instances in which options are compared.
-COMPARED = 100
+MAX_COMPARED = 100
 
 
 @dataclass(frozen=True)
-class Options:
+class OptionSample:
     """The options of a question in a sample of instances.
 
     `coinciding` is the value of two equal options, with the instance. `lacking` are answers that are not an option,
@@ -40,14 +40,14 @@ class Options:
 
 
 @dataclass(frozen=True)
-class Tried:
+class SampledQuestion:
     """A question, and the values of the instances whose scenes are built."""
 
     question: Question
     values: tuple[Evaluator, ...]
 
 
-def compared(question: Question, design: Design, depend: Dependencies) -> Options:
+def compare_options(question: Question, design: Design, depend: Dependencies) -> OptionSample:
     """Return the compared options, up to the first instance with two equal ones. Raises WmsError without a value."""
     known = not is_measured(design.spec, question.answer)
     directions = question.sort == str(AN_ANGLE) and not known
@@ -60,15 +60,15 @@ def compared(question: Question, design: Design, depend: Dependencies) -> Option
         if (not same and answer is None) or not is_posed(question, values):
             continue
         if same:
-            return Options(question, design, (same[0], instance), (), checked)
+            return OptionSample(question, design, (same[0], instance), (), checked)
         checked += 1
         if question.options is not None and not any(_same(answer, option, directions) for option in options):
             lacking.append((answer, instance))
-    return Options(question, design, None, tuple(lacking), checked)
+    return OptionSample(question, design, None, tuple(lacking), checked)
 
 
 @rule("WMS507", "error")
-def coinciding_options(options: Options) -> Iterator[Breach]:
+def coinciding_options(options: OptionSample) -> Iterator[Breach]:
     """Find options that are equal in an instance."""
     if options.coinciding is not None:
         value, instance = options.coinciding
@@ -78,7 +78,7 @@ def coinciding_options(options: Options) -> Iterator[Breach]:
 
 
 @rule("WMS502", "error")
-def answer_never_among_options(options: Options) -> Iterator[Breach]:
+def answer_never_among_options(options: OptionSample) -> Iterator[Breach]:
     """Find answers that are an option in no instance."""
     if options.lacking and len(options.lacking) == options.checked:
         what = f"in no instance is the answer among the options: it is {_first_lacking(options)}"
@@ -86,7 +86,7 @@ def answer_never_among_options(options: Options) -> Iterator[Breach]:
 
 
 @rule("WMS502")
-def answer_not_always_among_options(options: Options) -> Iterator[Breach]:
+def answer_not_always_among_options(options: OptionSample) -> Iterator[Breach]:
     """Find answers that are not an option in some instances."""
     if 0 < len(options.lacking) < options.checked:
         what = f"the answer is not among the options: it is {_first_lacking(options)}"
@@ -95,21 +95,21 @@ def answer_not_always_among_options(options: Options) -> Iterator[Breach]:
 
 
 @rule("WMS509", "error")
-def condition_never_met(tried: Tried) -> Iterator[Breach]:
+def condition_never_met(tried: SampledQuestion) -> Iterator[Breach]:
     """Find `ensure`s that are known before the episode and false in all sampled instances."""
     for ensure in tried.question.ensures:
         if not tried.values or is_measured(tried.values[0].spec, ensure.condition):
             continue
         if not any(evaluate(ensure.condition, values) for values in tried.values):
-            what = f"this holds in none of the {len(tried.values)} instances that were tried: nothing is asked"
-            yield Breach(what, ensure.place, "mend the condition, or exclude its opposite with `require`")
+            what = f"this holds in none of the {len(tried.values)} sampled instances: the question is never asked"
+            yield Breach(what, ensure.place, "fix the condition, or exclude its opposite with `require`")
 
 
 ALWAYS = (condition_never_met,)
 RULES = (coinciding_options, answer_never_among_options, answer_not_always_among_options)
 
 
-def _first_lacking(options: Options) -> str:
+def _first_lacking(options: OptionSample) -> str:
     answer, instance = options.lacking[0]
     return f"{_shown(answer, options.question)}, {format_instance(options.design, instance)}"
 
@@ -119,7 +119,7 @@ def _sample(question: Question, design: Design, depend: Dependencies, known: boo
     expressions = [e for e in (question.options, question.answer if known else None) if e is not None]
     deciding = frozenset[str]().union(*map(depend.expression, expressions))
     varies = deciding & {f.name for f in design.spec.factors}
-    return (design[index] for index in design.sample(COMPARED if varies else 1))
+    return (design[index] for index in design.sample(MAX_COMPARED if varies else 1))
 
 
 def _answer(question: Question, values: Evaluator) -> object:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import PlacedShape, bounds
-from wmspec.compile.layout.values import Evaluator
 from wmspec.core.space import Vector, add, cross, rotate, scale
 from wmspec.sim.shapes import Shape
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:  # imported late: most scenes need the axes only, and importin
     from wmspec.sim.scene import model
 
 #: Permitted overlap (m), for rounding and for contact with curved surfaces.
-SLACK = 1e-3
+MAX_OVERLAP = 1e-3
 
 #: Separating axes of a solid: the directions of its edges.
 _EDGES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -51,11 +51,11 @@ def overlaps(values: Evaluator) -> Iterator[Overlap]:
     """
     joined = _joined(values)
     for a, b in combinations(_bodies(values), 2):
-        apart = any(a.low[i] >= b.high[i] - SLACK or b.low[i] >= a.high[i] - SLACK for i in range(3))
+        apart = any(a.low[i] >= b.high[i] - MAX_OVERLAP or b.low[i] >= a.high[i] - MAX_OVERLAP for i in range(3))
         if apart or (a.fixed and b.fixed) or frozenset((a.name, b.name)) in joined:
             continue
         depth = max(_depth(p, q) for p in a.pieces for q in b.pieces)
-        if depth > SLACK:
+        if depth > MAX_OVERLAP:
             yield Overlap(a.name, b.name, depth)
 
 
@@ -105,12 +105,12 @@ def _depth(a: PlacedShape, b: PlacedShape) -> float:
     Two convex bodies are disjoint if they are separated along some direction. For boxes a few axes suffice. These are
     tried first, because the exact method is slow to import.
     """
-    if any(_overlap(a, b, d) <= SLACK for d in _directions(a, b)):
+    if any(_overlap(a, b, d) <= MAX_OVERLAP for d in _directions(a, b)):
         return 0.0
     from wmspec.sim.scene.physics.overlap import overlap
 
     (first, at), (second, there) = _placed(a), _placed(b)
-    return overlap(first, at, second, there, SLACK)
+    return overlap(first, at, second, there, MAX_OVERLAP)
 
 
 def _overlap(a: PlacedShape, b: PlacedShape, d: Vector) -> float:

@@ -6,12 +6,12 @@ import math
 from collections.abc import Iterator
 from itertools import combinations, pairwise
 
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import bounds
-from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.lint.rule import Breach, rule
-from wmspec.compile.lint.scene_rules import Scene
-from wmspec.compile.lint.visibility import swept_boxes, relevant_boxes, mentioned, subjects
+from wmspec.compile.lint.scene_rules import LintScene
+from wmspec.compile.lint.visibility import mentioned_words, relevant_boxes, relevant_objects, swept_boxes
 from wmspec.core.diagnostics import Note
 from wmspec.core.space import Vector, add, dot, inverse, rotate, scale, unit
 from wmspec.lang.check.ir.evaluate import evaluate
@@ -19,16 +19,16 @@ from wmspec.lang.check.types import units
 from wmspec.sim.shapes import Shape
 
 #: Maximum and minimum plausible mass (kg) of an object.
-HEAVY, LIGHT = 20_000.0, 1e-6
+MAX_MASS, MIN_MASS = 20_000.0, 1e-6
 #: Maximum plausible launch speed (m/s).
-FAST = 40.0
+MAX_LAUNCH_SPEED = 40.0
 #: Minimum visible size, as a share of the picture's side: 6 of 256 pixels.
-LEAST_SIDE = 6 / 256
+MIN_VISIBLE_SHARE = 6 / 256
 _AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @rule("WMS604")
-def times_out_of_order(scene: Scene) -> Iterator[Breach]:
+def times_out_of_order(scene: LintScene) -> Iterator[Breach]:
     """Find observation times that do not increase."""
     for observation in scene.values.spec.observations:
         moments = evaluate(observation.times, scene.values)
@@ -39,7 +39,7 @@ def times_out_of_order(scene: Scene) -> Iterator[Breach]:
 
 
 @rule("WMS605")
-def camera_inside(scene: Scene) -> Iterator[Breach]:
+def camera_inside(scene: LintScene) -> Iterator[Breach]:
     """Find cameras within an object."""
     values = scene.values
     for camera in _standing(values):
@@ -52,41 +52,41 @@ def camera_inside(scene: Scene) -> Iterator[Breach]:
 
 
 @rule("WMS605")
-def camera_far_away(scene: Scene) -> Iterator[Breach]:
+def camera_far_away(scene: LintScene) -> Iterator[Breach]:
     """Find cameras in which all relevant objects are too small to be seen."""
     values = scene.values
     boxes = list(relevant_boxes(values))
     for camera in _standing(values):
-        if boxes and all(_share(values, camera, box) < LEAST_SIDE for box in boxes):
+        if boxes and all(_share(values, camera, box) < MIN_VISIBLE_SHARE for box in boxes):
             what = f"all that is moved or asked about is too small to be seen from `{camera}` {scene.where}"
             place = next(o.place for o in values.spec.observations if o.camera == camera)
             yield Breach(what, place, "move the camera nearer, or narrow its `fov:`", about=camera)
 
 
 @rule("WMS605")
-def thing_far_away(scene: Scene) -> Iterator[Breach]:
+def thing_far_away(scene: LintScene) -> Iterator[Breach]:
     """Find relevant objects that are too far from all cameras to be seen."""
     values = scene.values
     cameras = _standing(values)
     if len(cameras) < len({o.camera for o in values.spec.observations}):
         return  # a riding camera may come near
-    needed = {name for q in values.spec.questions for e in q.ensures for name in mentioned(values, e.condition)}
+    needed = {name for q in values.spec.questions for e in q.ensures for name in mentioned_words(values, e.condition)}
     things = [t for t in values.spec.things if t.kind == "object" and not t.set and values.there(t.name)]
-    for name in (t.name for t in things if t.name in needed.union(subjects(values))):
+    for name in (t.name for t in things if t.name in needed.union(relevant_objects(values))):
         boxes = list(swept_boxes(values, name))
-        if cameras and all(_share(values, camera, box) < LEAST_SIDE for camera in cameras for box in boxes):
+        if cameras and all(_share(values, camera, box) < MIN_VISIBLE_SHARE for camera in cameras for box in boxes):
             what = f"`{name}` is too small to be seen from `{cameras[0]}` {scene.where}"
             yield Breach(what, values.place(name, "at"), "is this the unit that is meant?", about=name)
 
 
 @rule("WMS606")
-def too_fast(scene: Scene) -> Iterator[Breach]:
+def too_fast(scene: LintScene) -> Iterator[Breach]:
     """Find implausibly fast launches."""
     values = scene.values
     for action in values.spec.things:
         if action.kind == "action" and "speed" in action.properties and values.there(action.name) and not action.of:
             speed = values.number(action.name, "speed")
-            if speed > FAST:
+            if speed > MAX_LAUNCH_SPEED:
                 target = values.reference(action.name, "object")
                 what = f"`{action.name}` gives `{target}` {units.format_quantity(speed, units.SPEED)}"
                 place = values.place(action.name, "speed")
@@ -94,13 +94,13 @@ def too_fast(scene: Scene) -> Iterator[Breach]:
 
 
 @rule("WMS606")
-def out_of_proportion(scene: Scene) -> Iterator[Breach]:
+def out_of_proportion(scene: LintScene) -> Iterator[Breach]:
     """Find implausibly heavy or light objects."""
     values = scene.values
     for thing in values.spec.things:
         if thing.kind == "object" and values.there(thing.name) and values.has(thing.name, "mass"):
             mass = values.number(thing.name, "mass")
-            if not LIGHT <= mass <= HEAVY:
+            if not MIN_MASS <= mass <= MAX_MASS:
                 what = f"`{thing.name}` weighs {units.format_quantity(mass, units.MASS)} {scene.where}"
                 yield Breach(
                     what, values.place(thing.name, "mass"), "is this the unit that is meant?", about=thing.name
@@ -108,7 +108,7 @@ def out_of_proportion(scene: Scene) -> Iterator[Breach]:
 
 
 @rule("WMS607", "error")
-def launched_twice(scene: Scene) -> Iterator[Breach]:
+def launched_twice(scene: LintScene) -> Iterator[Breach]:
     """Find two simultaneous launches of one object: the later one in the text would win."""
     values = scene.values
     for name in (t.name for t in values.spec.things if t.kind == "object"):

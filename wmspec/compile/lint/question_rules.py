@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.lang.check.expressions.measured import is_measured
 from wmspec.lang.check.ir.evaluate import NoValue, evaluate
 from wmspec.lang.check.ir.ir import Call, Operation, Question

@@ -6,12 +6,12 @@ import math
 from collections.abc import Iterator
 from itertools import combinations, permutations
 
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import mass, pieces
 from wmspec.compile.layout.solids import PlacedShape, bounds
-from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.lint.overlap import separation
 from wmspec.compile.lint.rule import Breach, rule
-from wmspec.compile.lint.scene_rules import Scene
+from wmspec.compile.lint.scene_rules import LintScene
 from wmspec.core.diagnostics import Note
 from wmspec.core.space import ORIGIN, UP, add, dot, rotate, scale, unit
 from wmspec.lang.check.ir.ir import Entity
@@ -34,17 +34,17 @@ from wmspec.sim.shapes.shape import AXES
 from wmspec.sim.shapes.sphere import Sphere
 
 #: Maximum duration (s) of an impact; collisions within that time are resolved together.
-IMPACT = 0.003
+IMPACT_DURATION = 0.003
 #: Objects closer than this (m) touch in every engine.
-TOUCHING = 1e-4
+CONTACT_DISTANCE = 1e-4
 #: Penetration of the softest contacts per speed (s), with the step size used for fast impacts.
-GIVES = 2.2e-3 / MAX_STEP_MULTIPLIER
+PENETRATION_PER_SPEED = 2.2e-3 / MAX_STEP_MULTIPLIER
 #: Remedy that names no engine: the language does not depend on engines.
-OTHERS = "leave those engines out; `wmspec explain WMS608` names them"
+ENGINES_REMEDY = "leave those engines out; `wmspec explain WMS608` names them"
 
 
 @rule("WMS608")
-def struck_in_a_row(scene: Scene) -> Iterator[Breach]:
+def struck_in_a_row(scene: LintScene) -> Iterator[Breach]:
     """Find rows of elastic objects that touch, or nearly: an impact passes through all of them at once."""
     values = scene.values
     speed = max(_speeds(values), default=0.0)
@@ -52,35 +52,35 @@ def struck_in_a_row(scene: Scene) -> Iterator[Breach]:
     for a, b in combinations(free, 2) if speed or _falling(values) else ():
         gap, way = separation(values, a, b)
         if (
-            gap > max(IMPACT * speed, TOUCHING)
+            gap > max(IMPACT_DURATION * speed, CONTACT_DISTANCE)
             or abs(way[2]) > STEEP_COSINE
             or _bounce(values, a, b) < ELASTIC_RESTITUTION
         ):
             continue
-        touch = gap < TOUCHING
+        touch = gap < CONTACT_DISTANCE
         how = "touch" if touch else f"are {_length(gap)} apart"
-        who = "every engine lets" if touch else "engines in which impacts take time let"
-        what = f"`{a}` and `{b}` {how} {scene.where}: {who} both answer what strikes one of them, at once"
+        who = "every engine resolves" if touch else "engines with compliant contacts resolve"
+        what = f"`{a}` and `{b}` {how} {scene.where}: {who} both collisions in the same step"
         note = Note(f"`{a}` is declared here", values.place(a))
-        others = "" if touch else f", or {OTHERS}"
-        apart = f"leave {_length(IMPACT * speed)} between them" if speed else "leave some millimetres between them"
+        others = "" if touch else f", or {ENGINES_REMEDY}"
+        apart = f"leave {_length(IMPACT_DURATION * speed)} between them" if speed else "leave some millimetres between them"
         remedy = f"{apart}, or give them a `restitution` below {ELASTIC_RESTITUTION:g}{others}"
         yield Breach(what, values.place(b), remedy, (note,), about=(a, b))
 
 
 @rule("WMS608")
-def rolling_cylinder(scene: Scene) -> Iterator[Breach]:
+def rolling_cylinder(scene: LintScene) -> Iterator[Breach]:
     """Find cylinders shorter than thick that lie on their side and may roll."""
     values = scene.values
     for name in _loose(values):
         if any(_lying(values, name)):
             what = f"`{name}` is a disc on its rim {scene.where}; some engines brake it as it rolls"
-            remedy = f"make it as long as it is thick, or {OTHERS}"
+            remedy = f"make it as long as it is thick, or {ENGINES_REMEDY}"
             yield Breach(what, values.place(name, "shape"), remedy, about=name)
 
 
 @rule("WMS608")
-def leaning_cylinder(scene: Scene) -> Iterator[Breach]:
+def leaning_cylinder(scene: LintScene) -> Iterator[Breach]:
     """Find cylinders that stand on a slope close to their tipping angle."""
     values = scene.values
     for name in _loose(values):
@@ -91,12 +91,12 @@ def leaning_cylinder(scene: Scene) -> Iterator[Breach]:
         if is_leaning(piece.solid.radius, piece.solid.height, angle):
             tips = math.atan(2 * piece.solid.radius / piece.solid.height)
             what = f"`{name}` stands {_degrees(angle)} from upright {scene.where}, and tips from {_degrees(tips)} on"
-            remedy = f"let the slope be gentler or steeper, make it a box, or {OTHERS}"
+            remedy = f"let the slope be gentler or steeper, make it a box, or {ENGINES_REMEDY}"
             yield Breach(f"{what}; some engines tip it before", values.place(name, "shape"), remedy, about=name)
 
 
 @rule("WMS608")
-def heavy_landing(scene: Scene) -> Iterator[Breach]:
+def heavy_landing(scene: LintScene) -> Iterator[Breach]:
     """Find heavy, inelastic objects that start in the air above much lighter ones."""
     values = scene.values
     if not values.gravity:
@@ -113,12 +113,12 @@ def heavy_landing(scene: Scene) -> Iterator[Breach]:
             heavier = mass(values, a) / mass(values, b)
             if heavier >= HEAVY_LANDING_RATIO:
                 what = f"`{a}` falls on `{b}` {scene.where} and is {heavier:.3g} times as heavy"
-                remedy = f"make their masses more alike, or {OTHERS}"
+                remedy = f"make their masses more alike, or {ENGINES_REMEDY}"
                 yield Breach(f"{what}; some engines let it rise again", values.place(a), remedy, about=(a, b))
 
 
 @rule("WMS608")
-def double_pendulum(scene: Scene) -> Iterator[Breach]:
+def double_pendulum(scene: LintScene) -> Iterator[Breach]:
     """Find the first undamped double pendulum where questions have no margin."""
     values = scene.values
     questions = values.spec.questions
@@ -139,7 +139,7 @@ def double_pendulum(scene: Scene) -> Iterator[Breach]:
 
 
 @rule("WMS608")
-def sliding_mesh(scene: Scene) -> Iterator[Breach]:
+def sliding_mesh(scene: LintScene) -> Iterator[Breach]:
     """Find convex meshes that are launched and may slide."""
     values = scene.values
     loose = set(_loose(values))
@@ -150,12 +150,12 @@ def sliding_mesh(scene: Scene) -> Iterator[Breach]:
         if name in loose and any(piece.solid.primitive is None for piece in pieces(values, name)):
             kinds = "neither box, ball, capsule nor cylinder"
             what = f"`{name}` is launched {scene.where} and is {kinds}; some engines brake it as it slides"
-            remedy = f"make it of those, or {OTHERS}"
+            remedy = f"make it of those, or {ENGINES_REMEDY}"
             yield Breach(what, values.place(name, "shape"), remedy, about=name)
 
 
 @rule("WMS608")
-def fast_spin(scene: Scene) -> Iterator[Breach]:
+def fast_spin(scene: LintScene) -> Iterator[Breach]:
     """Find fast spinning objects other than balls: engines do not conserve energy when their axis turns."""
     values = scene.values
     for name in _free(values):
@@ -164,25 +164,25 @@ def fast_spin(scene: Scene) -> Iterator[Breach]:
         if spin > FAST_SPIN and (others or not isinstance(piece.solid, Sphere) or name in _joined(values)):
             what = f"`{name}` spins at {spin:.3g} rad/s {scene.where}"
             doubt = "some engines gain or lose energy as its axis turns"
-            remedy = f"let it spin at less than {FAST_SPIN:g} rad/s, or {OTHERS}"
+            remedy = f"let it spin at less than {FAST_SPIN:g} rad/s, or {ENGINES_REMEDY}"
             yield Breach(f"{what}; {doubt}", values.place(name, "spin"), remedy, about=name)
 
 
 @rule("WMS608")
-def fast_and_thin(scene: Scene) -> Iterator[Breach]:
+def fast_and_thin(scene: LintScene) -> Iterator[Breach]:
     """Find thin objects that fast ones penetrate in engines with soft contacts."""
     values = scene.values
     speed = max(_speeds(values), default=0.0)
     if speed <= FAST_IMPACT:
         return
-    depth = GIVES * speed
+    depth = PENETRATION_PER_SPEED * speed
     for name in _touchable(values):
         thin = min(_thickness(piece) for piece in pieces(values, name))
         if depth > MAX_ENTERED_FRACTION * thin:
             fast = f"something moves at {units.format_quantity(speed, units.SPEED)} {scene.where}"
             deep = f"where contacts are soft that goes {_length(depth)} deep"
             what = f"`{name}` is {_length(thin)} thick, and {fast}; {deep}"
-            remedy = f"make it thicker, the other slower, or {OTHERS}"
+            remedy = f"make it thicker, the other slower, or {ENGINES_REMEDY}"
             yield Breach(what, values.place(name), remedy, about=name)
 
 

@@ -53,7 +53,7 @@ class Linter:
                     self.report.add(r.code, b.message, b.place, b.help, b.notes, r.severity)
 
     @contextmanager
-    def going_on(self) -> Iterator[None]:
+    def collecting(self) -> Iterator[None]:
         """Report errors raised in the block, once per location, and continue after it."""
         try:
             yield

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.describe import format_instance
 from wmspec.compile.design.design import Design, Instance
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.view import camera_direction, common_direction
 from wmspec.compile.lint.overlap import overlaps
-from wmspec.compile.lint.question_rules import is_posed, answer_picture_time
+from wmspec.compile.lint.question_rules import answer_picture_time, is_posed
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.visibility import blind_cameras
 from wmspec.core.diagnostics import Note
@@ -25,11 +25,11 @@ from wmspec.lang.check.tables.verbs import VERBS
 from wmspec.lang.check.types import units
 
 #: Computing time (s) per pair of objects and second of episode, from 150 falling spheres; warning threshold (s).
-_PAIR_SECONDS, _LONG = 8e-4, 20.0
+_PAIR_SECONDS, _MAX_SECONDS = 8e-4, 20.0
 
 
 @dataclass(frozen=True)
-class Scene:
+class LintScene:
     """The values of an instance, with or without a counterfactual."""
 
     values: Evaluator
@@ -44,7 +44,7 @@ class Scene:
 
 
 @rule("WMS601", "error")
-def objects_inside_one_another(scene: Scene) -> Iterator[Breach]:
+def objects_inside_one_another(scene: LintScene) -> Iterator[Breach]:
     """Find objects that overlap at the start."""
     change = scene.values.change
     begun = f"under `{change.name}`" if change else "at the start"
@@ -69,7 +69,7 @@ def _set_of(values: Evaluator, first: str, second: str) -> str:
 
 
 @rule("WMS602")
-def blind_camera(scene: Scene) -> Iterator[Breach]:
+def blind_camera(scene: LintScene) -> Iterator[Breach]:
     """Find cameras without any relevant object in view."""
     for camera in blind_cameras(scene.values):
         what = f"`{camera}` has none of what is moved or asked about in its picture"
@@ -78,7 +78,7 @@ def blind_camera(scene: Scene) -> Iterator[Breach]:
 
 
 @rule("WMS603")
-def turned_camera(scene: Scene) -> Iterator[Breach]:
+def turned_camera(scene: LintScene) -> Iterator[Breach]:
     """Find cameras whose left differs from the left of `relation`."""
     spec = scene.values.spec
     answers = (part for question in spec.questions for part in parts(question.answer))
@@ -98,7 +98,7 @@ def _from(relation: Call) -> bool:
 
 
 @rule("WMS304")
-def late_action(scene: Scene) -> Iterator[Breach]:
+def late_action(scene: LintScene) -> Iterator[Breach]:
     """Find actions that start after the end of the episode."""
     values = scene.values
     end = values.end
@@ -113,30 +113,30 @@ def late_action(scene: Scene) -> Iterator[Breach]:
 
 
 @rule("WMS304")
-def crowded(scene: Scene) -> Iterator[Breach]:
+def crowded(scene: LintScene) -> Iterator[Breach]:
     """Find scenes with so many possible contacts that an episode is slow: each step tests every pair."""
     values = scene.values
     present = [t.name for t in values.spec.things if t.kind == "object" and values.there(t.name)]
     free = [name for name in present if not values.flag(name, "fixed")]
     pairs = len(free) * (len(free) - 1) // 2 + len(free) * (len(present) - len(free))
     seconds = pairs * values.end * _PAIR_SECONDS
-    if seconds > _LONG:
+    if seconds > _MAX_SECONDS:
         what = f"{len(free)} things can move, and {pairs:,} pairs can touch: an episode may take about {seconds:.0f} s"
         remedy = "have fewer, fix some of them, or observe for less long; `wmspec generate --timeout` gives more time"
         yield Breach(f"{what} {scene.where}", values.place(free[0]), remedy, about="crowded")
 
 
 @rule("WMS304", "error")
-def picture_after_the_end(scene: Scene) -> Iterator[Breach]:
+def picture_after_the_end(scene: LintScene) -> Iterator[Breach]:
     """Find answers that are pictures after the end of the episode."""
     for question in scene.values.spec.questions:
         time = answer_picture_time(question, scene.values) if is_posed(question, scene.values) else None
         if time is not None and not scene.values.during(time):
-            yield outside(time, scene.values, question.place)
+            yield picture_outside(time, scene.values, question.place)
 
 
 @rule("WMS304", "error")
-def measure_outside_the_episode(scene: Scene) -> Iterator[Breach]:
+def measure_outside_the_episode(scene: LintScene) -> Iterator[Breach]:
     """Find measurements outside the episode, or over an interval that ends before it begins."""
     values = scene.values
     for question in values.spec.questions:
@@ -184,7 +184,7 @@ RULES = (
 )
 
 
-def outside(time: float, values: Evaluator, place: Location) -> Breach:
+def picture_outside(time: float, values: Evaluator, place: Location) -> Breach:
     """Return the breach for a picture at a time (s) after the end of the episode."""
     lasts = f"the episode, which lasts {units.format_quantity(values.ref('end'), units.TIME)}"
     what = f"a picture at {units.format_quantity(time, units.TIME)} is outside {lasts}"

@@ -12,7 +12,7 @@ from wmspec.lang.check.ir.ir import Choices, Expr, Interpolation, TaskSpec
 
 
 @dataclass(frozen=True)
-class Task:
+class LintTask:
     """A task with its dependencies."""
 
     spec: TaskSpec
@@ -20,7 +20,7 @@ class Task:
 
 
 @rule("WMS403")
-def idle_factor(task: Task) -> Iterator[Breach]:
+def idle_factor(task: LintTask) -> Iterator[Breach]:
     """Find factors and nuisances without effect."""
     used = _reached(task, _deciding(task.spec)) | _reached(task, _texts(task.spec))
     for factor in task.spec.factors:
@@ -30,7 +30,7 @@ def idle_factor(task: Task) -> Iterator[Breach]:
 
 
 @rule("WMS409")
-def factor_in_words_alone(task: Task) -> Iterator[Breach]:
+def factor_in_words_alone(task: LintTask) -> Iterator[Breach]:
     """Find factors that only the text of a question mentions."""
     in_words_alone = _reached(task, _texts(task.spec)) - _reached(task, _deciding(task.spec))
     for factor in task.spec.factors:
@@ -40,7 +40,7 @@ def factor_in_words_alone(task: Task) -> Iterator[Breach]:
 
 
 @rule("WMS506")
-def constant_answer(task: Task) -> Iterator[Breach]:
+def constant_answer(task: LintTask) -> Iterator[Breach]:
     """Find answers that are known beforehand and depend on no factor."""
     varying = {f.name for f in task.spec.factors}
     for question in task.spec.questions:
@@ -72,7 +72,7 @@ def _deciding(spec: TaskSpec) -> Iterator[Expr]:
         yield from (e for e in some if e is not None)
 
 
-def _reached(task: Task, expressions: Iterable[Expr]) -> frozenset[str]:
+def _reached(task: LintTask, expressions: Iterable[Expr]) -> frozenset[str]:
     """Return the dependencies of expressions, with the factors tied to them by conditions."""
     factors = {f.name for f in task.spec.factors}
     ties = [task.depend.expression(r.condition) & factors for r in task.spec.requires]
@@ -84,5 +84,5 @@ def _reached(task: Task, expressions: Iterable[Expr]) -> frozenset[str]:
     return reached
 
 
-def _sources(task: Task, expressions: Iterable[Expr]) -> frozenset[str]:
+def _sources(task: LintTask, expressions: Iterable[Expr]) -> frozenset[str]:
     return frozenset[str]().union(*map(task.depend.expression, expressions))

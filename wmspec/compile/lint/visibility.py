@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.motion import CARRYING, placement_after, heading_of, placement_before, timed_path
+from wmspec.compile.layout.motion import CARRYING, heading_of, placement_after, placement_before, timed_path
 from wmspec.compile.layout.solids import Box, bounds, corners
-from wmspec.compile.layout.values import Evaluator
 from wmspec.core.space import Vector, add, cross, dot, heading_vector, scale
 from wmspec.lang.check.ir.evaluate import parts
 from wmspec.lang.check.ir.ir import Entity, Expr, Interpolation, Property, Ref, TaskSpec, Value
@@ -28,19 +28,19 @@ def blind_cameras(values: Evaluator) -> tuple[str, ...]:
 
 def relevant_boxes(values: Evaluator) -> Iterator[Box]:
     """Yield the boxes of relevant or moved objects, at the start and where their own actions take them."""
-    for name in subjects(values):
+    for name in relevant_objects(values):
         yield from swept_boxes(values, name)
 
 
 # ---------------------------------------------------------------- what matters
 
 
-def subjects(values: Evaluator) -> list[str]:
+def relevant_objects(values: Evaluator) -> list[str]:
     """Return the present objects that actions move or that answers, options and texts mention."""
     objects = {t.name for t in values.spec.things if t.kind == "object" and values.there(t.name)}
     names = dict.fromkeys(moved_objects(values))
     for expr in _question_expressions(values.spec):
-        names |= dict.fromkeys(mentioned(values, expr))
+        names |= dict.fromkeys(mentioned_words(values, expr))
     return [name for name in names if name in objects]
 
 
@@ -58,7 +58,7 @@ def _question_expressions(spec: TaskSpec) -> Iterator[Expr]:
         yield from (question.options,) if question.options else ()
 
 
-def mentioned(values: Evaluator, expr: Expr) -> Iterator[str]:
+def mentioned_words(values: Evaluator, expr: Expr) -> Iterator[str]:
     """Yield the words of an expression as evaluated in an instance, including names of objects."""
     for part in parts(expr):
         match part:

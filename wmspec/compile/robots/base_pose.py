@@ -9,7 +9,7 @@ from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import Pose, from_ypr
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 
 def base(values: Evaluator, robot: str) -> Pose:

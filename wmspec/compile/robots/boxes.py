@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import PlacedShape
-from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.robots.arm import Array
 from wmspec.compile.robots.planning import matrix
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces, touchable
-from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.robots.arm import Arm, Array, axis_rotation, translation
 from wmspec.compile.robots.boxes import Box, box_between, local_corners, part_boxes
 from wmspec.compile.robots.grasps import CLOSED_SHARE, FIRM_POINTS

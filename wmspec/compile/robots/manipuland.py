@@ -17,7 +17,7 @@ from wmspec.sim.shapes.sphere import Sphere
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 GRASP_DEPTH = 0.25
 """Minimum depth of a grasp in a ball, in radii; nearer to the rim the ball slips out."""

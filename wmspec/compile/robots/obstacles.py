@@ -14,7 +14,7 @@ from wmspec.compile.layout.solids import PlacedShape, bounds, corners
 from wmspec.core.space import IDENTITY, Pose, Vector
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 Point = tuple[float, float]
 

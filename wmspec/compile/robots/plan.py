@@ -25,7 +25,7 @@ from wmspec.lang.check.ir.ir import Entity
 from wmspec.lang.parse.files import resolve_display_path
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 ARMS = ("panda", "arm")
 """Robot models that are arms."""

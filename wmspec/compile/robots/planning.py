@@ -17,7 +17,7 @@ from wmspec.core.space import Pose
 from wmspec.lang.check.ir.ir import Entity
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 APPROACH_HEIGHT = 0.12  # m: height of the hand above a grasp or contact, before and after
 NO_MOTION = np.eye(4)

@@ -13,7 +13,7 @@ from wmspec.compile.robots.ground_path import Bend, PathSegment, Pose2D, Straigh
 from wmspec.core.space import IDENTITY, rotate
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 CAR_LENGTH, CAR_WIDTH = 4.2, 1.8  # m
 MIN_CORNER_DISTANCE = 4.5  # m: of a turn's ends from the corner of two lanes

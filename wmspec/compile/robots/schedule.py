@@ -9,7 +9,7 @@ from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.ir.ir import Entity
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 HAND_OPENING_TIME = 0.4  # s
 

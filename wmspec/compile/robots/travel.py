@@ -23,7 +23,7 @@ from wmspec.core.space import Pose, Quaternion, Vector, add, from_ypr, rotate
 from wmspec.lang.check.ir.ir import Entity
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Evaluator
+    from wmspec.compile.layout.evaluator import Evaluator
 
 SAMPLE_RATE = 30  # Hz
 DECIMALS = 9  # for equal results on every processor

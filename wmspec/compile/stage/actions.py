@@ -6,9 +6,9 @@ import math
 from pkgutil import resolve_name
 
 from wmspec.compile.layout import motion
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.surfaces import WORLD, support_of, contact_face
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.surfaces import WORLD, contact_face, support_of
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.compile.stage.joints import has_drive, has_joint, joint_path
 from wmspec.compile.stage.objects import object_path

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.objects import object_path
 from wmspec.core.diagnostics import ImpossibleValue

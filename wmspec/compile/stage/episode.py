@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from wmspec.compile.design.design import Instance
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.motion import carrier_sources, carriers
-from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.actions import add_action
 from wmspec.compile.stage.cameras import add_camera, add_light, camera_path
 from wmspec.compile.stage.document import Document

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from wmspec.compile.layout import assets, placement
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.compile.stage.objects import object_path
 from wmspec.core.diagnostics import ImpossibleValue

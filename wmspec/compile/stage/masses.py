@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import all_pieces, touchable
-from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage.document import Prim
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import from_ypr

@@ -10,7 +10,7 @@ from collections import OrderedDict
 from typing import Any
 
 from wmspec.compile.design.depend import dependencies
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.objects import add_object
 from wmspec.compile.stage.one_factor import changed_by

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from wmspec.compile.layout import assets
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import all_pieces, touchable
 from wmspec.compile.layout.placement import frame
 from wmspec.compile.layout.solids import PlacedShape
 from wmspec.compile.layout.support import require_support
-from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.stage import masses, materials
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.core.diagnostics import ImpossibleValue

@@ -5,7 +5,7 @@ An arm references its asset and has joint trajectories and holds. Cars and walke
 
 from __future__ import annotations
 
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.robots import car
 from wmspec.compile.robots.base_pose import base
 from wmspec.compile.robots.plan import ARMS, arm_of, plan

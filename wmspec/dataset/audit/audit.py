@@ -19,7 +19,7 @@ from wmspec.dataset.audit.model import Audit, Counts, Finding, Likeness, Probe, 
 from wmspec.dataset.audit.stability import stability
 from wmspec.dataset.audit.summary import summary
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.runtime.workers.pool import PoolConfig, JobFailure, map_ordered
+from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_ordered
 
 #: Timeout for a task (s).
 TASK_TIMEOUT = 24 * 3600.0

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.design import Design, Instance
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import build_document
 from wmspec.compile.stage.one_factor import changed_by

@@ -17,7 +17,7 @@ from wmspec.dataset.build.rows import schema, table
 from wmspec.dataset.build.shards import parquet
 from wmspec.dataset.build.worker import Balance, Job, Outcome, make_instances
 from wmspec.runtime.questions.model import FAILED, Rejected
-from wmspec.runtime.workers.pool import PoolConfig, JobFailure, map_ordered
+from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_ordered
 
 #: Number of units timed for a task. The cost of an instance may depend on what differs between units, such as the
 #: number of objects.

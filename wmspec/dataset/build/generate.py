@@ -22,7 +22,7 @@ from wmspec.dataset.build.worker import Balance, CacheStats, Job, Outcome, make_
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.ir.record import to_json
 from wmspec.runtime.questions.model import Rejected
-from wmspec.runtime.workers.pool import PoolConfig, JobFailure, map_batches
+from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_batches
 
 
 @dataclass(frozen=True)

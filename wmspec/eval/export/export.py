@@ -16,13 +16,13 @@ from wmspec.core.resources import resource
 from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.eval.export.rows import COLUMNS, Row, exported, write
+from wmspec.eval.export.rows import COLUMNS, Row, exported_rows, write
 from wmspec.eval.models.prompt import Prompt
 from wmspec.eval.models.question import Selection
 from wmspec.eval.models.reply import LETTERS, ORDINALS
 
 #: The file that marks a folder as an export, with its settings and files.
-MARK = "export.json"
+MARK_FILE = "export.json"
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Export:
 
     def rows(self, task: str) -> Iterator[Row]:
         """Yield the questions of a task, few in memory at a time."""
-        return exported(self.dataset, self.tasks[task], self.prompt)
+        return exported_rows(self.dataset, self.tasks[task], self.prompt)
 
 
 @dataclass
@@ -73,7 +73,7 @@ class _Folder:
         if not self.place.exists() or not any(self.place.iterdir()):
             return
         try:
-            before = json.loads((self.place / MARK).read_bytes())["files"]
+            before = json.loads((self.place / MARK_FILE).read_bytes())["files"]
         except (OSError, ValueError, LookupError, TypeError, RecursionError):
             raise WmsError(f"{self.place} holds something else than an export; choose another folder with -o") from None
         inside = self.place.resolve()
@@ -99,7 +99,7 @@ def export(what: Export, tool: str, place: Path) -> int:
         folder.clear()
         count = TOOLS[tool](what, folder)
         folder.copy("eval/models/reply.py", "wmspec_reply.py")
-        (place / MARK).write_bytes(files.pretty_json({**about, "questions": count, "files": sorted(folder.written)}))
+        (place / MARK_FILE).write_bytes(files.pretty_json({**about, "questions": count, "files": sorted(folder.written)}))
     return count
 
 

@@ -49,7 +49,7 @@ SCHEMA = pa.schema([pa.field(n, kind) for n, (kind, _) in COLUMNS.items()], meta
 _GROUP = 64
 
 
-def exported(dataset: DatasetReader, ids: Collection[str], prompt: Prompt) -> Iterator[Row]:
+def exported_rows(dataset: DatasetReader, ids: Collection[str], prompt: Prompt) -> Iterator[Row]:
     """Yield the rows of questions, few in memory at a time. Raises WmsError for a prompt with videos."""
     return (_row(question, prompt) for question in questions(dataset, ids))
 

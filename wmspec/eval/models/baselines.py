@@ -16,7 +16,7 @@ from PIL import Image
 
 from wmspec.core import rng
 from wmspec.eval.models.model import Reply
-from wmspec.eval.models.pictures import decode_image
+from wmspec.eval.models.montage import decode_image
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.request import Ask
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.eval.models.model import Reply, storable
-from wmspec.eval.models.pictures import decode_image
+from wmspec.eval.models.montage import decode_image
 from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
 
 _INSTALL = "install it with `pip install 'wmspec[local]'`"

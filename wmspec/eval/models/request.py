@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
-from wmspec.eval.models.pictures import encode_video, montage
+from wmspec.eval.models.montage import encode_video, montage
 from wmspec.eval.models.prompt import Labels, Prompt
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.reply import LETTERS

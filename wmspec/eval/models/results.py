@@ -215,10 +215,10 @@ def read(path: Path) -> tuple[list[Row], dict[str, Any]]:
 
 
 #: Columns with a value in every row; columns of names; columns of text that is displayed.
-_FILLED = ("id", "task", "dimension", "engine", "index", "group", "model", "prompt", "permutation", "sample", "order",
+_REQUIRED = ("id", "task", "dimension", "engine", "index", "group", "model", "prompt", "permutation", "sample", "order",
            "labels", "options", "text", "right", "status")  # fmt: skip
 _NAMES = ("task", "engine")
-_SHOWN = ("id", "dimension", "question_name", "group", "model", "prompt", "ablation")
+_DISPLAYED = ("id", "dimension", "question_name", "group", "model", "prompt", "ablation")
 _WORDS = re.compile(r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{0,300}")
 
 
@@ -237,10 +237,10 @@ def validated(table: pa.Table, path: Path) -> pa.Table:
 
 def _fault(table: pa.Table) -> str:
     """Return the first problem of rows with the right types, or ''."""
-    for name in _FILLED:
+    for name in _REQUIRED:
         if name in table.column_names and table[name].null_count:
             return f"row {pc.index(pc.is_null(table[name]), True).as_py() + 1}: `{name}` is null"
-    for name in (*_NAMES, *_SHOWN):
+    for name in (*_NAMES, *_DISPLAYED):
         for word in table[name].unique().to_pylist() if name in table.column_names else ():
             if word is not None and not (is_file_name(word) if name in _NAMES else _WORDS.fullmatch(word)):
                 return f"`{name}` is {word[:80]!r}, which is no name"
@@ -255,7 +255,7 @@ def _fault(table: pa.Table) -> str:
     return ""
 
 
-def known(rows: Iterable[Row]) -> Replies:
+def replies_of(rows: Iterable[Row]) -> Replies:
     """Return the replies of rows."""
     return {_key(row): _reply(row) for row in rows}
 

@@ -84,7 +84,7 @@ class Run:
 
 
 @dataclass(frozen=True)
-class Ended:
+class RunResult:
     """The end of a run: the counts of all results, and the number of requests left out because of a limit."""
 
     counts: Counts
@@ -92,7 +92,7 @@ class Ended:
     error: str = ""
 
 
-def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> Ended:
+def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> RunResult:
     """Send the requests without a reply and write results to `output`, resuming an interrupted run.
 
     Raises WmsError if the run cannot go on. Replies are kept, and the same run resumes from them.
@@ -100,23 +100,23 @@ def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> Ended:
     results.check_free(output)
     asked, chosen = run.asked(), run.chosen()
     with Journal(output.with_suffix(".journal.jsonl"), asked) as journal:
-        have = _before(output, asked) | journal.replies
+        have = _existing_replies(output, asked) | journal.replies
         _ask(run, model, chosen, have, journal, progress)
         wanted = {ask.key for question in chosen for ask in run.asks(question)}
         rows = list(_rows(run, have))
         missing = sum(key not in have for key in wanted)
         results.write(output, rows, _about(run, asked, rows, missing))
         journal.discard()
-    return Ended(results.counts(rows), missing, next((row["error"] for row in rows if row["status"] == "error"), ""))
+    return RunResult(results.counts(rows), missing, next((row["error"] for row in rows if row["status"] == "error"), ""))
 
 
-def _before(output: Path, asked: dict[str, Any]) -> Replies:
+def _existing_replies(output: Path, asked: dict[str, Any]) -> Replies:
     """Return the replies in existing results."""
     if not output.exists():
         return {}
     rows, about = results.read(output)
     require_same_settings(about.get("asked"), asked, output)
-    return results.known(rows)
+    return results.replies_of(rows)
 
 
 def _ask(run: Run, model: Model, chosen: list[Question], have: Replies, journal: Journal, progress: Progress) -> None:
@@ -143,7 +143,7 @@ def _ask(run: Run, model: Model, chosen: list[Question], have: Replies, journal:
     flying: dict[Future[Reply], Ask] = {}
     pool = ThreadPoolExecutor(model.asks, thread_name_prefix="ask")
     try:
-        for ask in _open(run, chosen, have):
+        for ask in _pending_asks(run, chosen, have):
             while len(flying) >= model.asks or (flying and not meter.may_send()):
                 settle(wait(flying, return_when=FIRST_COMPLETED).done)
             if not meter.may_send():
@@ -154,20 +154,20 @@ def _ask(run: Run, model: Model, chosen: list[Question], have: Replies, journal:
             settle(wait(flying, return_when=FIRST_COMPLETED).done)
     except Exception:
         wait(flying)  # pending requests are already paid for
-        _rescue(flying, journal)
+        _save_arrived(flying, journal)
         raise
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
 
 
-def _rescue(flying: dict[Future[Reply], Ask], journal: Journal) -> None:
+def _save_arrived(flying: dict[Future[Reply], Ask], journal: Journal) -> None:
     """Save the replies that arrived while another request failed."""
     for future, ask in flying.items():
         if future.exception() is None:
             journal.keep(ask.key, future.result())
 
 
-def _open(run: Run, chosen: list[Question], have: Replies) -> Iterator[Ask]:
+def _pending_asks(run: Run, chosen: list[Question], have: Replies) -> Iterator[Ask]:
     """Yield the requests without a reply, in order; the pictures of few questions are in memory at a time."""
 
     def wanting(question: Question) -> list[Ask]:
@@ -204,7 +204,7 @@ def _about(run: Run, asked: dict[str, Any], rows: list[results.Row], missing: in
         "samples": run.samples,
         "dataset": {key: manifest[key] for key in ("rows", "engines", "seed", "size", "consensus", "versions")},
         "model_versions": sorted({row["model_version"] for row in rows if row["model_version"]}),
-        "versions": {"wmspec": __version__, "python": platform.python_version()} | _installed(),
+        "versions": {"wmspec": __version__, "python": platform.python_version()} | _installed_versions(),
         "parser": replies.PARSER_VERSION,
         "replies": counted.replies,
         "right": counted.right,
@@ -214,7 +214,7 @@ def _about(run: Run, asked: dict[str, Any], rows: list[results.Row], missing: in
     }
 
 
-def _installed() -> dict[str, str]:
+def _installed_versions() -> dict[str, str]:
     from importlib.metadata import PackageNotFoundError, version
 
     versions = {}

@@ -15,10 +15,10 @@ from wmspec.eval.models.model import FatalModelError, Reply, storable
 from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
 
 #: Environment variables with the key of a server, and with the server if none is named.
-KEY, ADDRESS = "OPENAI_API_KEY", "OPENAI_BASE_URL"
+KEY_VARIABLE, ADDRESS_VARIABLE = "OPENAI_API_KEY", "OPENAI_BASE_URL"
 _OPENAI = "https://api.openai.com/v1"
 #: Maximum size of a response (bytes), far above a reply of `LONGEST` characters.
-LARGEST = 4 << 20
+MAX_RESPONSE_BYTES = 4 << 20
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,12 @@ class Server:
 
 def address(base_url: str | None) -> str:
     """Return the address of the server. Raises WmsError for one that contains a key, or is invalid."""
-    url = base_url or os.environ.get(ADDRESS) or _OPENAI
+    url = base_url or os.environ.get(ADDRESS_VARIABLE) or _OPENAI
     parts = urlsplit(url)
     if parts.scheme not in {"http", "https"} or not parts.hostname:
         raise WmsError("--base-url: expected an address such as http://localhost:8000/v1")
     if parts.username or parts.password or parts.query or parts.fragment:
-        raise WmsError(f"--base-url: an address without user, key or question mark; the key belongs into {KEY}")
+        raise WmsError(f"--base-url: an address without user, key or question mark; the key belongs into {KEY_VARIABLE}")
     return url.rstrip("/")
 
 
@@ -57,9 +57,9 @@ class ServerModel:
         self.identity = f"{server.address} {name}"
         self.asks = asks
         self._name, self._server, self._parameters = name, server, parameters
-        self._key = os.environ.get(KEY, "")
+        self._key = os.environ.get(KEY_VARIABLE, "")
         if not self._key and server.address == _OPENAI:
-            raise WmsError(f"the key is missing: set {KEY} in the environment, or name another server with --base-url")
+            raise WmsError(f"the key is missing: set {KEY_VARIABLE} in the environment, or name another server with --base-url")
         self._client = openai.OpenAI(
             api_key=self._key or "none",
             base_url=server.address,
@@ -131,7 +131,7 @@ def _cause(error: BaseException) -> str:
 
 
 def _client(openai: Any) -> Any:
-    """Return a client that reads at most `LARGEST` bytes of a response."""
+    """Return a client that reads at most `MAX_RESPONSE_BYTES` bytes of a response."""
     import httpx2
 
     class Bounded(httpx2.SyncByteStream):  # type: ignore[misc]
@@ -142,8 +142,8 @@ def _client(openai: Any) -> Any:
             total = 0
             for chunk in self._stream:
                 total += len(chunk)
-                if total > LARGEST:
-                    raise httpx2.DecodingError(f"an answer of more than {LARGEST:,} bytes")
+                if total > MAX_RESPONSE_BYTES:
+                    raise httpx2.DecodingError(f"an answer of more than {MAX_RESPONSE_BYTES:,} bytes")
                 yield chunk
 
         def close(self) -> None:

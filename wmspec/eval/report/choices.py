@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from wmspec.eval.report.intervals import Estimate, estimate, means, ratio, resampled
+from wmspec.eval.report.intervals import Estimate, estimate, mean_estimates, ratio, resample_sums
 from wmspec.eval.report.replies import Replies
 from wmspec.runtime.questions.model import HYPOTHETICAL
 
 #: Labels for changes of several kinds, and for other kinds. A change is written as its kind and its object.
-BOTH, OTHER = "both", "other"
+SEVERAL_KINDS, OTHER_KIND = "both", "other"
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Flips:
 
 
 @dataclass(frozen=True)
-class Mistaken:
+class Mistakes:
     """The share of wrong answers to a prediction task that chose an outcome with `changed` altered.
 
     `offered` is the share of such outcomes among the wrong options of the same questions, as expected from guessing.
@@ -61,20 +61,20 @@ class Mistaken:
 
 def positions(replies: Replies) -> tuple[Position, ...]:
     """Return accuracy and choices by position, for each number of options and system."""
-    table = _shown(replies)
+    table = _shown_places(replies)
     return tuple(p for count, of_one in table.groupby("options") for p in _positions(int(str(count)), of_one))
 
 
-def _shown(replies: Replies) -> pd.DataFrame:
+def _shown_places(replies: Replies) -> pd.DataFrame:
     """Return replies to questions with options, with the positions as shown of the true and chosen option.
 
     The chosen position is -1 if there is none.
     """
     table = replies.table[(replies.table["options"] > 0) & replies.table["answer"].notna()]
-    return pd.concat([_placed(of_one) for _, of_one in table.groupby("options")]) if len(table) else table
+    return pd.concat([_positions_of(of_one) for _, of_one in table.groupby("options")]) if len(table) else table
 
 
-def _placed(table: pd.DataFrame) -> pd.DataFrame:
+def _positions_of(table: pd.DataFrame) -> pd.DataFrame:
     """Return positions for replies to questions with equally many options."""
     order = np.stack([np.asarray(o, dtype=int) for o in table["order"]])
     true, chosen = (order == table[c].fillna(-1).to_numpy(dtype=int)[:, None] for c in ("answer", "parsed"))
@@ -86,7 +86,7 @@ def _positions(options: int, table: pd.DataFrame) -> Iterator[Position]:
     right = cells.sum().unstack(["system", "true"], fill_value=0).sort_index(axis=1)
     count = cells.size().unstack(["system", "true"], fill_value=0).sort_index(axis=1)
     parts = right.to_numpy(dtype=float), count.to_numpy(dtype=float)
-    drawn = ratio(*resampled(parts, ("place", options)))
+    drawn = ratio(*resample_sums(parts, ("place", options)))
     value = ratio(parts[0].sum(0), parts[1].sum(0))
     chosen = table[table["chosen"] >= 0].groupby("system")["chosen"].value_counts(normalize=True).to_dict()
     systems, places = (right.columns.get_level_values(level) for level in ("system", "true"))
@@ -100,7 +100,7 @@ def _positions(options: int, table: pd.DataFrame) -> Iterator[Position]:
 
 def flips(replies: Replies) -> tuple[Flips, ...]:
     """Return the flips of each task and system with several orders, and of all tasks together ('')."""
-    table = _shown(replies)
+    table = _shown_places(replies)
     key = ["id", "system", "sample"]
     several = table[table.groupby(key)["permutation"].transform("nunique") > 1]
     if several.empty:
@@ -121,14 +121,14 @@ def flips(replies: Replies) -> tuple[Flips, ...]:
 
 
 def _flips(task: str, system: str, pairs: pd.DataFrame) -> Flips:
-    (estimate,), _ = means(pairs[["flips"]].to_numpy(), pairs["cluster"], ("flips", task))
+    (estimate,), _ = mean_estimates(pairs[["flips"]].to_numpy(), pairs["cluster"], ("flips", task))
     return Flips(task, system, estimate, float(pairs["accuracy"].mean()), float(pairs["always"].mean()))
 
 
 # ---------------------------------------------------------------- counterfactuals
 
 
-def mistaken(replies: Replies) -> tuple[Mistaken, ...]:
+def mistakes(replies: Replies) -> tuple[Mistakes, ...]:
     """Return the mistakes of each system in tasks with counterfactual options. Requires the dataset."""
     if replies.questions is None:
         return ()
@@ -136,15 +136,15 @@ def mistaken(replies: Replies) -> tuple[Mistaken, ...]:
     foresees = known["kinds"].map(lambda kinds: not HYPOTHETICAL.isdisjoint(kinds))
     table = replies.table[replies.table["id"].isin(known.index[foresees]) & (replies.table["right"] == 0)]
     table = table[table["parsed"].notna()]
-    changed = {str(name): tuple(map(change, changes)) for name, changes in known["changes"].items()}
+    changed = {str(name): tuple(map(kind_of_change, changes)) for name, changes in known["changes"].items()}
     return tuple(
         m
         for (task, system), of_one in table.groupby(["task", "system"], sort=True)
-        for m in _mistaken(str(task), str(system), of_one, changed)
+        for m in _task_mistakes(str(task), str(system), of_one, changed)
     )
 
 
-def _mistaken(task: str, system: str, wrong: pd.DataFrame, changed: dict[str, tuple[str, ...]]) -> Iterator[Mistaken]:
+def _task_mistakes(task: str, system: str, wrong: pd.DataFrame, changed: dict[str, tuple[str, ...]]) -> Iterator[Mistakes]:
     chosen: dict[str, float] = {}
     offered: dict[str, float] = {}
     for name, place in zip(wrong["id"], wrong["parsed"], strict=True):
@@ -154,15 +154,15 @@ def _mistaken(task: str, system: str, wrong: pd.DataFrame, changed: dict[str, tu
         kind = changed[name][int(place)]
         chosen[kind] = chosen.get(kind, 0) + 1
     for kind in sorted(offered):
-        yield Mistaken(task, system, kind, chosen.get(kind, 0) / len(wrong), offered[kind] / len(wrong), len(wrong))
+        yield Mistakes(task, system, kind, chosen.get(kind, 0) / len(wrong), offered[kind] / len(wrong), len(wrong))
 
 
-def change(changes: str | None) -> str:
+def kind_of_change(changes: str | None) -> str:
     """Return the kind of an `option_change`: an action, a state, both, other; '' for the truth.
 
     Actions omitted, added or reordered are changes of actions.
     """
     kinds = {part.split()[0] for part in (changes or "").split("; ") if part.strip()}
     names = {"action": "action", "without": "action", "order": "action", "add": "action", "state": "state"}
-    labels = {names.get(kind, OTHER) for kind in kinds}
-    return BOTH if len(labels) > 1 else next(iter(labels), "")
+    labels = {names.get(kind, OTHER_KIND) for kind in kinds}
+    return SEVERAL_KINDS if len(labels) > 1 else next(iter(labels), "")

@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from wmspec.eval.report.intervals import CONFIDENCE, LEAST_CLUSTERS, Estimate, Floats
+from wmspec.eval.report.intervals import CONFIDENCE, MIN_CLUSTERS, Estimate, Floats
 from wmspec.eval.report.replies import Replies
 
 
@@ -34,7 +34,7 @@ class Comparison:
 def comparisons(replies: Replies) -> tuple[Comparison, ...]:
     """Return the comparison of every pair of systems, for each kind of task."""
     kind = replies.asked["dimension"].str.split(".").str[0]
-    return tuple(c for k in sorted(kind.unique()) for c in _corrected(_of_kind(replies, k, kind == k)))
+    return tuple(c for k in sorted(kind.unique()) for c in _holm_corrected(_of_kind(replies, k, kind == k)))
 
 
 def _of_kind(replies: Replies, kind: str, chosen: pd.Series[bool]) -> list[Comparison]:
@@ -49,19 +49,19 @@ def _pair(kind: str, a: str, b: str, scores: pd.DataFrame, cluster: pd.Series[st
     if both.empty:
         return None
     first, second = both[a].to_numpy(), both[b].to_numpy()
-    difference, p = _robust(first - second, cluster.loc[both.index])
+    difference, p = _robust_mean(first - second, cluster.loc[both.index])
     only = int(((first >= 0.5) & (second < 0.5)).sum()), int(((first < 0.5) & (second >= 0.5)).sum())
     return Comparison(kind, a, b, difference, p, None, *only)
 
 
-def _robust(gaps: Floats, cluster: pd.Series[str]) -> tuple[Estimate, float | None]:
+def _robust_mean(gaps: Floats, cluster: pd.Series[str]) -> tuple[Estimate, float | None]:
     """Return the mean of gaps with its interval, and the p-value; without interval if clusters are few or gaps are
     constant.
     """
     import statsmodels.api as sm
 
     mean, codes = float(gaps.mean()), pd.factorize(cluster)[0]
-    if codes.max() + 1 < LEAST_CLUSTERS:
+    if codes.max() + 1 < MIN_CLUSTERS:
         return Estimate(mean, None, None, len(gaps)), None
     if not gaps.any():
         return Estimate(mean, mean, mean, len(gaps)), 1.0
@@ -72,7 +72,7 @@ def _robust(gaps: Floats, cluster: pd.Series[str]) -> tuple[Estimate, float | No
         return Estimate(mean, float(low), float(high), len(gaps)), float(np.nan_to_num(fit.pvalues[0]))
 
 
-def _corrected(pairs: list[Comparison]) -> list[Comparison]:
+def _holm_corrected(pairs: list[Comparison]) -> list[Comparison]:
     from statsmodels.stats.multitest import multipletests
 
     tested = [i for i, pair in enumerate(pairs) if pair.p is not None]

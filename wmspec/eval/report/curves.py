@@ -14,15 +14,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from wmspec.eval.report.intervals import CONFIDENCE, LEAST_CLUSTERS, Floats, resampled, sums
+from wmspec.eval.report.intervals import CONFIDENCE, MIN_CLUSTERS, Floats, resample_sums, cluster_sums
 from wmspec.eval.report.replies import Replies
 
 #: Maximum lapse rate; number of bootstrap draws; minimum number of differences for a curve; number of points shown.
-LAPSES, DRAWS, LEAST_LEVELS, POINTS = 0.06, 1000, 3, 8
+MAX_LAPSE, CURVE_DRAWS, MIN_LEVELS, MAX_POINTS = 0.06, 1000, 3, 8
 #: Maximum number of distinct differences; beyond it neighbours are merged.
-MOST_LEVELS = 40
+MAX_LEVELS = 40
 #: No threshold is reported if the p-value of a flat curve exceeds this.
-FLAT = 0.05
+MAX_FLAT_P = 0.05
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def strength(quantity: str, value: Floats) -> tuple[Floats, str]:
 
 def _curves(replies: Replies, key: tuple[str, str, str, str], known: pd.DataFrame) -> Iterator[Curve]:
     x, scale = strength(key[2], known["difference"].to_numpy(dtype=float))
-    known, x = known[~np.isnan(x)], _joined(np.round(x[~np.isnan(x)], 6))
+    known, x = known[~np.isnan(x)], _merge_neighbours(np.round(x[~np.isnan(x)], 6))
     levels = np.unique(x)
     if len(levels) < 2:
         return
@@ -115,7 +115,7 @@ def _curves(replies: Replies, key: tuple[str, str, str, str], known: pd.DataFram
         if there.any():
             cells = np.full((len(right), len(levels)), np.nan)
             cells[np.arange(len(right)), which] = right
-            yield _curve(key, scale, system, chance, levels, sums(cells[there], about["cluster"].to_numpy()[there]))
+            yield _curve(key, scale, system, chance, levels, cluster_sums(cells[there], about["cluster"].to_numpy()[there]))
 
 
 def _curve(
@@ -128,16 +128,16 @@ def _curve(
     least, span = along[0], along[-1] - along[0]
     place = (along - least) / span
     empty = Curve(*key, scale, system, chance, shown, *(None,) * 7)
-    if asked.sum() < LEAST_LEVELS or len(parts[0]) < LEAST_CLUSTERS:
+    if asked.sum() < MIN_LEVELS or len(parts[0]) < MIN_CLUSTERS:
         return empty
-    grid = Grid(place[asked], chance)
+    grid = CurveGrid(place[asked], chance)
     best = grid.fit(right[asked], count[asked])
     flat = _flat(best, right, count)
     alpha, beta = least + best.alpha * span, best.beta / span
     fitted = (flat, float(alpha), float(beta), best.lapse)
-    if flat > FLAT:
+    if flat > MAX_FLAT_P:
         return Curve(*key, scale, system, chance, shown, *fitted, None, None, None)
-    drawn = grid.thresholds(*(part[:, asked] for part in resampled(parts, ("curve", key, system), DRAWS)))
+    drawn = grid.thresholds(*(part[:, asked] for part in resample_sums(parts, ("curve", key, system), CURVE_DRAWS)))
     low, high = (float(q) for q in np.quantile(drawn, [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2], method="nearest"))
 
     def back(share: float) -> float | None:
@@ -151,25 +151,25 @@ def _curve(
 def _points(levels: Floats, right: Floats, count: Floats) -> tuple[tuple[float, float, int], ...]:
     """Return at most POINTS points with about equal numbers of questions."""
     total = np.cumsum(count)
-    bins = np.minimum((total - count / 2) / total[-1] * POINTS, POINTS - 1).astype(int)
-    bins = np.arange(len(levels)) if len(levels) <= POINTS else bins
+    bins = np.minimum((total - count / 2) / total[-1] * MAX_POINTS, MAX_POINTS - 1).astype(int)
+    bins = np.arange(len(levels)) if len(levels) <= MAX_POINTS else bins
     parts = [(levels[bins == b], right[bins == b], count[bins == b]) for b in np.unique(bins)]
     return tuple(
         (float(np.average(x, weights=n)), float(k.sum() / n.sum()), int(n.sum())) for x, k, n in parts if n.sum()
     )
 
 
-def _joined(x: Floats) -> Floats:
+def _merge_neighbours(x: Floats) -> Floats:
     """Return differences, replaced by the mean of their neighbours if there are more than MOST_LEVELS."""
     from scipy.stats import rankdata
 
-    if len(np.unique(x)) <= MOST_LEVELS:
+    if len(np.unique(x)) <= MAX_LEVELS:
         return x
-    bins = np.minimum(rankdata(x) / len(x) * MOST_LEVELS, MOST_LEVELS - 1).astype(int)
+    bins = np.minimum(rankdata(x) / len(x) * MAX_LEVELS, MAX_LEVELS - 1).astype(int)
     return np.asarray((np.bincount(bins, x) / np.maximum(np.bincount(bins), 1))[bins])
 
 
-class Grid:
+class CurveGrid:
     """Candidate curves over differences `x` (l,), from 0 to 1, with guessing at `chance`: rising, falling, flat and
     steep.
     """
@@ -177,7 +177,7 @@ class Grid:
     def __init__(self, x: Floats, chance: float) -> None:
         alpha = np.linspace(-1, 2, 151)
         beta = np.outer([1, -1], np.geomspace(0.5, 60, 12)).ravel()
-        mesh = np.meshgrid(alpha, beta, np.linspace(0, LAPSES, 3), indexing="ij")
+        mesh = np.meshgrid(alpha, beta, np.linspace(0, MAX_LAPSE, 3), indexing="ij")
         self._x, self._chance = x, chance
         self._curves = np.stack([part.ravel() for part in mesh], axis=1)
         p = self._at(self._curves.T[:, :, None])
@@ -199,7 +199,7 @@ class Grid:
 
         start = self._curves[self._best(right[None], count[None])[0]]
         steep = (0.5, 60) if start[1] > 0 else (-60, -0.5)
-        solution = minimize(surprise, start, method="L-BFGS-B", bounds=[(-1, 2), steep, (0, LAPSES)])
+        solution = minimize(surprise, start, method="L-BFGS-B", bounds=[(-1, 2), steep, (0, MAX_LAPSE)])
         alpha, beta, lapse = map(float, solution.x)
         return Fit(alpha, beta, lapse, float(-solution.fun))
 

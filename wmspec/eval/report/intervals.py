@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 #: Number of bootstrap draws, number of draws in memory at a time, and confidence level.
 DRAWS, BATCH, CONFIDENCE = 2000, 250, 0.95
 #: Minimum number of clusters for an interval.
-LEAST_CLUSTERS = 5
+MIN_CLUSTERS = 5
 
 Floats = NDArray[np.float64]
 
@@ -34,13 +34,13 @@ class Estimate:
         return self.low is not None
 
 
-def rng(*key: object) -> np.random.Generator:
+def seeded_generator(*key: object) -> np.random.Generator:
     """Return a generator seeded by the key alone, so that draws do not depend on other analyses."""
     digest = hashlib.sha256("/".join(map(str, key)).encode()).digest()
     return np.random.default_rng(int.from_bytes(digest[:8], "big"))
 
 
-def sums(values: Floats, cluster: ArrayLike) -> tuple[Floats, Floats]:
+def cluster_sums(values: Floats, cluster: ArrayLike) -> tuple[Floats, Floats]:
     """Return sums and counts of values (n, m) in every cluster, (g, m) each; NaN values are skipped."""
     _, which = np.unique(np.asarray(cluster, dtype=str), return_inverse=True)
     total = np.zeros((which.max(initial=-1) + 1, values.shape[1]))
@@ -50,10 +50,10 @@ def sums(values: Floats, cluster: ArrayLike) -> tuple[Floats, Floats]:
     return total, count
 
 
-def resampled(parts: tuple[Floats, ...], key: object, draws: int = DRAWS) -> tuple[Floats, ...]:
+def resample_sums(parts: tuple[Floats, ...], key: object, draws: int = DRAWS) -> tuple[Floats, ...]:
     """Return sums over resampled clusters: each part (g, ...) becomes (draws, ...), all with the same draws."""
     clusters = len(parts[0])
-    generator = rng("bootstrap", key, clusters)
+    generator = seeded_generator("bootstrap", key, clusters)
     even = np.full(clusters, 1 / max(1, clusters))
     made: list[list[Floats]] = [[] for _ in parts]
     for begin in range(0, draws, BATCH):
@@ -71,16 +71,16 @@ def ratio(above: Floats, below: Floats) -> Floats:
 def estimate(value: float, draws: Floats, questions: int, clusters: int) -> Estimate:
     """Return a number with the percentile interval of its draws."""
     draws = draws[~np.isnan(draws)]
-    if clusters < LEAST_CLUSTERS or not len(draws):
+    if clusters < MIN_CLUSTERS or not len(draws):
         return Estimate(float(value), None, None, questions)
     low, high = np.quantile(draws, [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2])
     return Estimate(float(value), float(low), float(high), questions)
 
 
-def means(values: Floats, cluster: ArrayLike, key: object) -> tuple[tuple[Estimate, ...], Floats]:
+def mean_estimates(values: Floats, cluster: ArrayLike, key: object) -> tuple[tuple[Estimate, ...], Floats]:
     """Return the mean of every column of values (n, m) with its interval, and the draws (DRAWS, m) of the means."""
-    total, count = sums(values, cluster)
-    drawn = ratio(*resampled((total, count), key))
+    total, count = cluster_sums(values, cluster)
+    drawn = ratio(*resample_sums((total, count), key))
     value = ratio(total.sum(0), count.sum(0))
     estimates = tuple(
         estimate(value[j], drawn[:, j], int(count[:, j].sum()), int((count[:, j] > 0).sum()))

@@ -14,16 +14,16 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from wmspec.eval.report.intervals import Floats, rng
+from wmspec.eval.report.intervals import Floats, seeded_generator
 from wmspec.eval.report.replies import BASELINES, PEOPLE, Replies
 from wmspec.eval.report.tables import Column
 
 #: Minimum number of systems for a fit; maximum number of suspects; candidate sizes of the short form.
-LEAST_SYSTEMS, SUSPECTS, SIZES = 5, 30, (10, 20, 50, 100, 200, 500)
+MIN_SYSTEMS, MAX_SUSPECTS, FORM_SIZES = 5, 30, (10, 20, 50, 100, 200, 500)
 #: Maximum error of the short form's score (root mean square).
 TOLERANCE = 0.025
 #: Number of random short forms for the error estimate.
-TRIES = 50
+FORM_DRAWS = 50
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class Items:
     def suspects(self) -> tuple[Item, ...]:
         """Items that better systems get wrong more often, worst first: their labels deserve a check."""
         negative = [item for item in self.items if item.rest is not None and item.rest < 0]
-        return tuple(sorted(negative, key=lambda item: (item.rest, item.id))[:SUSPECTS])
+        return tuple(sorted(negative, key=lambda item: (item.rest, item.id))[:MAX_SUSPECTS])
 
 
 def items(replies: Replies) -> Items | None:
@@ -86,14 +86,14 @@ def items(replies: Replies) -> Items | None:
     systems = [s for s in replies.systems if s not in BASELINES and s != PEOPLE]
     scores = replies.scores.loc[replies.asked.index, systems]
     scores = scores.loc[:, scores.notna().mean() > 0.5].dropna() if systems else scores
-    if scores.shape[1] < LEAST_SYSTEMS or len(scores) < 2:
+    if scores.shape[1] < MIN_SYSTEMS or len(scores) < 2:
         return None
     about = replies.asked.loc[scores.index]
     answers = scores.to_numpy()
     options = about["options"].to_numpy(dtype=float)
     guess = np.where(options > 0, 1 / np.maximum(options, 1), 0.0)
-    ability, difficulty = response(answers, guess)
-    rest = item_rest(answers)
+    ability, difficulty = fit_item_response(answers, guess)
+    rest = item_rest_correlation(answers)
     text = replies.questions.table["text"] if replies.questions else pd.Series("", scores.index)
     made = tuple(
         Item(
@@ -118,7 +118,7 @@ def items(replies: Replies) -> Items | None:
 # ---------------------------------------------------------------- item response
 
 
-def response(answers: Floats, guess: Floats) -> tuple[Floats, Floats]:
+def fit_item_response(answers: Floats, guess: Floats) -> tuple[Floats, Floats]:
     """Return ability (m,) and difficulty (n,) from answers (n, m) and the chance of guessing each item (n,).
 
     Items with equal answers and chance have equal difficulty, so each kind is fitted once.
@@ -127,20 +127,20 @@ def response(answers: Floats, guess: Floats) -> tuple[Floats, Floats]:
 
     kinds, which, count = np.unique(np.column_stack([answers, guess]), axis=0, return_inverse=True, return_counts=True)
     y, c, weight = kinds[:, :-1], kinds[:, -1:], count[:, None].astype(float)
-    start = np.concatenate([_standard(answers.mean(0)), np.zeros(2 * len(kinds))])
-    solution = minimize(_surprise, start, (y, c, weight), "L-BFGS-B", jac=True, options={"maxiter": 200, "maxcor": 20})
+    start = np.concatenate([_standardize(answers.mean(0)), np.zeros(2 * len(kinds))])
+    solution = minimize(_negative_log_posterior, start, (y, c, weight), "L-BFGS-B", jac=True, options={"maxiter": 200, "maxcor": 20})
     systems = answers.shape[1]
     return solution.x[:systems], solution.x[systems : systems + len(kinds)][which.ravel()]
 
 
-def _standard(share: Floats) -> Floats:
+def _standardize(share: Floats) -> Floats:
     from scipy.special import logit
 
     ability = logit(np.clip(share, 0.01, 0.99))
     return np.asarray((ability - ability.mean()) / max(float(ability.std()), 1e-6))
 
 
-def _surprise(q: Floats, y: Floats, c: Floats, weight: Floats) -> tuple[float, Floats]:
+def _negative_log_posterior(q: Floats, y: Floats, c: Floats, weight: Floats) -> tuple[float, Floats]:
     """Return the negative log posterior of θ (m), b (k), log a (k), and its gradient.
 
     `y` is (k, m), `c` and `weight` (k, 1).
@@ -164,7 +164,7 @@ def _surprise(q: Floats, y: Floats, c: Floats, weight: Floats) -> tuple[float, F
     return float(prior - likely), -slope
 
 
-def item_rest(answers: Floats) -> Floats:
+def item_rest_correlation(answers: Floats) -> Floats:
     """Return the correlation (n,) of every item's answers (n, m) with the sums of the others, NaN if undefined."""
     rest = answers.sum(0) - answers
     x, y = (v - v.mean(1, keepdims=True) for v in (answers, rest))
@@ -196,26 +196,26 @@ def _short(answers: Floats, weights: Floats, task: NDArray[np.str_]) -> tuple[tu
     whole = weights @ answers
     order = [np.lexsort((-np.delete(answers, j, axis=1).mean(1), task)) for j in range(answers.shape[1])]
     forms = []
-    for size in (s for s in SIZES if s < len(answers) / 2):
-        random = rng("short form", size, len(answers))
+    for size in (s for s in FORM_SIZES if s < len(answers) / 2):
+        random = seeded_generator("short form", size, len(answers))
         missed = [
-            answers[sample(order[j], weights, size, random.random(size)), j].mean() - whole[j]
+            answers[stratified_sample(order[j], weights, size, random.random(size)), j].mean() - whole[j]
             for j in range(answers.shape[1])
-            for _ in range(TRIES)
+            for _ in range(FORM_DRAWS)
         ]
-        drawn = answers[random.choice(len(answers), (TRIES, size), p=weights)].mean(1) - whole
+        drawn = answers[random.choice(len(answers), (FORM_DRAWS, size), p=weights)].mean(1) - whole
         forms.append(Form(size, _rms(np.array(missed)), _rms(drawn)))
     if not forms:
         return (), np.empty(0, np.intp)
     size = next((f.size for f in forms if f.error <= TOLERANCE), forms[-1].size)
-    return tuple(forms), sample(np.lexsort((-answers.mean(1), task)), weights, size, np.full(size, 0.5))
+    return tuple(forms), stratified_sample(np.lexsort((-answers.mean(1), task)), weights, size, np.full(size, 0.5))
 
 
 def _rms(gaps: Floats) -> float:
     return float(np.sqrt(np.mean(gaps**2)))
 
 
-def sample(order: NDArray[np.intp], weights: Floats, size: int, where: Floats) -> NDArray[np.intp]:
+def stratified_sample(order: NDArray[np.intp], weights: Floats, size: int, where: Floats) -> NDArray[np.intp]:
     """Return one item from each of `size` strata of equal weight: the one at fraction `where` of the stratum."""
     reached = np.cumsum(weights[order])
     wanted = (np.arange(size) + where) / size * reached[-1]

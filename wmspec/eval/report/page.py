@@ -8,10 +8,10 @@ import math
 import pandas as pd
 
 from wmspec.dataset.build.webpage import webpage
-from wmspec.eval.report.figures.style import Drawn
-from wmspec.eval.report.frames import DELTA, percent
+from wmspec.eval.report.figures.style import SvgFigure
+from wmspec.eval.report.frames import DELTA, format_percent
 from wmspec.eval.report.intervals import Estimate
-from wmspec.eval.report.items import LEAST_SYSTEMS
+from wmspec.eval.report.items import MIN_SYSTEMS
 from wmspec.eval.report.replies import BASELINES, PEOPLE
 from wmspec.eval.report.report import Report
 from wmspec.eval.report.tables import Table
@@ -33,7 +33,7 @@ TITLES = {
 TABLES_OF = {"choices": ("pairs",), "analyses": ("filtered", "thresholds", "entanglement")}
 
 
-def page(report: Report, figures: dict[str, tuple[Drawn, ...]], wide: Wide) -> str:
+def page(report: Report, figures: dict[str, tuple[SvgFigure, ...]], wide: Wide) -> str:
     """Return the page: HTML with style and figures inside; deterministic."""
     order = (*report.systems, *(a.system for a in report.accounts))
     return webpage(
@@ -50,8 +50,8 @@ def page(report: Report, figures: dict[str, tuple[Drawn, ...]], wide: Wide) -> s
         accounts_shown=sorted(report.accounts, key=lambda a: order.index(a.system)),
         tables_of=TABLES_OF,
         wide={name: (caption.replace(DELTA, "Δ"), frame) for name, (caption, frame) in wide.items()},
-        least_systems=LEAST_SYSTEMS,
-        percent=percent,
+        least_systems=MIN_SYSTEMS,
+        format_percent=format_percent,
         picture=_picture,
         shade=_shade,
     )
@@ -71,24 +71,24 @@ def _shade(estimate: Estimate, chance: Estimate | None) -> str:
 
 def summary(report: Report) -> list[str]:
     """Return the main results, in sentences."""
-    return [sentence for table in report.tables if (sentence := _summed_up(table))]
+    return [sentence for table in report.tables if (sentence := _summary_sentence(table))]
 
 
-def _summed_up(table: Table) -> str:
+def _summary_sentence(table: Table) -> str:
     models = [line for line in table.lines if line.system not in (PEOPLE, *BASELINES)]
     if not models:
         return f"{table.kind.capitalize()}: only baselines and people have answered."
     best = models[0]
     people = next((line for line in table.lines if line.system == PEOPLE), None)
     text = f"{table.kind.capitalize()}: {best.system} is right most often, {_with_interval(best.average)}"
-    text += f"; people are in {percent(people.average.value)} %" if people else ""
+    text += f"; people are in {format_percent(people.average.value)} %" if people else ""
     chance = table.chance.average.value
-    return text + (f". Guessing yields {percent(chance)} %." if not math.isnan(chance) else ".")
+    return text + (f". Guessing yields {format_percent(chance)} %." if not math.isnan(chance) else ".")
 
 
 def _with_interval(estimate: Estimate) -> str:
-    text = f"in {percent(estimate.value)} %"
-    return text + (f" (95 % interval {percent(estimate.low)} to {percent(estimate.high)})" if estimate.sure else "")
+    text = f"in {format_percent(estimate.value)} %"
+    return text + (f" (95 % interval {format_percent(estimate.low)} to {format_percent(estimate.high)})" if estimate.sure else "")
 
 
 def warnings(report: Report) -> list[str]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from wmspec.eval.report.intervals import Estimate, Floats, estimate, ratio, resampled
+from wmspec.eval.report.intervals import Estimate, Floats, estimate, ratio, resample_sums
 from wmspec.eval.report.replies import Replies
 
 
@@ -46,7 +46,7 @@ def _task(replies: Replies, task: str) -> list[Pair]:
     guess = _pairs(1 / table[["options"]].to_numpy(dtype=float), table).sum() / max(
         1.0, _pairs(np.ones((len(table), 1)), table).sum()
     )
-    drawn = ratio(*resampled((right, count), ("pairs", task)))
+    drawn = ratio(*resample_sums((right, count), ("pairs", task)))
     value = ratio(right.sum(0), count.sum(0))
     return [
         Pair(

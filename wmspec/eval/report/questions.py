@@ -13,7 +13,7 @@ from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.rows import Row
 from wmspec.runtime.questions.model import HYPOTHETICAL
 
-_WANTED = (
+_COLUMNS = (
     "id", "task", "dimension", "index", "question", "question_name", "engine", "text", "option_text", "option_kind",
     "option_name", "option_change", "answer", "answer_value", "difference",
 )  # fmt: skip
@@ -43,14 +43,14 @@ class Questions:
         rows = {task: _rows(dataset, task) for task in dataset.tasks}
         return cls(
             _table([row for of_task in rows.values() for row in of_task]),
-            {task: _prefixed(of_task, "factor", "nuisance") for task, of_task in rows.items() if of_task},
-            {task: _prefixed(of_task, "group") for task, of_task in rows.items() if of_task},
+            {task: _columns_with_prefix(of_task, "factor", "nuisance") for task, of_task in rows.items() if of_task},
+            {task: _columns_with_prefix(of_task, "group") for task, of_task in rows.items() if of_task},
         )
 
 
 def _rows(dataset: DatasetReader, task: str) -> list[Row]:
     varied = ("factor.", "group.", "nuisance.")
-    columns = [c for c in dataset.columns(task) if c in _WANTED or c.startswith(varied)]
+    columns = [c for c in dataset.columns(task) if c in _COLUMNS or c.startswith(varied)]
     return list(dataset.rows(task, columns))
 
 
@@ -87,7 +87,7 @@ def _truth(row: Row) -> str:
     return "; ".join(sorted(was))
 
 
-def _prefixed(rows: list[Row], *sorts: str) -> pd.DataFrame:
+def _columns_with_prefix(rows: list[Row], *sorts: str) -> pd.DataFrame:
     """Return the columns with some prefixes, without those that are empty everywhere; lists become text."""
     names = [key for key in rows[0] if key.split(".", 1)[0] in sorts and "." in key]
     values = {name.split(".", 1)[1]: [_level(row[name]) for row in rows] for name in names}

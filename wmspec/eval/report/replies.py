@@ -26,11 +26,11 @@ COLUMNS = (
 #: Columns that identify a reply.
 KEY = ["id", "model", "prompt", "ablation", "permutation", "sample"]
 #: Prefix of a person's name, and the name of all people together.
-RATER, PEOPLE = "human:", "people"
+RATER_PREFIX, PEOPLE = "human:", "people"
 #: Systems that check the pipeline and say nothing about the questions.
 BASELINES = ("random", "blind", "options-only", "oracle")
 #: Minimum number of control groups for an interval over groups; below it instances are treated as independent.
-LEAST_GROUPS = 5
+MIN_GROUPS = 5
 
 
 @dataclass(frozen=True)
@@ -96,10 +96,10 @@ def read(paths: Sequence[Path], dataset: Path | None) -> Replies:
     dataset.
     """
     table = pd.concat([_file(path) for path in _files(paths)], ignore_index=True)
-    table = _once(table)
+    table = _unique_replies(table)
     questions = Questions.read(dataset) if dataset else None
     if questions is not None:
-        _belong(table, questions, dataset)
+        _check_dataset(table, questions, dataset)
     return replies(table, questions)
 
 
@@ -116,11 +116,11 @@ def replies(table: pd.DataFrame, questions: Questions | None = None) -> Replies:
     failed = table["status"] == "error"
     counted = table[failed].groupby("system").size()
     table = table[~failed]
-    rated = table["model"].str.startswith(RATER)
+    rated = table["model"].str.startswith(RATER_PREFIX)
     people = _majority(table[rated])
     whole = pd.concat([table[~rated], people], ignore_index=True).sort_values(["system", *KEY[:1], *KEY[4:]])
     failures = {str(k): int(n) for k, n in counted.items()}
-    return Replies(whole.reset_index(drop=True), failures, table[rated], tuple(_narrow(table)), questions)
+    return Replies(whole.reset_index(drop=True), failures, table[rated], tuple(_narrow_tasks(table)), questions)
 
 
 # ---------------------------------------------------------------- files
@@ -159,7 +159,7 @@ def _file(path: Path) -> pd.DataFrame:
         ) from None
 
 
-def _once(table: pd.DataFrame) -> pd.DataFrame:
+def _unique_replies(table: pd.DataFrame) -> pd.DataFrame:
     """Return every reply once. The same file may be given twice; two replies to one request are an error."""
     table = table.assign(said=table["parsed"].astype(str) + table["status"]).drop_duplicates([*KEY, "said"])
     twice = table[table.duplicated(KEY)]
@@ -173,7 +173,7 @@ def _once(table: pd.DataFrame) -> pd.DataFrame:
     return table.drop(columns="said")
 
 
-def _belong(table: pd.DataFrame, questions: Questions, dataset: Path | None) -> None:
+def _check_dataset(table: pd.DataFrame, questions: Questions, dataset: Path | None) -> None:
     strange = table.loc[~table["id"].isin(questions.table.index), "id"].unique()
     if len(strange):
         close = suggestion(str(strange[0]), map(str, questions.table.index[:1000]))
@@ -189,12 +189,12 @@ def _belong(table: pd.DataFrame, questions: Questions, dataset: Path | None) -> 
 def _clusters(table: pd.DataFrame) -> pd.Series[str]:
     """Return the control group; the instance in tasks with fewer than LEAST_GROUPS (see `Replies.narrow`)."""
     instance = table["task"] + "/" + table["index"].astype(str)
-    return table["group"].where(~table["task"].isin(_narrow(table)), instance)
+    return table["group"].where(~table["task"].isin(_narrow_tasks(table)), instance)
 
 
-def _narrow(table: pd.DataFrame) -> list[str]:
+def _narrow_tasks(table: pd.DataFrame) -> list[str]:
     groups = table.groupby("task")["group"].nunique()
-    return sorted(map(str, groups.index[groups < LEAST_GROUPS]))
+    return sorted(map(str, groups.index[groups < MIN_GROUPS]))
 
 
 def _systems(table: pd.DataFrame) -> pd.Series[str]:
@@ -204,7 +204,7 @@ def _systems(table: pd.DataFrame) -> pd.Series[str]:
     name = name.where(~several, name + " · " + table["prompt"].astype(str))
     ablation = table["ablation"].fillna("").astype(str)
     name = name.where(ablation.isin(["", "none"]), name + " · " + ablation)
-    return name.where(~table["model"].str.startswith(RATER), PEOPLE)
+    return name.where(~table["model"].str.startswith(RATER_PREFIX), PEOPLE)
 
 
 def _majority(rated: pd.DataFrame) -> pd.DataFrame:

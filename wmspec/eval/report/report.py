@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from wmspec.eval.report.choices import Flips, Mistaken, Position, flips, mistaken, positions
+from wmspec.eval.report.choices import Flips, Mistakes, Position, flips, mistakes, positions
 from wmspec.eval.report.compare import Comparison, comparisons
 from wmspec.eval.report.curves import Curve, curves
-from wmspec.eval.report.entanglement import Entangled, entanglement
-from wmspec.eval.report.filtered import Filtered, filtered
+from wmspec.eval.report.entanglement import Entanglement, entanglement
+from wmspec.eval.report.filtered import FilteredAccuracy, filtered_accuracies
 from wmspec.eval.report.items import Items, items
 from wmspec.eval.report.pairs import Pair, pairs
 from wmspec.eval.report.replies import PEOPLE, Replies, read
@@ -55,10 +55,10 @@ class Report:
     pairs: tuple[Pair, ...]
     flips: tuple[Flips, ...]
     positions: tuple[Position, ...]
-    mistaken: tuple[Mistaken, ...]
-    entanglement: tuple[Entangled, ...]
+    mistakes: tuple[Mistakes, ...]
+    entanglement: tuple[Entanglement, ...]
     curves: tuple[Curve, ...]
-    filtered: tuple[Filtered, ...]
+    filtered_accuracies: tuple[FilteredAccuracy, ...]
     items: Items | None
 
     @property
@@ -97,10 +97,10 @@ def analyse(replies: Replies, dataset: str, progress: Callable[[str, int], None]
         pairs=step("pairs", pairs),
         flips=step("flips", flips),
         positions=step("positions", positions),
-        mistaken=step("mistakes", mistaken),
+        mistakes=step("mistakes", mistakes),
         entanglement=step("entanglement", entanglement),
         curves=step("curves", curves),
-        filtered=step("filtered", filtered),
+        filtered_accuracies=step("filtered", filtered_accuracies),
         items=step("items", items),
     )
 

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from wmspec.core import wm_abench
-from wmspec.eval.report.intervals import Estimate, Floats, estimate, means
+from wmspec.eval.report.intervals import Estimate, Floats, estimate, mean_estimates
 from wmspec.eval.report.replies import PEOPLE, Replies
 
 #: The name of the row for guessing.
@@ -81,7 +81,7 @@ def average(values: Mapping[str, float], dimension: Mapping[str, str]) -> float:
 def _table(replies: Replies, kind: str, chosen: pd.Series[bool]) -> Table:
     asked = replies.asked[chosen]
     columns = tuple(
-        sorted({Column.of(t, d) for t, d in zip(asked["task"], asked["dimension"], strict=True)}, key=_place)
+        sorted({Column.of(t, d) for t, d in zip(asked["task"], asked["dimension"], strict=True)}, key=_sort_key)
     )
     values: dict[str, tuple[Estimate, ...]] = {}
     draws: dict[str, Floats] = {}
@@ -90,7 +90,7 @@ def _table(replies: Replies, kind: str, chosen: pd.Series[bool]) -> Table:
     for column in columns:
         of_task = asked[asked["task"] == column.task]
         scores = replies.scores.loc[of_task.index].to_numpy()
-        values[column.task], draws[column.task] = means(scores, of_task["cluster"], column.task)
+        values[column.task], draws[column.task] = mean_estimates(scores, of_task["cluster"], column.task)
         parsed = replies.parsed_scores.reindex(of_task.index)
         skipping[column.task] = parsed.mean().to_numpy()
         guessed[column.task] = float((1 / of_task["options"].where(of_task["options"] > 0)).mean())
@@ -109,7 +109,7 @@ def _table(replies: Replies, kind: str, chosen: pd.Series[bool]) -> Table:
     return Table(kind, columns, tuple(lines), _line(CHANCE, columns, chance, {}, guessed))
 
 
-def _place(column: Column) -> tuple[int, str, str, str]:
+def _sort_key(column: Column) -> tuple[int, str, str, str]:
     """Sort key of a column: the paper's order, then other columns by dimension."""
     there = wm_abench.column(column.task)
     known = {"space": 0, "time": 1, "vision": 2, "motion": 3, "quantity": 4}
@@ -129,14 +129,14 @@ def _line(
     dimension = {c.task: c.dimension for c in columns if not np.isnan(values[c.task].value)}
     point = {t: values[t].value for t in dimension}
     by_dimension = {
-        d: _averaged({t: v for t, v in point.items() if dimension[t] == d}, dimension, values, draws)
+        d: _average_estimate({t: v for t, v in point.items() if dimension[t] == d}, dimension, values, draws)
         for d in dict.fromkeys(dimension.values())
     }
-    whole = _averaged(point, dimension, values, draws)
+    whole = _average_estimate(point, dimension, values, draws)
     return Line(system, values, by_dimension, whole, average({t: skipping[t] for t in dimension}, dimension))
 
 
-def _averaged(
+def _average_estimate(
     point: dict[str, float], dimension: dict[str, str], values: dict[str, Estimate], draws: dict[str, Floats]
 ) -> Estimate:
     questions = sum(values[t].questions for t in point)

@@ -14,7 +14,7 @@ from wmspec.eval.models.reply import LETTERS
 from wmspec.eval.study.model import Item, Study
 
 #: Maximum size of a file of answers (bytes).
-LARGEST = 16 << 20
+MAX_FILE_BYTES = 16 << 20
 _DAY = 86_400.0
 
 Seconds = Annotated[float, Field(ge=0, le=_DAY, allow_inf_nan=False)]
@@ -58,8 +58,8 @@ class Visit(Person):
 def read(path: Path, study: Study) -> Visit:
     """Read a file of answers. Raises WmsError if it is invalid, or belongs to another study."""
     try:
-        if regular_file(path).stat().st_size > LARGEST:
-            raise WmsError(f"more than {LARGEST >> 20} MiB: no file of answers is as large", FilePlace(str(path)))
+        if regular_file(path).stat().st_size > MAX_FILE_BYTES:
+            raise WmsError(f"more than {MAX_FILE_BYTES >> 20} MiB: no file of answers is as large", FilePlace(str(path)))
         visit = Visit.model_validate_json(path.read_bytes())
     except OSError as error:
         raise WmsError(f"cannot be read: {error.strerror}", FilePlace(str(path))) from None

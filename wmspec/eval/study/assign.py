@@ -21,7 +21,7 @@ def slots(items: Sequence[Item], raters: int, most: int, every: int, seed: int) 
     people = -(-len(asked) // most)
     made = []
     for round_ in range(raters):
-        turned = _turned(items, round_)
+        turned = _rotations(items, round_)
         order = sorted(asked, key=lambda i: (bits(seed, "task", round_, items[i].task), bits(seed, "item", round_, i)))
         for person in range(people):
             share = order[len(order) * person // people : len(order) * (person + 1) // people]
@@ -29,7 +29,7 @@ def slots(items: Sequence[Item], raters: int, most: int, every: int, seed: int) 
     return tuple(made)
 
 
-def _turned(items: Sequence[Item], round_: int) -> dict[int, int]:
+def _rotations(items: Sequence[Item], round_: int) -> dict[int, int]:
     """Return the rotation of each item's options in a round.
 
     The truth takes every position equally often among a task's questions with equally many options, and another one in
@@ -50,8 +50,8 @@ def _turned(items: Sequence[Item], round_: int) -> dict[int, int]:
 def _steps(
     items: Sequence[Item], share: Sequence[int], turned: dict[int, int], every: int, key: tuple[int, ...]
 ) -> Iterator[Step]:
-    practice = {task: list(its) for task, its in groupby(_of(items, "practice"), key=lambda i: items[i].task)}
-    checks, task = iter(_of(items, "check")), ""
+    practice = {task: list(its) for task, its in groupby(_indices_of_kind(items, "practice"), key=lambda i: items[i].task)}
+    checks, task = iter(_indices_of_kind(items, "check")), ""
     for answered, i in enumerate(share):
         if items[i].task != task:
             task = items[i].task
@@ -62,6 +62,6 @@ def _steps(
         yield Step(item=i, permutation=turned[i])
 
 
-def _of(items: Sequence[Item], kind: str) -> list[int]:
+def _indices_of_kind(items: Sequence[Item], kind: str) -> list[int]:
     """Return the indices of the items of a kind."""
     return [i for i, item in enumerate(items) if item.kind == kind]

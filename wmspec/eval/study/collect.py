@@ -24,9 +24,9 @@ from wmspec.eval.study.model import Item, Study, load
 from wmspec.eval.study.store import Store
 
 #: Prefix of a person's name in the column `model`, and the name of the prompt.
-RATER, PROMPT = "human:", "study"
+RATER_PREFIX, PROMPT = "human:", "study"
 #: Time below which an answer is too fast to be based on the pictures (s).
-HASTY = 1.0
+MIN_SECONDS = 1.0
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Agreement:
 
 
 @dataclass(frozen=True)
-class Collected:
+class StudyResult:
     """The result of a study; `missing` is the number of replies that its design still lacks."""
 
     raters: tuple[Rater, ...]
@@ -73,7 +73,7 @@ class Collected:
     missing: int
 
 
-def collect(folder: Path, files: Sequence[Path], output: Path, least_checks: float = 0.0) -> Collected:
+def collect(folder: Path, files: Sequence[Path], output: Path, least_checks: float = 0.0) -> StudyResult:
     """Write the results of a study, from its server's file and from saved files. The first answer to a step counts.
 
     Raters who passed a smaller share of attention checks than `least_checks` are reported and excluded. Raises WmsError
@@ -85,14 +85,14 @@ def collect(folder: Path, files: Sequence[Path], output: Path, least_checks: flo
     visits = _visits(study, folder, files)
     if not any(visit.answers for visit in visits):
         raise WmsError(f"{folder} has no answers yet; give the files that its page gave, or `wmspec study serve` it")
-    named = _named(visits)
+    named = _visits_by_name(visits)
     raters = tuple(_rater(study, visit, name, least_checks) for name, visit in named.items())
     rows = [row for rater in raters if rater.counted for row in _rows(study, named[rater.rater], rater.rater)]
     places = {item.id: place for place, item in enumerate(study.items)}
     rows.sort(key=lambda row: (places[row["id"]], row["model"]))
     wanted = sum(item.kind == "question" for item in study.items) * study.raters
     enough = sum(min(count, study.raters) for count in Counter(row["id"] for row in rows).values())
-    collected = Collected(raters, tuple(_agreement(rows)), len(rows), wanted - enough)
+    collected = StudyResult(raters, tuple(_agreement(rows)), len(rows), wanted - enough)
     results.write(output, rows, _about(study, rows, collected))
     return collected
 
@@ -120,7 +120,7 @@ def _visits(study: Study, folder: Path, files: Sequence[Path]) -> list[Visit]:
     return list(visits.values())
 
 
-def _named(visits: Iterable[Visit]) -> dict[str, Visit]:
+def _visits_by_name(visits: Iterable[Visit]) -> dict[str, Visit]:
     """Return visits by the rater's name: that of the link, else a unique prefix of the session id."""
     visits = sorted((visit for visit in visits if visit.answers), key=lambda visit: visit.session)
     count = Counter(visit.rater for visit in visits)
@@ -128,7 +128,7 @@ def _named(visits: Iterable[Visit]) -> dict[str, Visit]:
     return {visit.rater if visit.rater and count[visit.rater] == 1 else long[visit.session]: visit for visit in visits}
 
 
-def _shown(study: Study, visit: Visit) -> Iterable[tuple[answers.Answer, Item, int]]:
+def _answered_items(study: Study, visit: Visit) -> Iterable[tuple[answers.Answer, Item, int]]:
     for answer in visit.answers:
         shown = study.step(visit.slot, answer.step)
         if shown is not None:
@@ -137,7 +137,7 @@ def _shown(study: Study, visit: Visit) -> Iterable[tuple[answers.Answer, Item, i
 
 def _rater(study: Study, visit: Visit, name: str, least_checks: float) -> Rater:
     by_kind = defaultdict(list)
-    for answer, item, permutation in _shown(study, visit):
+    for answer, item, permutation in _answered_items(study, visit):
         by_kind[item.kind].append((answer, item, permutation))
     passed = sum(item.is_right(answer.text, permutation) for answer, item, permutation in by_kind["check"])
     seconds = [answer.seconds for answer, _, _ in by_kind["question"]]
@@ -153,7 +153,7 @@ def _rater(study: Study, visit: Visit, name: str, least_checks: float) -> Rater:
         right=sum(row["right"] for row in rows),
         questions=len(rows),
         seconds=median(seconds) if seconds else None,
-        hasty=sum(s < HASTY for s in seconds) / len(seconds) if seconds else 0.0,
+        hasty=sum(s < MIN_SECONDS for s in seconds) / len(seconds) if seconds else 0.0,
         away=sum(answer.away for answer in visit.answers),
         counted=passed >= least_checks * len(by_kind["check"]),
     )
@@ -163,11 +163,11 @@ def _rows(study: Study, visit: Visit, name: str) -> list[results.Row]:
     """Return the scored rows of one person's answers."""
     template = prompt.load("default")  # letters for all options, as on the page
     made = []
-    for answer, item, permutation in _shown(study, visit):
+    for answer, item, permutation in _answered_items(study, visit):
         if item.kind == "question":
             text = answer.text if item.options else f"{answer.text} {item.shown_unit}".rstrip()
             reply = Reply(text=text, seconds=answer.seconds)
-            row = results.row(Ask(item.question(), template, permutation), reply, f"{RATER}{name}", PROMPT)
+            row = results.row(Ask(item.question(), template, permutation), reply, f"{RATER_PREFIX}{name}", PROMPT)
             made.append(row | {"prompt_hash": study.fingerprint})
     return made
 
@@ -190,7 +190,7 @@ def _agreement(rows: Sequence[results.Row]) -> Iterable[Agreement]:
         )
 
 
-def _about(study: Study, rows: Sequence[results.Row], collected: Collected) -> dict[str, Any]:
+def _about(study: Study, rows: Sequence[results.Row], collected: StudyResult) -> dict[str, Any]:
     """Return the content of the settings file."""
     counted = results.counts(rows)
     return {

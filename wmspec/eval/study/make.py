@@ -19,11 +19,11 @@ from wmspec.eval.study.assign import slots
 from wmspec.eval.study.model import FILE, PAGE, Item, Kind, Study, load, save
 
 #: Words for attention checks.
-_WORDS = ("apple", "boat", "candle", "door", "feather", "garden", "hammer", "island")
+_CHECK_WORDS = ("apple", "boat", "candle", "door", "feather", "garden", "hammer", "island")
 
 
 @dataclass(frozen=True)
-class Options:
+class StudyOptions:
     """The design of a study.
 
     Questions of each task, raters of each question, questions of each participant, practice of each task, questions for
@@ -40,14 +40,14 @@ class Options:
     engines: tuple[str, ...] = ()
 
 
-def make(dataset: DatasetReader, options: Options, folder: Path) -> Study:
+def make(dataset: DatasetReader, options: StudyOptions, folder: Path) -> Study:
     """Write a study to a folder; existing texts are kept.
 
     Raises WmsError if the dataset lacks a task or engine, or if the folder has answers to another study.
     """
     dataset.intact()
     pictures = folder / PAGE / "pictures"
-    chosen = dict(_chosen(dataset, options))
+    chosen = dict(_chosen_questions(dataset, options))
     if "question" not in chosen.values():
         raise WmsError("the dataset has no questions for a study; `wmspec view` shows what it has")
     with with_remedies(folder):
@@ -69,7 +69,7 @@ def make(dataset: DatasetReader, options: Options, folder: Path) -> Study:
     return study
 
 
-def _chosen(dataset: DatasetReader, options: Options) -> Iterator[tuple[str, Kind]]:
+def _chosen_questions(dataset: DatasetReader, options: StudyOptions) -> Iterator[tuple[str, Kind]]:
     """Yield the ids of the questions, and the purpose of each. Practice questions are not repeated.
 
     Instances come in random order, with all their questions, each in one engine; engines alternate.
@@ -125,10 +125,10 @@ def _put(png: bytes, folder: Path) -> str:
     return name
 
 
-def _checks(options: Options) -> Iterator[Item]:
+def _checks(options: StudyOptions) -> Iterator[Item]:
     """Yield as many attention checks as a participant can meet."""
     for number in range(-(-options.per_person // options.check_every) if options.check_every else 0):
-        words = sorted(_WORDS, key=lambda word: bits(options.seed, "check", number, word))[:4]
+        words = sorted(_CHECK_WORDS, key=lambda word: bits(options.seed, "check", number, word))[:4]
         answer = bits(options.seed, "check", number) % 4
         text = f"This one only checks that questions are read: please choose “{words[answer]}”."
         yield Item(id=f"check/{number}", kind="check", task="", text=text, words=tuple(words), answer=answer)

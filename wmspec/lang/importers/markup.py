@@ -90,7 +90,7 @@ class Reader:
             what = "a number" if count == 1 else f"{count} numbers"
             self.faults.add(e.where, f'{name}="{shown}" is not {what}', "correct it")
         elif any(not math.isfinite(x) or abs(x) > MAX_MAGNITUDE for x in values):
-            self.faults.add(e.where, f'{name}="{shown}" is out of all proportion', "use SI units: m, kg, rad")
+            self.faults.add(e.where, f'{name}="{shown}" is implausibly large', "use SI units: m, kg, rad")
         elif any(x <= above for x in values):
             self.faults.add(e.where, f'{name}="{shown}" must be more than {above:g}', "correct it")
         else:
@@ -138,7 +138,7 @@ class _Builder:
         except UnreadableAsset:
             raise
         except (expat.ExpatError, ValueError, LookupError) as error:
-            raise self._stop(f"is no XML: {error}", "mend it, or export it again") from None
+            raise self._stop(f"is no XML: {error}", "fix it, or export it again") from None
         return top.children[0]
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
@@ -152,7 +152,7 @@ class _Builder:
         self._open.append(made)
 
     def _doctype(self, *_: object) -> None:
-        raise self._stop("has a document type, in which entities could be declared", "remove the line `<!DOCTYPE`")
+        raise self._stop("has a DTD, which is not allowed", "remove the line `<!DOCTYPE`")
 
     def _stop(self, message: str, help: str) -> UnreadableAsset:
         return self._faults.stop(FilePlace(self._shown, self._parser.CurrentLineNumber), message, help)

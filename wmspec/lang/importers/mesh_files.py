@@ -28,7 +28,7 @@ def check_mesh_file(path: Path) -> None:
     if kind == ".stl" and (size - _STL_HEAD) / _STL_FACE * 3 > POINTS.most and _binary(path):
         raise POINTS.exceeded()
     if kind == ".dae" and b"<!" in path.read_bytes().replace(b"<!--", b"").replace(b"<![CDATA[", b""):
-        raise WmsError("has a document type or entities", help="remove them, or export it again")
+        raise WmsError("has a DTD or entities, which are not allowed", help="remove them, or export it again")
     if kind in (".gltf", ".glb"):
         _check_references(path, _gltf(path))
 
@@ -52,19 +52,19 @@ def _gltf(path: Path) -> Any:
         return None
 
 
-def _check_references(path: Path, told: Any) -> None:
+def _check_references(path: Path, content: Any) -> None:
     """Raise WmsError for a reference outside the file's folder, and for too many points."""
-    for uri in _all(told, "uri"):
+    for uri in _all(content, "uri"):
         if not uri.startswith("data:") and not is_within(path.parent, path.parent / uri):
             raise WmsError(f"uses `{uri[:80]}`, which is not beside it", help="put it there, or export a .glb")
-    if sum(count for count in _all(told, "count") if count > 0) > 10 * POINTS.most:
+    if sum(count for count in _all(content, "count") if count > 0) > 10 * POINTS.most:
         raise POINTS.exceeded()
 
 
-def _all(told: Any, key: str) -> Iterator[Any]:
+def _all(content: Any, key: str) -> Iterator[Any]:
     """Yield the values of a key in all parts of a glTF: texts of `uri`, numbers of `count`."""
     for part in ("buffers", "images", "accessors"):
-        for each in told.get(part, ()) if isinstance(told, dict) and isinstance(told.get(part), list) else ():
+        for each in content.get(part, ()) if isinstance(content, dict) and isinstance(content.get(part), list) else ():
             value = each.get(key) if isinstance(each, dict) else None
             if isinstance(value, str if key == "uri" else int):
                 yield value

@@ -48,7 +48,7 @@ class _Mjcf:
         if not worlds:
             raise self.faults.stop(self.root.where, "has no `worldbody`", "is this the right file?")
         if len(worlds) > 1:
-            self.faults.add(worlds[1].where, "is said twice", "make it one")
+            self.faults.add(worlds[1].where, "occurs twice", "merge them")
         base = self._base(worlds[0])
         for body, parent, inherited in self._bodies(worlds[0], base):
             self._body(body, parent, inherited)
@@ -94,7 +94,7 @@ class _Mjcf:
             what = f"has more than {MAX_LINKS} bodies or {MAX_SHAPES} geoms"
             raise self.faults.stop(self.root.where, what, "make it simpler")
         if link.shapes and link.mass is None:
-            what = "nothing says what it weighs"
+            what = "it has no mass"
             self.faults.add(body.where, what, "give it an `inertial`, or one of its geoms a mass")
         self.links[name] = link
         joint = self.joints.of(body, parent, inherited)

@@ -180,7 +180,7 @@ class Geoms:
             if isinstance(shape.form, MeshFile):
                 if mass == 0:
                     continue
-                what, help = "the mass of a mesh is not worked out", 'give its body an `inertial`, or the mesh mass="0"'
+                what, help = "the mass of a mesh is not computed", 'give its body an `inertial`, or the mesh mass="0"'
                 self.faults.add(e.where, what, help)
                 return None
             if mass < 0:

@@ -173,8 +173,8 @@ def _check_inertias(walk: _Walk, faults: Faults) -> None:
             continue
         moments = np.sort(link.mass.moments)
         if moments[0] <= 0 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-6):
-            told = ", ".join(f"{m:.3g}" for m in moments)
-            what = f"no solid has its moments of inertia, {told}: each is above 0 and none above the others' sum"
+            values = ", ".join(f"{m:.3g}" for m in moments)
+            what = f"no solid has its moments of inertia, {values}: each is above 0 and none above the others' sum"
             faults.add(link.where, what, "correct `inertia`, or remove `inertial` to have it by density")
 
 

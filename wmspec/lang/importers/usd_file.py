@@ -41,9 +41,9 @@ def stage_of(path: Path, folder: Path | None, shown: str, faults: Faults) -> Ite
     except TooLarge as error:
         limit = error.diagnostics[0]
         raise faults.stop(FilePlace(shown), limit.message, limit.help) from None
-    except Exception as error:  # noqa: BLE001  what others wrote may be of any type
+    except Exception as error:  # noqa: BLE001  plug-ins may raise any type
         raise faults.stop(
-            FilePlace(shown), f"cannot be read: {error_text(error)}", "mend it, or export it again"
+            FilePlace(shown), f"cannot be read: {error_text(error)}", "fix it, or export it again"
         ) from None
     finally:
         del quiet

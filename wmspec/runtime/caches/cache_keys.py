@@ -17,17 +17,17 @@ _PLAIN = Surface()
 
 def physics_key(scene: Scene) -> bytes:
     """Return the hash of what physics reads: scenes with equal keys have equal traces."""
-    return _once(scene, "physics", _physics)
+    return _cached_hash(scene, "physics", _physics)
 
 
 def form_key(scene: Scene) -> bytes:
     """Return the hash of what a picture shows, except poses and colours."""
-    return _once(scene, "form", _form)
+    return _cached_hash(scene, "form", _form)
 
 
 def look_key(scene: Scene) -> bytes:
     """Return the hash of what a picture shows, except poses."""
-    return _once(scene, "look", lambda s: digest(form_key(s), [_once(b, "paint", _paint) for b in s.bodies]))
+    return _cached_hash(scene, "look", lambda s: digest(form_key(s), [_cached_hash(b, "paint", _body_colors) for b in s.bodies]))
 
 
 def shot_key(shot: Shot) -> bytes:
@@ -36,28 +36,28 @@ def shot_key(shot: Shot) -> bytes:
 
 
 def _physics(scene: Scene) -> bytes:
-    bodies = [_once(body, "physics", _felt) for body in scene.bodies]
+    bodies = [_cached_hash(body, "physics", _body_physics) for body in scene.bodies]
     return digest(scene.gravity, scene.actions, bodies, scene.joints, scene.filtered, scene.duration, scene.rate)
 
 
-def _felt(body: Body) -> bytes:
+def _body_physics(body: Body) -> bytes:
     return digest(replace(body, geoms=tuple(replace(geom, surface=_PLAIN) for geom in body.geoms)))
 
 
 def _form(scene: Scene) -> bytes:
-    return digest([_once(body, "form", _shown) for body in scene.bodies], scene.cameras, scene.light, scene.background)
+    return digest([_cached_hash(body, "form", _body_appearance) for body in scene.bodies], scene.cameras, scene.light, scene.background)
 
 
-def _shown(body: Body) -> bytes:
+def _body_appearance(body: Body) -> bytes:
     pieces = [(g.shape, g.pose, g.surface.texture, g.surface.repeats, g.collides) for g in body.geoms if g.visible]
     return digest(body.name, body.motion, pieces)
 
 
-def _paint(body: Body) -> bytes:
+def _body_colors(body: Body) -> bytes:
     return digest([geom.surface for geom in body.geoms if geom.visible])
 
 
-def _once(whole: Any, name: str, make: Callable[[Any], bytes]) -> bytes:
+def _cached_hash(whole: Any, name: str, make: Callable[[Any], bytes]) -> bytes:
     """Return a hash of an immutable object, cached outside its fields: copies and comparisons ignore it."""
     kept: dict[str, bytes] = whole.__dict__.setdefault("_keys", {})
     if name not in kept:

@@ -9,7 +9,7 @@ from wmspec.runtime.engines.registry import backend
 from wmspec.sim.scene.model import Frame, Look, Renderer, Scene, Shot
 
 #: Cache size of pictures (bytes), and maximum number of open renderers.
-REMEMBERED, OPEN = 96_000_000, 4
+MAX_PICTURE_BYTES, MAX_OPEN_RENDERERS = 96_000_000, 4
 
 
 class RenderCache:
@@ -25,7 +25,7 @@ class RenderCache:
         height: int,
         look: Look = "parity",
         samples: int | None = None,
-        remembered: int = REMEMBERED,
+        remembered: int = MAX_PICTURE_BYTES,
     ) -> None:
         self.engine = engine
         self.size = (width, height)
@@ -67,7 +67,7 @@ class RenderCache:
             renderer = self._made(scene)
         self._open[form] = look, renderer
         self._open.move_to_end(form)
-        if len(self._open) > OPEN:
+        if len(self._open) > MAX_OPEN_RENDERERS:
             self._open.popitem(last=False)[1][1].close()
         return renderer
 

@@ -15,10 +15,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.compile.stage.episode import build_document
-from wmspec.compile.stage.layers import without_geometry, compose
+from wmspec.compile.stage.layers import compose, without_geometry
 from wmspec.compile.stage.object_cache import ObjectCache
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.ir import TaskSpec
@@ -45,9 +45,9 @@ _TYPES = {
     "Camera",
 }
 _TYPES |= {"Cube", "Sphere", "Cylinder", "Cone", "Capsule", "Plane", "Mesh", "GeomSubset", "WmsObservation"}
-_TYING = ("PhysicsFilteredPairsAPI", "PhysicsArticulationRootAPI", "CollectionAPI")
+_CONNECTING_SCHEMAS = ("PhysicsFilteredPairsAPI", "PhysicsArticulationRootAPI", "CollectionAPI")
 #: Number of whole scenes cached, for a few groups whose members are each other's options.
-SIBLINGS = 64
+MAX_SCENES = 64
 
 #: The paths of the prims of every part.
 _Parts = dict[str, list[str]]
@@ -75,7 +75,7 @@ class SceneCache:
                 values.spec,
                 self.scene(build_document(values, self._objects)),
             )  # keeping the spec keeps its `id` unique
-            if len(self._built) > SIBLINGS:
+            if len(self._built) > MAX_SCENES:
                 self._built.popitem(last=False)
         self._built.move_to_end(key)
         return self._built[key][1]
@@ -90,7 +90,7 @@ class SceneCache:
             return read(compose(document, sources=False))
         try:
             return self._assembled(document, parts)
-        except _Whole:
+        except _ReadWhole:
             return read(compose(document, sources=False))
 
     def _assembled(self, document: Document, parts: _Parts) -> Scene:
@@ -107,7 +107,7 @@ class SceneCache:
         bodies = tuple(body for known, _ in objects for body in known)
         cameras = [camera for _, riding in objects for camera in riding]
         cameras += [content[part] for part in content if part.startswith(_CAMERAS)]
-        _alone(bodies, cameras, document)
+        _require_independent_names(bodies, cameras, document)
         frame: Scene = content[_FRAME]
         light, background = content[_LIGHTS]
         return replace(
@@ -133,15 +133,15 @@ class SceneCache:
         try:
             scene = read(without_geometry(compose(small, sources=False), [part for part in robots if part not in missing]))
         except WmsError:
-            raise _Whole from None  # which reports all errors
-        _alone(scene.bodies, scene.cameras, document)
+            raise _ReadWhole from None  # which reports all errors
+        _require_independent_names(scene.bodies, scene.cameras, document)
         if scene.joints or scene.filtered:
-            raise _Whole
+            raise _ReadWhole
         for part in missing:
             self._known[keys[part]] = _content(scene, part, parts.get(part, ()), document)
 
 
-class _Whole(Exception):
+class _ReadWhole(Exception):
     """Control flow: the document must be read as a whole."""
 
 
@@ -163,7 +163,7 @@ def _part(path: str, prim: Prim) -> str | None:
         return ""
     if path == _EPISODE:
         return _FRAME
-    if any(schema.startswith(_TYING) for schema in prim.schemas):
+    if any(schema.startswith(_CONNECTING_SCHEMAS) for schema in prim.schemas):
         return None
     for part in (_FRAME, _LIGHTS, _ACTIONS, _OBSERVATIONS):
         if path == part or path.startswith(f"{part}/"):
@@ -179,14 +179,14 @@ def _robots(document: Document) -> list[str]:
     return [path for path, prim in document.prims.items() if prim.reference]
 
 
-def _alone(bodies: Sequence[Body], cameras: Sequence[Camera], document: Document) -> None:
+def _require_independent_names(bodies: Sequence[Body], cameras: Sequence[Camera], document: Document) -> None:
     """Raise _Whole if names depend on other parts."""
     robots = tuple(f"{path}/" for path in _robots(document))
     given = {body.path.rpartition("/")[2] for body in bodies if body.path.startswith(robots)}
     others = [body.name for body in bodies if not body.path.startswith(robots)]
     names, seen = {body.name for body in bodies}, {camera.name for camera in cameras}
     if len(names) < len(bodies) or len(seen) < len(cameras) or not given.isdisjoint(others):
-        raise _Whole
+        raise _ReadWhole
 
 
 def _keys(document: Document, parts: _Parts) -> dict[str, bytes]:
@@ -208,7 +208,7 @@ def _bytes_of(document: Document, paths: Iterable[str]) -> bytes:
     try:
         return b"".join(path.encode() + b"\0" + document.prims[path].digest for path in paths)
     except ValueError:  # a value that is not a number, a text or a list of these
-        raise _Whole from None
+        raise _ReadWhole from None
 
 
 def _reached(document: Document, parts: _Parts, part: str, robots: Sequence[str]) -> list[str]:
@@ -231,7 +231,7 @@ def _targets(prim: Prim, robots: Sequence[str]) -> Sequence[str]:
 def _owner(path: str, parts: _Parts) -> str:
     whole = "/".join(path.split("/", 4)[:4])
     if whole not in parts:
-        raise _Whole  # its target cannot be read separately
+        raise _ReadWhole  # its target cannot be read separately
     return whole
 
 
@@ -251,7 +251,7 @@ def _content(scene: Scene, part: str, paths: Sequence[str], document: Document) 
     bodies = tuple(body for body in scene.bodies if body.path == part or body.path.startswith(f"{part}/"))
     for body in bodies:
         if body.name != body.path.rpartition("/")[2] and not document.prims[part].reference:
-            raise _Whole  # its name depends on other names
+            raise _ReadWhole  # its name depends on other names
     riding = [path for path in paths if document.prims[path].type == "Camera"]
     return bodies, tuple(_named(scene.cameras, path) for path in riding)
 
@@ -260,5 +260,5 @@ def _named(cameras: Sequence[Camera], path: str) -> Camera:
     """Return the camera with the name of its prim."""
     named = [camera for camera in cameras if camera.name == path.rpartition("/")[2]]
     if len(named) != 1:
-        raise _Whole
+        raise _ReadWhole
     return named[0]

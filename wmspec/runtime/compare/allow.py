@@ -14,7 +14,7 @@ from wmspec.sim.scene.model import Contact, Scene, Trace
 Array = NDArray[np.float64]
 
 #: Maximum speed (m/s) of a body at rest, an order of magnitude above solver jitter.
-STILL = 0.01
+REST_SPEED = 0.01
 
 
 @dataclass(frozen=True)
@@ -27,14 +27,14 @@ class Allowance:
 
 def allowance(scene: Scene, a: Trace, b: Trace, tolerances: Tolerances) -> Allowance:
     """Return the permitted differences: they grow with time in motion, and after impacts by the timing tolerance."""
-    met = np.maximum(*(met_at(scene, t, tolerances.event) for t in (a, b)))
-    moving = np.maximum(*(np.linalg.norm(t.linear_velocity, axis=2) for t in (a, b))) > STILL
+    met = np.maximum(*(impact_speeds(scene, t, tolerances.event) for t in (a, b)))
+    moving = np.maximum(*(np.linalg.norm(t.linear_velocity, axis=2) for t in (a, b))) > REST_SPEED
     velocity = tolerances.drift + tolerances.impact * met
     grown = np.cumsum(np.where(moving, velocity, 0.0), axis=0) / scene.rate
     return Allowance(velocity, tolerances.rest + tolerances.event * met + grown)
 
 
-def met_at(scene: Scene, trace: Trace, apart: float) -> Array:
+def impact_speeds(scene: Scene, trace: Trace, apart: float) -> Array:
     """Return the maximum impact speed (m/s) of each body so far, (T, N); zero before the first impact.
 
     Impacts also propagate to bodies in contact.
@@ -42,15 +42,15 @@ def met_at(scene: Scene, trace: Trace, apart: float) -> Array:
     index = {name: i for i, name in enumerate(trace.bodies)}
     met = np.zeros(trace.position.shape[:2])
     for contact in impacts(trace, apart):
-        i, j, k = index[contact.first], index[contact.second], sample(trace, contact.start)
-        met[k:, [i, j]] = np.maximum(met[k:, [i, j]], closing(trace, i, j, contact.start))
+        i, j, k = index[contact.first], index[contact.second], sample_index(trace, contact.start)
+        met[k:, [i, j]] = np.maximum(met[k:, [i, j]], closing_speed(trace, i, j, contact.start))
     movable = {b.name for b in scene.bodies if b.motion == "dynamic"}
     linked = [c for c in trace.contacts if {c.first, c.second} <= movable]
     for _ in movable:
         before = met.copy()
         for contact in linked:
             i, j = index[contact.first], index[contact.second]
-            during = slice(sample(trace, contact.start), sample(trace, contact.stop) + 1)
+            during = slice(sample_index(trace, contact.start), sample_index(trace, contact.stop) + 1)
             met[during, [i, j]] = met[during, [i, j]].max(axis=1, keepdims=True)
         np.maximum.accumulate(met, axis=0, out=met)
         if np.array_equal(met, before):
@@ -68,12 +68,12 @@ def impacts(trace: Trace, apart: float) -> Iterator[Contact]:
         stopped[pair] = contact.stop
 
 
-def closing(trace: Trace, i: int, j: int, time: float) -> float:
+def closing_speed(trace: Trace, i: int, j: int, time: float) -> float:
     """Return the relative speed (m/s) of two bodies' centres just before `time` (s)."""
-    k = max(sample(trace, time) - 1, 0)
+    k = max(sample_index(trace, time) - 1, 0)
     return float(np.linalg.norm(trace.linear_velocity[k, i] - trace.linear_velocity[k, j]))
 
 
-def sample(trace: Trace, time: float) -> int:
+def sample_index(trace: Trace, time: float) -> int:
     """Return the index of the last sample not after `time` (s)."""
     return int(np.searchsorted(trace.time, time + 1e-9, side="right")) - 1

@@ -15,7 +15,7 @@ from wmspec.runtime.caches.scene_cache import SceneCache
 from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.compare.answers import EngineAnswer, agree, answer, difference
 from wmspec.runtime.compare.compare import compare
-from wmspec.runtime.compare.model import Cause, Checked, Comparison, Failure, Pair, Verdict
+from wmspec.runtime.compare.model import Cause, CheckResult, Comparison, Failure, Pair, Verdict
 from wmspec.runtime.compare.tolerance import Tolerances
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import TRUTH
@@ -24,13 +24,13 @@ from wmspec.runtime.questions.runs import EnginePair, Run, values_of
 from wmspec.sim.scene.model import Scene, Trace
 
 #: Size (px) of the pictures on which `visible`, `occluded` and `contrast` are measured.
-SIDE = 256
+MEASUREMENT_SIZE = 256
 
 #: A trace by engine and run.
 Traces = Mapping[tuple[str, str], Trace]
 
 
-def check(design: Design, index: int, engines: Sequence[TraceCache], tolerances: Tolerances) -> Checked:
+def check(design: Design, index: int, engines: Sequence[TraceCache], tolerances: Tolerances) -> CheckResult:
     """Execute an instance in every engine and compare each pair of engines."""
     spec, instance = design.spec, design[index]
     scenes, failures = _scenes(design, instance)
@@ -44,7 +44,7 @@ def check(design: Design, index: int, engines: Sequence[TraceCache], tolerances:
     )
     executed = _Executed(design, instance, scenes, traces)
     verdicts = tuple(v for q in range(len(spec.questions)) for v in executed.verdicts(q, pairs, comparisons))
-    return Checked(spec.name, index, instance.factors, instance.nuisances, comparisons, verdicts, (*failures, *failed))
+    return CheckResult(spec.name, index, instance.factors, instance.nuisances, comparisons, verdicts, (*failures, *failed))
 
 
 def run_name(spec: TaskSpec, q: int, change: Counterfactual) -> str:
@@ -151,7 +151,7 @@ def _reader() -> SceneCache:
 @cache
 def _renders(engine: str) -> RenderCache:
     """Return the renderer for measurements on pictures; renderers are created on first use."""
-    return RenderCache(engine, SIDE, SIDE)
+    return RenderCache(engine, MEASUREMENT_SIZE, MEASUREMENT_SIZE)
 
 
 def _cause(comparisons: Sequence[Comparison]) -> Cause | None:

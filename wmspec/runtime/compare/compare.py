@@ -6,7 +6,7 @@ from collections.abc import Iterator, Set
 
 import numpy as np
 
-from wmspec.runtime.compare.allow import STILL, Array, allowance, closing, impacts, sample
+from wmspec.runtime.compare.allow import REST_SPEED, Array, allowance, closing_speed, impacts, sample_index
 from wmspec.runtime.compare.explain import cause
 from wmspec.runtime.compare.model import Comparison, Event, Gap, Rest
 from wmspec.runtime.compare.regimes import regimes
@@ -53,7 +53,7 @@ def _events(a: Trace, b: Trace, allowed: Array, event: float) -> Iterator[Event]
         seen = [(t, trace) for t, trace in zip(times, (a, b), strict=True) if t is not None]
         time, trace = min(seen, key=lambda s: s[0])
         i, j = index[pair[0]], index[pair[1]]
-        slack = allowed[sample(trace, time), [i, j]].sum() / max(closing(trace, i, j, time), STILL) + event
+        slack = allowed[sample_index(trace, time), [i, j]].sum() / max(closing_speed(trace, i, j, time), REST_SPEED) + event
         latest = max(t for t, _ in seen) if len(seen) == 2 else float(a.time[-1])
         yield Event(*pair, times, bool(latest - time <= slack))
 
@@ -72,5 +72,5 @@ def _rests(scene: Scene, moving: list[int], a: Trace, b: Trace, rate: Array) -> 
     """Yield bodies at rest at the end in one engine only, beyond the permitted velocity differences (N,)."""
     for i in moving:
         speeds = [float(np.linalg.norm(t.linear_velocity[-1, i])) for t in (a, b)]
-        if min(speeds) < STILL and max(speeds) - min(speeds) > STILL + rate[i]:
+        if min(speeds) < REST_SPEED and max(speeds) - min(speeds) > REST_SPEED + rate[i]:
             yield Rest(scene.bodies[i].name, (speeds[0], speeds[1]))

@@ -10,7 +10,7 @@ from wmspec.sim.scene.model import Body, Contact, Friction, Scene, Trace
 from wmspec.sim.scene.physics.contact import colliders, combine_friction
 
 #: Friction below which ball collisions agree; at 0.5 the final distance is three times larger.
-SMOOTH = 0.1
+MAX_SMOOTH_FRICTION = 0.1
 
 _ALONE = "it had touched nothing: the engines differ in free motion"
 
@@ -100,6 +100,6 @@ def _hint(body: Body, other: Body, material: Friction, impacts: int) -> str:
             "where a face or an edge is hit decides how a body turns: hit it nearer to its middle, let one be a "
             "ball, or look earlier"
         )
-    if material.dynamic > SMOOTH:
-        return f"balls that rub climb on each other: lower the friction of both to {SMOOTH:g}, or look earlier"
+    if material.dynamic > MAX_SMOOTH_FRICTION:
+        return f"balls that rub climb on each other: lower the friction of both to {MAX_SMOOTH_FRICTION:g}, or look earlier"
     return "the engines differ in how this pair bounces and rubs: look earlier, or ask for less precision"

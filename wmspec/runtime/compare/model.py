@@ -136,7 +136,7 @@ class Failure:
 
 
 @dataclass(frozen=True)
-class Checked:
+class CheckResult:
     """All results for one instance."""
 
     task: str

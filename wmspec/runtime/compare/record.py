@@ -9,9 +9,9 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from wmspec import __version__
-from wmspec.runtime.compare.model import Checked
-from wmspec.runtime.compare.summary import doubtful, lines, suspects
-from wmspec.runtime.compare.sweep import Job, pairs
+from wmspec.runtime.compare.model import CheckResult
+from wmspec.runtime.compare.summary import unreliable_answers, lines, suspects
+from wmspec.runtime.compare.sweep import SweepConfig, pairs
 from wmspec.runtime.compare.verbalize import complaints, failure, parting
 from wmspec.runtime.engines.registry import engine_version
 
@@ -19,7 +19,7 @@ from wmspec.runtime.engines.registry import engine_version
 FORMAT = 1
 
 
-def record(job: Job, checked: Sequence[Checked], strict: bool) -> dict[str, Any]:
+def record(job: SweepConfig, checked: Sequence[CheckResult], strict: bool) -> dict[str, Any]:
     """Return the crosscheck as JSON values, in SI units."""
     return {
         "format": FORMAT,
@@ -31,12 +31,12 @@ def record(job: Job, checked: Sequence[Checked], strict: bool) -> dict[str, Any]
         "passes": all(c.passes(strict) for c in checked),
         "summary": [asdict(line) for line in lines(checked, pairs(job.engines))],
         "suspects": [asdict(s) for s in suspects(checked)],
-        "doubtful": [asdict(d) for d in doubtful(checked)],
+        "doubtful": [asdict(d) for d in unreliable_answers(checked)],
         "instances": [_instance(c, strict) for c in checked],
     }
 
 
-def _instance(checked: Checked, strict: bool) -> dict[str, Any]:
+def _instance(checked: CheckResult, strict: bool) -> dict[str, Any]:
     comparisons = [asdict(c) | {"within": c.within} for c in checked.comparisons]
     verdicts = [asdict(v) | {"asked": v.asked} for v in checked.verdicts]
     return {
@@ -48,7 +48,7 @@ def _instance(checked: Checked, strict: bool) -> dict[str, Any]:
     }
 
 
-def junit(job: Job, checked: Sequence[Checked], strict: bool) -> str:
+def junit(job: SweepConfig, checked: Sequence[CheckResult], strict: bool) -> str:
     """Return JUnit XML: a suite per task, a case per instance; passing deviations are in its output."""
     root = ET.Element("testsuites", name="wmspec crosscheck")
     for task in dict.fromkeys(c.task for c in checked):
@@ -67,7 +67,7 @@ def junit(job: Job, checked: Sequence[Checked], strict: bool) -> str:
     return ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 
 
-def _case(suite: ET.Element, checked: Checked, job: Job, strict: bool) -> None:
+def _case(suite: ET.Element, checked: CheckResult, job: SweepConfig, strict: bool) -> None:
     name = f"{checked.task}[{checked.index}]"
     case = ET.SubElement(suite, "testcase", classname=f"crosscheck.{checked.task}", name=name)
     reasons = complaints(checked, strict)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.runtime.compare.allow import closing, impacts, sample
+from wmspec.runtime.compare.allow import closing_speed, impacts, sample_index
 from wmspec.runtime.compare.model import Regime
 from wmspec.runtime.engines.registry import info, names
 from wmspec.sim.scene.capability import (
@@ -44,9 +44,9 @@ from wmspec.sim.shapes.cylinder import Cylinder
 
 ROW = "what strikes bodies that touch each other is answered by all of them at once"
 #: Maximum speed (m/s) of a body at rest.
-SLOW = 0.05
+MAX_REST_SPEED = 0.05
 #: Slides shorter than FAR (m), or with a rotation faster than UPRIGHT (rad/s), are little affected.
-FAR, UPRIGHT = 0.05, 1.0
+MIN_SLIDE, MAX_SLIDE_SPIN = 0.05, 1.0
 
 
 def regimes(scene: Scene, traces: tuple[Trace, ...], apart: float) -> tuple[Regime, ...]:
@@ -62,7 +62,7 @@ def entered(scene: Scene, trace: Trace, apart: float) -> tuple[Regime, ...]:
     found = [Regime(ROW, where) for where in _rows(scene, trace, apart)]
     engine = info(trace.engine) if trace.engine in names() else None
     lacking = {lack.capability for lack in engine.lacks} if engine else set()
-    for capability, (kind, where_entered) in SEEN.items():
+    for capability, (kind, where_entered) in TRACE_REGIMES.items():
         if engine and capability in lacking:
             found += [Regime(f"{engine.title} {kind}", where) for where in where_entered(scene, trace, apart)]
     return tuple({regime.kind: regime for regime in reversed(found)}.values())[::-1]
@@ -75,7 +75,7 @@ def _rows(scene: Scene, trace: Trace, apart: float) -> Iterator[str]:
     index = {name: i for i, name in enumerate(trace.bodies)}
     struck = {id(c) for c in impacts(trace, apart)}
     for hit in (c for c in free if id(c) in struck):
-        if closing(trace, index[hit.first], index[hit.second], hit.start) < SLOW:
+        if closing_speed(trace, index[hit.first], index[hit.second], hit.start) < MAX_REST_SPEED:
             continue
         for other in free:
             shared = {hit.first, hit.second} & {other.first, other.second}
@@ -97,7 +97,7 @@ def _beside(scene: Scene, trace: Trace, *contacts: Contact) -> bool:
     up = scene.gravity / size if size else np.zeros(3)
     index = {name: i for i, name in enumerate(trace.bodies)}
     for contact in contacts:
-        places = trace.position[sample(trace, contact.start)]
+        places = trace.position[sample_index(trace, contact.start)]
         way = places[index[contact.second]] - places[index[contact.first]]
         if abs(way @ up) > STEEP_COSINE * np.linalg.norm(way):
             return False
@@ -119,7 +119,7 @@ def _lands(scene: Scene, trace: Trace, apart: float) -> Iterator[str]:
             light in (c.first, c.second) and heavy not in (c.first, c.second) and c.start < hit.start <= c.stop
             for c in trace.contacts
         )
-        fast = closing(trace, index[heavy], index[light], hit.start) > HEAVY_LANDING_SPEED
+        fast = closing_speed(trace, index[heavy], index[light], hit.start) > HEAVY_LANDING_SPEED
         if caught and fast and free[heavy].mass >= least * free[light].mass * (1 - 1e-6):
             yield f"`{heavy}` lands on `{light}` at {hit.start:.3g} s"
 
@@ -133,7 +133,7 @@ def _leans(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
                 continue
             axis = rotate(trace.orientation[:, i], rotate(geom.pose.orientation, np.array([0.0, 0.0, 1.0])))
             angle = np.arccos(np.clip(np.abs(axis @ scene.gravity) / size, 0.0, 1.0))
-            still = np.linalg.norm(trace.angular_velocity[:, i], axis=1) < SLOW
+            still = np.linalg.norm(trace.angular_velocity[:, i], axis=1) < MAX_REST_SPEED
             just = np.array([is_leaning(shape.radius, shape.height, float(a)) for a in angle])
             if (still & just & _touching(trace, body)).any():
                 yield f"`{body.name}` stands {np.degrees(angle[still & just][0]):.3g} degrees from upright"
@@ -219,7 +219,7 @@ def _rolls(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
             stood = bool(abs(axis[0] @ scene.gravity) / size >= STEEP_COSINE)
             if not is_disc(geom.shape.radius, geom.shape.height, stands=stood):
                 continue
-            rolls = np.abs((axis * trace.angular_velocity[:, i]).sum(axis=1)) * geom.shape.radius > SLOW
+            rolls = np.abs((axis * trace.angular_velocity[:, i]).sum(axis=1)) * geom.shape.radius > MAX_REST_SPEED
             lying = np.abs(axis @ scene.gravity) / size < STEEP_COSINE
             if (rolls & lying & _touching(trace, body)).any():
                 yield f"`{body.name}` rolls from {trace.time[rolls & lying][0]:.3g} s on"
@@ -232,9 +232,9 @@ def _slides(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
         if body.motion != "dynamic" or all(geom.shape.primitive for geom in colliders(body)):
             continue
         speed = np.linalg.norm(trace.linear_velocity[:, i], axis=1)
-        flat = (speed > SLOW) & (np.linalg.norm(trace.angular_velocity[:, i], axis=1) < UPRIGHT)
+        flat = (speed > MAX_REST_SPEED) & (np.linalg.norm(trace.angular_velocity[:, i], axis=1) < MAX_SLIDE_SPIN)
         slides = flat & _touching(trace, body)
-        if (speed[slides] / scene.rate).sum() > FAR:
+        if (speed[slides] / scene.rate).sum() > MIN_SLIDE:
             yield f"`{body.name}` slides from {trace.time[slides][0]:.3g} s on"
 
 
@@ -248,7 +248,7 @@ def _touching(trace: Trace, body: Body) -> NDArray[np.bool_]:
 
 
 #: For each capability that some engines lack: its description, and the detector of its use in a trace.
-SEEN: Mapping[Capability, tuple[str, Callable[[Scene, Trace, float], Iterator[str]]]] = {
+TRACE_REGIMES: Mapping[Capability, tuple[str, Callable[[Scene, Trace, float], Iterator[str]]]] = {
     ROLLING_CYLINDERS: ("rolls discs as polygons, which brake", _rolls),
     LEANING_CYLINDERS: ("tips cylinders too early", _leans),
     HEAVY_LANDINGS: ("lets what lands on something lighter rise again", _lands),

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from wmspec.compile.design.levels import Level
-from wmspec.runtime.compare.model import Checked, Comparison, Pair
+from wmspec.runtime.compare.model import CheckResult, Comparison, Pair
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Share:
 
 
 @dataclass(frozen=True)
-class Line:
+class TaskAgreement:
     """A task in a pair of engines.
 
     `answers` counts the questions that at least one engine accepts, `before_gates` all questions. `episodes` counts
@@ -51,19 +51,19 @@ class Suspect:
     without: Share
 
 
-def lines(checked: Sequence[Checked], engines: Sequence[Pair]) -> tuple[Line, ...]:
+def lines(checked: Sequence[CheckResult], engines: Sequence[Pair]) -> tuple[TaskAgreement, ...]:
     """Return one line per task and pair of engines, in order."""
     tasks = dict.fromkeys(c.task for c in checked)
     return tuple(_line(task, pair, [c for c in checked if c.task == task]) for task in tasks for pair in engines)
 
 
-def _line(task: str, pair: Pair, checked: Sequence[Checked]) -> Line:
+def _line(task: str, pair: Pair, checked: Sequence[CheckResult]) -> TaskAgreement:
     verdicts = [v for c in checked for v in c.verdicts if v.engines == pair]
     asked = [v for v in verdicts if v.asked]
     compared = [k for c in checked for k in c.comparisons if k.engines == pair]
     gaps = sorted(_widest(k) for k in compared) or [0.0]
     late = [abs(e.times[0] - e.times[1]) for k in compared for e in k.events if None not in e.times]  # type: ignore[operator]
-    return Line(
+    return TaskAgreement(
         task=task,
         engines=pair,
         answers=Share(sum(v.agree for v in asked), len(asked)),
@@ -79,10 +79,10 @@ def _widest(comparison: Comparison) -> float:
     return max((g.position for g in comparison.gaps), default=0.0)
 
 
-def suspects(checked: Sequence[Checked]) -> tuple[Suspect, ...]:
+def suspects(checked: Sequence[CheckResult]) -> tuple[Suspect, ...]:
     """Return the levels associated with disputed answers and diverging trajectories, the worst first."""
     tasks = dict.fromkeys(c.task for c in checked)
-    kinds: tuple[tuple[str, Callable[[Checked], bool]], ...] = (
+    kinds: tuple[tuple[str, Callable[[CheckResult], bool]], ...] = (
         ("answers differ", lambda c: any(not v.agree for v in c.verdicts)),
         ("trajectories part", lambda c: bool(c.parted)),
     )
@@ -94,7 +94,7 @@ def suspects(checked: Sequence[Checked]) -> tuple[Suspect, ...]:
     )
 
 
-def _suspects(task: str, what: str, checked: Sequence[Checked], wrong: Callable[[Checked], bool]) -> list[Suspect]:
+def _suspects(task: str, what: str, checked: Sequence[CheckResult], wrong: Callable[[CheckResult], bool]) -> list[Suspect]:
     """Return levels with at least two cases, and twice the rate of the factor's other levels."""
     suspected = []
     for factor in checked[0].factors:
@@ -110,7 +110,7 @@ def _suspects(task: str, what: str, checked: Sequence[Checked], wrong: Callable[
 
 
 @dataclass(frozen=True)
-class Doubtful:
+class UnreliableAnswers:
     """Answers of a task that rest on a regime: their share, and an example."""
 
     task: str
@@ -120,14 +120,14 @@ class Doubtful:
     where: str
 
 
-def doubtful(checked: Sequence[Checked]) -> tuple[Doubtful, ...]:
+def unreliable_answers(checked: Sequence[CheckResult]) -> tuple[UnreliableAnswers, ...]:
     """Return the regimes that answers rest on, by task; agreement is no evidence there."""
-    rows: dict[tuple[str, str], Doubtful] = {}
+    rows: dict[tuple[str, str], UnreliableAnswers] = {}
     for task in dict.fromkeys(c.task for c in checked):
         verdicts = [(c.index, v) for c in checked if c.task == task for v in c.verdicts]
         for index, regime in [(index, regime) for index, v in verdicts for regime in v.regimes]:
             resting = sum(any(r.kind == regime.kind for r in v.regimes) for _, v in verdicts)
-            told = Doubtful(task, regime.kind, Share(resting, len(verdicts)), index, regime.where)
+            told = UnreliableAnswers(task, regime.kind, Share(resting, len(verdicts)), index, regime.where)
             rows.setdefault((task, regime.kind), told)
     return tuple(rows.values())
 

@@ -13,13 +13,13 @@ from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.ir.record import from_json
 from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.compare.check import check
-from wmspec.runtime.compare.model import Checked, Failure, Pair
+from wmspec.runtime.compare.model import CheckResult, Failure, Pair
 from wmspec.runtime.compare.tolerance import Tolerances
-from wmspec.runtime.workers.pool import PoolConfig, JobFailure, map_ordered
+from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_ordered
 
 
 @dataclass(frozen=True)
-class Job:
+class SweepConfig:
     """Settings of all checks: `tasks` are `TaskSpec`s as JSON, with their `tolerances`, by name."""
 
     tasks: tuple[tuple[str, str], ...]
@@ -27,7 +27,7 @@ class Job:
     engines: tuple[str, ...]
     tolerances: tuple[tuple[str, Tolerances], ...]
 
-    def of(self, task: str) -> Job:
+    def of(self, task: str) -> SweepConfig:
         """Return the settings for one task, to be sent with every job."""
         tasks = tuple(pair for pair in self.tasks if pair[0] == task)
         return replace(self, tasks=tasks, tolerances=tuple(pair for pair in self.tolerances if pair[0] == task))
@@ -37,7 +37,7 @@ class Job:
 class Swept:
     """The instances that were checked, how many of them failed before anything was compared, and the first cause."""
 
-    checked: tuple[Checked, ...]
+    checked: tuple[CheckResult, ...]
     failed: int = 0
     cause: JobFailure | None = None
 
@@ -50,7 +50,7 @@ def pairs(engines: Sequence[str]) -> list[Pair]:
 def sweep(
     specs: Sequence[TaskSpec],
     sample: int,
-    job: Job,
+    job: SweepConfig,
     effort: PoolConfig,
     progress: Callable[[str, int], None],
 ) -> Swept:
@@ -60,7 +60,7 @@ def sweep(
     """
     designs = {spec.name: Design(spec, job.seed) for spec in specs}
     todo = [(name, index) for name, design in designs.items() for index in sorted(design.sample(sample))]
-    checked, lost, own = list[Checked](), list[JobFailure](), {name: job.of(name) for name in designs}
+    checked, lost, own = list[CheckResult](), list[JobFailure](), {name: job.of(name) for name in designs}
     with closing(map_ordered(work, ((own[name], name, index) for name, index in todo), effort)) as outcomes:
         for (name, index), outcome in zip(todo, outcomes, strict=True):
             if isinstance(outcome, JobFailure):
@@ -70,13 +70,13 @@ def sweep(
     return Swept(tuple(checked), len(lost), next((one for one in lost if one.crash), lost[0] if lost else None))
 
 
-def work(job: Job, task: str, index: int) -> Checked:
+def work(job: SweepConfig, task: str, index: int) -> CheckResult:
     """Check an instance, in a worker process."""
     return check(_design(job, task), index, _executors(job.engines), dict(job.tolerances)[task])
 
 
 @lru_cache(maxsize=4)
-def _design(job: Job, task: str) -> Design:
+def _design(job: SweepConfig, task: str) -> Design:
     return Design(from_json(dict(job.tasks)[task]), job.seed)
 
 
@@ -85,7 +85,7 @@ def _executors(engines: tuple[str, ...]) -> tuple[TraceCache, ...]:
     return tuple(TraceCache(engine) for engine in engines)
 
 
-def _lost(design: Design, index: int, lost: JobFailure) -> Checked:
+def _lost(design: Design, index: int, lost: JobFailure) -> CheckResult:
     instance = design[index]
     failures = (Failure("", "", lost.reason),)
-    return Checked(design.spec.name, index, instance.factors, instance.nuisances, failures=failures)
+    return CheckResult(design.spec.name, index, instance.factors, instance.nuisances, failures=failures)

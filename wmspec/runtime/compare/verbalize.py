@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import degrees
 
-from wmspec.runtime.compare.model import Cause, Checked, Comparison, Failure, Gap, Verdict
+from wmspec.runtime.compare.model import Cause, CheckResult, Comparison, Failure, Gap, Verdict
 from wmspec.runtime.questions.kinds import KINDS
 
 
@@ -52,7 +52,7 @@ def cause(why: Cause) -> str:
     )
 
 
-def complaints(checked: Checked, strict: bool) -> list[str]:
+def complaints(checked: CheckResult, strict: bool) -> list[str]:
     """Return all reasons why an instance does not pass; empty if it does."""
     if checked.passes(strict):
         return []

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from wmspec.core.crash import in_our_code
+from wmspec.core.crash import is_own_error
 from wmspec.core.diagnostics import GraphicsError
 from wmspec.sim.scene.backend import Graphics, Info
 
@@ -52,7 +52,7 @@ _VARIABLE = re.compile(r"\b(MUJOCO_GL|PYOPENGL_PLATFORM|VK_DRIVER_FILES|VK_ICD_F
 def recognised(error: BaseException) -> Cause | None:
     """Why an engine failed, if that has a known remedy. None for a mistake in our code, and whatever else it may be."""
     chain = list(_chain(error))
-    if any(map(in_our_code, chain)):
+    if any(map(is_own_error, chain)):
         return None
     for one in chain:
         if isinstance(one, ModuleNotFoundError) and one.name and "." not in one.name:

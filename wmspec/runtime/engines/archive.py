@@ -109,7 +109,7 @@ def _fault(trace: Trace) -> str:
     if not is_file_name(trace.engine):
         return "its engine has no name"
     if len(set(trace.bodies)) < n or not all(isinstance(name, str) and name for name in trace.bodies):
-        return "its bodies are not told apart by name"
+        return "its bodies have duplicate names"
     with np.errstate(over="ignore"):
         lengths = np.linalg.norm(trace.orientation, axis=2)
     if np.abs(lengths - 1).max(initial=0) > _UNIT:

@@ -40,7 +40,7 @@ def register(backend_: Backend) -> None:
         known.cache_clear()
 
 
-def only_here(engines: Iterable[str]) -> bool:
+def is_process_local(engines: Iterable[str]) -> bool:
     """Whether one of the engines is registered in this process only."""
     return not _registered.keys().isdisjoint(engines)
 
@@ -73,7 +73,7 @@ def backend(name: str) -> Backend:
         ) from None
     except Exception as error:  # noqa: BLE001  whatever an engine does while it is imported
         raise WmsError(
-            f"the engine of backend `{name}` fails as it is imported ({error}); `wmspec doctor` tells what mends it"
+            f"the engine of backend `{name}` fails as it is imported ({error}); `wmspec doctor` names the remedy"
         ) from None
     return engine
 
@@ -99,7 +99,7 @@ def default() -> str:
     return next((e.name for e in known if _works(e.name)), "") or _none()[0]
 
 
-def chosen(choice: str) -> tuple[str, ...]:
+def select_backends(choice: str) -> tuple[str, ...]:
     """Return the backends of a `--backend` option: names joined by commas, or `all` with importable engines.
 
     An empty option selects the default. Raises WmsError for unknown backends.
@@ -112,7 +112,7 @@ def chosen(choice: str) -> tuple[str, ...]:
     return tuple(name for name in names() if _works(name)) or _none()
 
 
-def drawing(engines: Sequence[str], look: Look) -> tuple[str, ...]:
+def require_look(engines: Sequence[str], look: Look) -> tuple[str, ...]:
     """Return the engines if all of them can render the look. Raises WmsError that names those that can.
 
     Mitsuba renders the look "photo"; its masks and depth maps are those of the engine's parity look.

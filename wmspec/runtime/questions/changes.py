@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.lang.check.ir.ir import Counterfactual, OrbitFactor
 from wmspec.lang.check.statements.orbits import level_words
 from wmspec.runtime.questions.model import Change

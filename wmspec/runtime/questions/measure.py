@@ -7,7 +7,7 @@ from keyword import iskeyword
 from pkgutil import resolve_name
 from typing import Any
 
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.tables.functions import FUNCTIONS
 from wmspec.lang.check.types.types import POINT3

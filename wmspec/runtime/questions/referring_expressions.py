@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache, lru_cache
 
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import volume
-from wmspec.compile.layout.values import Evaluator
 from wmspec.compile.layout.view import common_direction, view_coordinates
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.tables.colors import rgb

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.compile.design.design import Design, Instance
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import EngineError, WmsError
 from wmspec.core.rng import uniform
 from wmspec.lang.check.ir.ir import Counterfactual

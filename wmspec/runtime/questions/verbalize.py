@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.ir.evaluate import Environment, evaluate
 from wmspec.lang.check.tables.vocabulary import WORDS

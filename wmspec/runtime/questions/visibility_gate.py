@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.runtime.questions import visibility
 from wmspec.runtime.questions.model import Reject
 from wmspec.runtime.questions.observed import Observed

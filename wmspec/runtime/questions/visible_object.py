@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from wmspec.compile.layout.values import Evaluator
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.runtime.questions.model import VisibleObject
 from wmspec.runtime.questions.patch import patch
 from wmspec.runtime.questions.runs import Run

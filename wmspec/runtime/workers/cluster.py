@@ -17,7 +17,15 @@ from importlib import import_module
 from typing import Any, TypeVar
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.runtime.workers.pool import MAX_RETRIES, PoolConfig, PoolJob, LocalWorkers, JobFailure, result, defer_signals
+from wmspec.runtime.workers.pool import (
+    MAX_RETRIES,
+    JobFailure,
+    LocalWorkers,
+    PoolConfig,
+    PoolJob,
+    defer_signals,
+    result,
+)
 
 T = TypeVar("T")
 

@@ -6,25 +6,25 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from wmspec.eval.report.choices import BOTH, OTHER
+from wmspec.eval.report.choices import OTHER_KIND, SEVERAL_KINDS
 from wmspec.eval.report.figures.style import (
     GREY,
     INK,
     PALE,
-    Drawn,
+    SvgFigure,
     color,
-    drawn,
+    to_svg,
     legend,
-    lines,
-    named,
+    systems_as_lines,
+    label_rows,
     panels,
-    percents,
-    whisker,
+    format_percent_axis,
+    draw_interval,
 )
 from wmspec.eval.report.report import Report
 
 
-def pairs(report: Report) -> Iterator[Drawn]:
+def pairs(report: Report) -> Iterator[SvgFigure]:
     """Yield pair accuracy beside single accuracy, as a mean over tasks."""
     tasks = sorted({p.task for p in report.pairs})
     if not tasks:
@@ -42,18 +42,18 @@ def pairs(report: Report) -> Iterator[Drawn]:
         )
         ax.plot(both, y, "o", color=color(system, report.systems), markersize=7, clip_on=False)
         ax.plot([chance] * 2, [y - 0.35, y + 0.35], color=GREY, linestyle=":")
-    named(ax, list(mean))
-    percents(ax)
+    label_rows(ax, list(mean))
+    format_percent_axis(ax)
     reading = (
         "Two instances that differ in one factor and have different answers count only if both are right. The empty "
         "dot is the accuracy on single questions, the full one on pairs, the dotted mark what guessing yields on "
         "pairs. A long way between the dots means answers that do not follow what differs. "
         f"Mean over {len(tasks)} {'task' if len(tasks) == 1 else 'tasks'}."
     )
-    yield drawn(figure, "pairs", "Right on both of a pair", reading)
+    yield to_svg(figure, "pairs", "Right on both of a pair", reading)
 
 
-def flips(report: Report) -> Iterator[Drawn]:
+def flips(report: Report) -> Iterator[SvgFigure]:
     """Yield how often another order of the options changes the answer."""
     whole = [f for s in report.systems for f in report.flips if f.system == s and not f.task]
     if not whole:
@@ -61,7 +61,7 @@ def flips(report: Report) -> Iterator[Drawn]:
     figure, (ax,) = panels(1, 6.4, 0.7 + 0.28 * len(whole), 1)
     for y, flip in enumerate(whole):
         ax.barh(y, flip.flips.value, height=0.6, color=color(flip.system, report.systems))
-        whisker(ax, flip.flips, y, INK)
+        draw_interval(ax, flip.flips, y, INK)
         ax.annotate(
             f"right in all orders: {flip.always:.0%}",
             (1.02, y),
@@ -69,19 +69,19 @@ def flips(report: Report) -> Iterator[Drawn]:
             va="center",
             color=GREY,
         )
-    named(ax, [f.system for f in whole])
-    percents(ax)
+    label_rows(ax, [f.system for f in whole])
+    format_percent_axis(ax)
     reading = (
         "The same question is asked with its options in several orders. A bar is the share of pairs of orders that get "
         "different answers: whoever knows the answer has a short one."
     )
-    yield drawn(figure, "flips", "The answer changes with the order of the options", reading)
+    yield to_svg(figure, "flips", "The answer changes with the order of the options", reading)
 
 
-def positions(report: Report) -> Iterator[Drawn]:
+def positions(report: Report) -> Iterator[SvgFigure]:
     """Yield accuracy by the position of the true option."""
     counts = sorted({p.options for p in report.positions})
-    shown = [s for s in lines(report.systems) if any(p.system == s for p in report.positions)]
+    shown = [s for s in systems_as_lines(report.systems) if any(p.system == s for p in report.positions)]
     if not counts or not shown:
         return
     figure, axes = panels(len(counts), 3.1, 2.9, 3, sharey=True)
@@ -99,25 +99,25 @@ def positions(report: Report) -> Iterator[Drawn]:
         ax.set_xticks(range(count), [_letter(i) for i in range(count)])
         ax.set_xlim(-0.3, count - 0.7)
         ax.set_xlabel("place of the true option")
-        percents(ax, "y")
+        format_percent_axis(ax, "y")
     legend(figure, shown, report.systems)
     reading = (
         "Accuracy where the true option is shown first, second, and so on; dashed is chance. A level line means that "
         "the place does not matter; a high beginning means a liking for the first option."
     )
-    yield drawn(figure, "positions", "Accuracy by the place of the truth", reading)
+    yield to_svg(figure, "positions", "Accuracy by the place of the truth", reading)
 
 
 def _letter(place: int) -> str:
     return chr(ord("A") + place) if place < 26 else str(place + 1)
 
 
-def mistakes(report: Report) -> Iterator[Drawn]:
+def mistakes(report: Report) -> Iterator[SvgFigure]:
     """Yield the kinds of change in the wrong outcomes chosen."""
     if not report.mistaken:
         return
     systems = [s for s in report.systems if any(m.system == s for m in report.mistaken)]
-    tones = {"action": "#CC6644", "state": "#4477AA", BOTH: "#885588", OTHER: "#a4abb5"}
+    tones = {"action": "#CC6644", "state": "#4477AA", SEVERAL_KINDS: "#885588", OTHER_KIND: "#a4abb5"}
     figure, (ax,) = panels(1, 6.8, 0.9 + 0.28 * len(systems), 1)
     shares = {s: _share(report, s) for s in systems}
     for y, system in enumerate(systems):
@@ -133,8 +133,8 @@ def mistakes(report: Report) -> Iterator[Drawn]:
             edge += shares[system].get(kind, (0.0, 0.0))[1]
             if 0 < edge < 0.999:
                 ax.plot([edge] * 2, [y - 0.42, y + 0.42], color=INK, linewidth=1.6)
-    named(ax, systems)
-    percents(ax)
+    label_rows(ax, systems)
+    format_percent_axis(ax)
     there = [k for k in tones if any(m.changed == k for m in report.mistaken)]
     handles, names = ax.get_legend_handles_labels()
     kept = [(h, n) for h, n in zip(handles, names, strict=True) if n in there]
@@ -144,7 +144,7 @@ def mistakes(report: Report) -> Iterator[Drawn]:
         "there. The black mark is where the border would be if the wrong options were drawn by lot. Orange beyond "
         "the mark means that the system confuses what was done; blue beyond it, what was there."
     )
-    yield drawn(figure, "mistakes", "Which wrong outcome is taken for the true one", reading)
+    yield to_svg(figure, "mistakes", "Which wrong outcome is taken for the true one", reading)
 
 
 def _share(report: Report, system: str) -> dict[str, tuple[float, float]]:

@@ -18,7 +18,7 @@ from wmspec.eval.report.replies import BASELINES, PEOPLE
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B8A000", "#56B4E9", "#8C564B", "#7F7FBF")
 INK, GREY, PALE = "#1a1c1e", "#6b727c", "#d9dde3"
 #: Maximum number of systems drawn as lines.
-MOST_LINES = len(COLORS)
+MAX_LINES = len(COLORS)
 
 _SETTINGS = {
     "svg.hashsalt": "wmspec",
@@ -42,7 +42,7 @@ _SETTINGS = {
 
 
 @dataclass(frozen=True)
-class Drawn:
+class SvgFigure:
     """A figure: file name, title, reading instructions, and SVG."""
 
     name: str
@@ -56,11 +56,11 @@ def settings() -> AbstractContextManager[None]:
     return mpl.rc_context({"figure.dpi": 100, **_SETTINGS})  # type: ignore[dict-item]
 
 
-def drawn(figure: Figure, name: str, title: str, reading: str) -> Drawn:
+def to_svg(figure: Figure, name: str, title: str, reading: str) -> SvgFigure:
     """Return a figure as SVG, without matplotlib's date and version."""
     out = io.StringIO()
     figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches="tight", pad_inches=0.1)
-    return Drawn(name, title, reading, out.getvalue())
+    return SvgFigure(name, title, reading, out.getvalue())
 
 
 def color(system: str, systems: Sequence[str]) -> str:
@@ -71,13 +71,13 @@ def color(system: str, systems: Sequence[str]) -> str:
     return COLORS[models.index(system) % len(COLORS)] if system in models else "#a4abb5"
 
 
-def lines(systems: Sequence[str]) -> tuple[str, ...]:
+def systems_as_lines(systems: Sequence[str]) -> tuple[str, ...]:
     """Return the systems shown as lines: people, and as many of the best models as remain distinguishable."""
     models = [s for s in systems if s != PEOPLE and s not in BASELINES]
-    return (*models[:MOST_LINES], *(s for s in systems if s == PEOPLE))
+    return (*models[:MAX_LINES], *(s for s in systems if s == PEOPLE))
 
 
-def percents(axes: Axes, which: str = "x", least: float = 0, most: float = 1) -> None:
+def format_percent_axis(axes: Axes, which: str = "x", least: float = 0, most: float = 1) -> None:
     """Format an axis of shares in percent."""
     axis = axes.xaxis if which == "x" else axes.yaxis
     (axes.set_xlim if which == "x" else axes.set_ylim)(least, most)
@@ -86,20 +86,20 @@ def percents(axes: Axes, which: str = "x", least: float = 0, most: float = 1) ->
     axes.set_axisbelow(True)
 
 
-def whisker(axes: Axes, estimate: Estimate, y: float, color: str) -> None:
+def draw_interval(axes: Axes, estimate: Estimate, y: float, color: str) -> None:
     """Draw the interval of an estimate as a horizontal line."""
     if estimate.low is not None and estimate.high is not None:
         ends = [estimate.low, estimate.high]
         axes.plot(ends, [y, y], color=color, linewidth=2.2, solid_capstyle="round", clip_on=False)
 
 
-def signed(share: float, decimals: int = 1) -> str:
+def signed_points(share: float, decimals: int = 1) -> str:
     """Return a difference of shares in points, with its sign; 0 has none."""
     text = f"{100 * share:+.{decimals}f}".replace("-", "−")
     return text if any(digit in text for digit in "123456789") else text[1:]
 
 
-def named(axes: Axes, names: Sequence[str]) -> None:
+def label_rows(axes: Axes, names: Sequence[str]) -> None:
     """Label rows from top to bottom."""
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.4, -0.6)

@@ -82,11 +82,11 @@ def _resolve_robot_verb(check: Expressions, call: s.Call, function: s.Member) ->
     if who.type == OBJECT and function.name.id in VERBS:
         known = (x for x in call.arguments if x.name is None or x.name.id in VERBS[function.name.id].arguments)
         remedy = f"write `{function.name.id}({', '.join(x.span.text for x in (function.value, *known))})`"
-        check.fail("WMS204", "only a robot does something itself, and this is an object", function.span, remedy)
-    who = check.value(function.value, (ROBOT,), "whoever acts")
+        check.fail("WMS204", "only robots have verbs, and this is an object", function.span, remedy)
+    who = check.value(function.value, (ROBOT,), "the actor")
     if not isinstance(who.expr, ir.Value):
-        remedy = "write an action for each robot; what it does, and when, may depend on factors"
-        check.fail("WMS302", "which robot acts is a constant", function.value.span, remedy)
+        remedy = "write an action for each robot; its arguments and times may depend on factors"
+        check.fail("WMS302", "the acting robot must be constant", function.value.span, remedy)
     robot = check.scope.names[str(who.expr.value)]
     assert isinstance(robot, s.Block)
     if robot.model is None or robot.model.id not in ROBOTS:  # already reported
@@ -118,7 +118,7 @@ def property_(check: Expressions, name: str, member: s.Name) -> Typed:
         if slot.default is None and does.strange:
             raise Failed
         if slot.default is None:
-            check.fail("WMS206", f"`{name}` does not say its {member.id}", member.span, f"add `{member.id}:` to it")
+            check.fail("WMS206", f"`{name}` has no {member.id}", member.span, f"add `{member.id}:` to it")
         return Typed(expr, slot.types[0])
     kind = argument(check, action, does, member.id).type
     return Typed(expr, AN_ANGLE if kind == DIRECTION and AN_ANGLE in slot.types else kind)
@@ -129,7 +129,7 @@ def slot_of(check: Expressions, name: str, member: s.Name) -> PropertySpec:
     does = resolve_action(check, named(check, name))
     if member.id not in does.slots:
         if member.id == "duration":
-            check.fail("WMS203", f"`{does.name}` happens at once and has no duration", member.span)
+            check.fail("WMS203", f"`{does.name}` is instantaneous and has no duration", member.span)
         hint = suggestion(member.id, does.slots)
         check.fail("WMS203", f"`{does.name}` has no property `{member.id}`", member.span, hint)
     return does.slots[member.id]
@@ -180,7 +180,7 @@ def _relative(check: Expressions, timing: s.Timing) -> Typed:
     """Return the start of an action that is timed by another."""
     other = check.value(timing.value, (ACTION,), f"`{timing.kind}`").expr
     if not isinstance(other, ir.Value):
-        check.fail("WMS302", "which action is meant is a constant", timing.value.span)
+        check.fail("WMS302", "the action must be constant", timing.value.span)
     begin = ir.Property(owner=other, name="start")
     declared = named(check, str(other.value))
     start(check, declared)  # detects cycles

@@ -39,10 +39,10 @@ _TYPE_ALIASES: dict[Type, tuple[Type, ...]] = {COUNTED: (List(OBJECT), List(TRUT
 #: How to turn a value of another type into a quantity.
 _AS_QUANTITY: dict[Type, str] = {
     List(TRUTH): "write `count(...)` to count those that hold",
-    OBJECT: "say what is measured of it, as in `height(...)`",
-    List(OBJECT): "say what is measured of them, as in `height(...)`; `count(...)` is how many there are",
-    JOINT: "say what is measured of it: `angle(...)` of a hinge, `extension(...)` of a slider",
-    List(JOINT): "say what is measured of them: `angle(...)` of hinges, `extension(...)` of sliders",
+    OBJECT: "measure it, as in `height(...)`",
+    List(OBJECT): "measure them, as in `height(...)`; `count(...)` is how many there are",
+    JOINT: "measure it: `angle(...)` of a hinge, `extension(...)` of a slider",
+    List(JOINT): "measure them: `angle(...)` of hinges, `extension(...)` of sliders",
 }
 
 #: Measures of joints: the joint kind of each, and the measure of the other kind.
@@ -53,7 +53,7 @@ def call(check: Expressions, e: s.Call) -> Typed:
     """Check a function call. In the IR, options follow the other arguments."""
     name, function = _function(check, e)
     if function.measured and not check.measured:
-        check.fail("WMS303", f"`{name}` is measured on the executed episode; here it is still being described",
+        check.fail("WMS303", f"`{name}` is measured on the executed episode, and this describes the episode",
                    e.span, "use it in `answer`, `ensure` or `margin`")  # fmt: skip
     positional = [a for a in e.arguments if a.name is None]
     least = len(function.parameters)
@@ -71,7 +71,7 @@ def call(check: Expressions, e: s.Call) -> Typed:
     arguments = tuple(g.expr for g in given)
     if name == "toward":
         if check.subject is None:
-            check.fail("WMS205", "`toward` needs an acting object: it is for the arguments of actions", e.span)
+            check.fail("WMS205", "`toward` needs an acting object: it is allowed in the arguments of actions", e.span)
         arguments = (check.subject, *arguments)
     _check_distinct(check, name, arguments, positional[-1].span if positional else e.span)
     kind = _result(check, name, function, positional, given)
@@ -87,7 +87,7 @@ def _flattened(check: Expressions, name: str, written: list[s.Argument], given: 
     """Flatten quantities and lists of quantities for a function of several; a single quantity is an error."""
     if len(given) == 1 and not isinstance(given[0].type, List):
         remedy = f"give it several, as in `{name}(a, b)`, or a list"
-        check.fail("WMS205", f"`{name}` is of several quantities, and this is one", written[0].span, remedy)
+        check.fail("WMS205", f"`{name}` needs several quantities, and this is one", written[0].span, remedy)
     return [Typed(g.expr, _item(g.type)) if isinstance(g.type, List) else g for g in given]
 
 
@@ -138,7 +138,7 @@ def _list_argument(
     """Return the index of a list argument in place of a single value; the result then holds for each item."""
     lists = [i for i, typed in enumerate(given) if _accepts_list(function, i) and isinstance(typed.type, List)]
     if len(lists) > 1:
-        check.fail("WMS302", f"`{name}` is measured of each item of one list, and this is a second",
+        check.fail("WMS302", f"`{name}` maps over one list, and this is a second",
                    written[lists[1]].span, "name one thing here")  # fmt: skip
     return lists[0] if lists else None
 
@@ -175,7 +175,7 @@ def _check_joint_measure(check: Expressions, name: str, written: s.Argument, joi
             remedy = (
                 f"write `{other}({written.span.text})`"
                 if kind == JOINT_MEASURES[other][0]
-                else "ask of a body that it moves"
+                else "measure a body that it moves"
             )
             what = f"`{name}` is of a {expected}, and `{written.span.text}` is a {kind} joint"
             check.fail("WMS302", what, written.span, remedy)
@@ -185,7 +185,9 @@ def _argument(check: Expressions, function: str, argument: s.Argument, kind: Typ
     if kind == List(ITEM):
         typed = check.infer(argument.value)
         if not isinstance(typed.type, List) or typed.type.item is None:
-            check.fail("WMS302", f"`{function}` expects a list of items to choose from", argument.span, "write `[a, b]`")
+            check.fail(
+                "WMS302", f"`{function}` expects a list of items to choose from", argument.span, "write `[a, b]`"
+            )
         return typed
     if kind in _TYPE_ALIASES:
         return check.value(argument.value, _TYPE_ALIASES[kind], f"`{function}`")
@@ -247,10 +249,12 @@ def _options(check: Expressions, e: s.Call, name: str, function: Function) -> tu
 def _check_time_span(check: Expressions, name: str, given: dict[str, ir.Expr], spans: dict[str, Span]) -> None:
     """Report a time next to a time span, and a span that ends before it begins."""
     if "at" in given and (span := spans.get("from", spans.get("to"))):
-        check.fail("WMS205", f"`{name}` is measured at a time or during a span, not both", span, "remove it, or `at`")
+        check.fail(
+            "WMS205", f"`{name}` is measured at a time or over a time span, not both", span, "remove it, or `at`"
+        )
     start, stop = (constant(given[option]) if option in given else None for option in ("from", "to"))
     if start is not None and stop is not None and start >= stop:
-        check.fail("WMS304", "this span of time ends before it begins", spans["to"], "let `to` be later than `from`")
+        check.fail("WMS304", "this time span ends before it begins", spans["to"], "let `to` be later than `from`")
     for option in ("at", "from", "to"):
         if option in given and (time := constant(given[option])) is not None and time < 0:
             check.fail("WMS304", "no time of an episode is before 0 s", spans[option], "make it 0 s or later")

@@ -101,10 +101,10 @@ def _labels(check: Expressions, items: tuple[s.Expr, ...]) -> Iterator[str]:
             check.fail("WMS401", what, item.span, f'write `{item.span.text} called "..."`')
         name = item.text.value
         if not name.strip():
-            check.fail("WMS401", "this name is empty", item.text.span, "say what the value is called")
+            check.fail("WMS401", "this name is empty", item.text.span, "give the value a name")
         if name in first:
             notes = (Note("it is here first", first[name]),)
-            check.fail("WMS401", f'two values are called "{name}"', item.text.span, "call one otherwise", notes)
+            check.fail("WMS401", f'two values are named "{name}"', item.text.span, "call one otherwise", notes)
         first[name] = item.text.span
         yield name
 
@@ -147,7 +147,7 @@ def _number(check: Expressions, expr: ir.Expr, span: Span) -> float:
         check.fail("WMS401", "the values of a domain are constants", span, "write them out")
     what = f"the values of a domain are constants, and `{span.text}` is none"
     notes = (Note("declared here", declared.name.span),)
-    check.fail("WMS401", what, span, "write the values out, or call what is declared otherwise", notes)
+    check.fail("WMS401", what, span, "write the values out, or rename the declaration", notes)
 
 
 # ---------------------------------------------------------------- choices between domains
@@ -218,11 +218,11 @@ def _product(check: Expressions, e: s.Call) -> WrittenDomain:
             expected = kind if isinstance(kind, Quantity) else A_NUMBER
             check.type_mismatch(argument, written.type, (expected,), "`product`")
         if written.conditional:
-            check.fail("WMS401", "`product` takes lists of which all values are always there", argument.span)
+            check.fail("WMS401", "`product` takes lists whose values are always available", argument.span)
         kind = common
     assert isinstance(kind, Quantity)
     if (size := math.prod(len(x.options) for x in lists)) > MAX_VALUES:
-        check.fail("WMS401", f"this product has {size} points; {MAX_VALUES} are the most", e.span, "use two factors")
+        check.fail("WMS401", f"this product has {size} points; {MAX_VALUES} is the maximum", e.span, "use two factors")
     points = product(*([float(o.value) for o in x.options if isinstance(o.value, float)] for x in lists))
     return WrittenDomain(Vector(kind.dimension, len(lists)), tuple(DomainValue(point, e.span) for point in points))
 
@@ -268,7 +268,7 @@ def _weights(check: Expressions, e: s.Expr) -> Iterator[float]:
     for item in typed.expr.items if isinstance(typed.expr, ir.Items) else (typed.expr,):
         weight = constant(item)
         if weight is None or weight <= 0:
-            check.fail("WMS401", "a weight is a constant more than 0", e.span, "leave out what is never to be drawn")
+            check.fail("WMS401", "a weight is a constant more than 0", e.span, "remove values that are never drawn")
         yield weight
 
 

@@ -125,7 +125,7 @@ class Expressions:
         Where a named value is involved, its declaration may be the error; each is reported once.
         """
         span = e.span
-        wants = either([article(str(k)) for k in expected])
+        expected_types = either([article(str(k)) for k in expected])
         examples = [f"`{example(k)}`" for k in expected[:2] if example(k)]
         quantities = isinstance(actual, Quantity | Vector) and isinstance(expected[0], Quantity | Vector)
         help = f"write something like {' or '.join(examples)}" if examples else ""
@@ -136,7 +136,7 @@ class Expressions:
         elif isinstance(e, s.Name):
             help = names.suggest_replacement(self, e, expected) or help
         shown = "a bare 0" if actual == Quantity(ZERO) else article(str(actual))
-        message = f"{what} expects {wants}, found {shown}"
+        message = f"{what} expects {expected_types}, found {shown}"
         if (
             isinstance(e, s.Name)
             and names.may_be_undeclared_name(self, e, actual)
@@ -179,7 +179,7 @@ class Expressions:
         if any(key == k for k, _ in self._open):
             notes = tuple(Note(f"`{'.'.join(k)}` needs this", where) for k, where in self._open[1:])
             self._known[key] = None
-            self.fail("WMS209", "this value depends on itself", span, "break the circle with a constant", notes)
+            self.fail("WMS209", "this value depends on itself", span, "break the cycle with a constant", notes)
         if key not in self._known:
             self._known[key] = self._evaluated(key, span, make)
         known = self._known[key]

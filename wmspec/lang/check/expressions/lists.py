@@ -54,7 +54,7 @@ def _scaled(check: Expressions, item: Typed, unit: tuple[float, Dimension], span
     """Return an item scaled by its list's unit (SI value and dimension)."""
     scale, dimension = unit
     if not fits(item.type, A_NUMBER):
-        check.fail("WMS301", "this value has a unit of its own already, beside that of the list", span)
+        check.fail("WMS301", "this value has its own unit, in addition to that of the list", span)
     value = item.expr.value if isinstance(item.expr, ir.Value) else None
     if isinstance(value, float):
         return Typed(ir.Value(value=units.convert(value, scale)), Quantity(dimension))
@@ -90,8 +90,8 @@ def _steps(check: Expressions, e: s.Range, start: ir.Expr, stop: ir.Expr, step: 
         check.fail("WMS401", "this range is empty: it goes up from its start to its end", e.span)
     steps = (b - a) / by + 1e-9
     if not steps < MAX_VALUES:
-        count = f"{int(steps) + 1}" if math.isfinite(steps) else "endlessly many"
-        message = f"this range has {count} values; {MAX_VALUES} are the most"
+        count = f"{int(steps) + 1}" if math.isfinite(steps) else "infinitely many"
+        message = f"this range has {count} values; {MAX_VALUES} is the maximum"
         check.fail("WMS401", message, e.span, "take a larger step")
     return ir.Items(items=tuple(ir.Value(value=round(a + i * by, 12)) for i in range(int(steps) + 1)))
 

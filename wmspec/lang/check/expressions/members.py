@@ -142,7 +142,7 @@ def index(check: Expressions, e: s.Index) -> Typed:
         raise Failed
     number = constant(check.value(e.index, (A_NUMBER,), "`[...]`").expr)
     if number is None:
-        check.fail("WMS304", "which member of a set is meant is a constant", e.index.span,
+        check.fail("WMS304", "the index of a member must be constant", e.index.span,
                    "a factor can hold the members themselves: `in [blocks[0], blocks[1]]`")  # fmt: skip
     if number != int(number) or not -len(members) <= number < len(members):
         message = f"`{declared.name.id}` has members 0 to {len(members) - 1}"

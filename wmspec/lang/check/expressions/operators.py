@@ -66,7 +66,7 @@ def _each(check: Expressions, e: s.Operation, operands: list[Typed]) -> int | No
     """Return the index of the list operand that a comparison maps over; two lists can only be equal or not."""
     lists = [i for i, o in enumerate(operands) if _single(o.type) != o.type]
     if len(lists) > 1 and e.operator not in ("==", "!="):
-        message = f"`{e.operator}` goes over the items of one list, and this is a second"
+        message = f"`{e.operator}` maps over one list, and this is a second"
         check.fail("WMS302", message, e.operands[lists[1]].span, "compare with one value, such as `max(...)` of it")
     return lists[0] if len(lists) == 1 else None
 

@@ -60,7 +60,7 @@ class Owner:
     def silent(self, name: s.Name) -> tuple[str, str, Span, str, tuple[Note, ...]]:
         """Return the error about an allowed property that has no value: code, message, span, remedy and notes."""
         notes = (Note(f"`{self.name}` is declared here", self.span),)
-        return "WMS206", f"`{self.name}` does not say its {name.id}", name.span, f"add `{name.id}:` to it", notes
+        return "WMS206", f"`{self.name}` has no {name.id}", name.span, f"add `{name.id}:` to it", notes
 
 
 def _suggest(name: str, known: list[str]) -> str:

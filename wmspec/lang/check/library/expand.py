@@ -57,7 +57,7 @@ class Assets:
         for p in block.properties:
             if p.name.id in _OF_LINKS:
                 link = p.name.id in ("mass",)
-                help = f"say it of a link: `part NAME {{ {p.name.id}: ... }}`" if link else "remove it"
+                help = f"set it on a link: `part NAME {{ {p.name.id}: ... }}`" if link else "remove it"
                 message = f"an object that is an asset from a file has no `{p.name.id}` of its own"
                 self.check.report.add("WMS203", message, p.name.span, help)
 
@@ -97,7 +97,7 @@ class Assets:
             taken = by_plain.get(to_identifier(name))
             if taken is not None or to_identifier(name) in PROPERTIES["object"]:
                 whose = f"`{taken}`" if taken is not None else "a property of objects"
-                message = f"its name cannot be told from {whose} in a spec"
+                message = f"its name conflicts with {whose} in a spec"
                 self._report((Diagnostic(message, where, "rename one of them in the file", "WMS210"),), named)
             by_plain[to_identifier(name)] = name
         return by_plain
@@ -116,14 +116,14 @@ class Assets:
                 message = f"`{named.value}` has no link or joint `{name}`"
                 self.check.report.add("WMS201", message, part.name.span, suggestion(name, known))
             elif name in overrides:
-                notes = (Note("said here first", block.parts[0].name.span),)
-                self.check.report.add("WMS202", f"`{name}` is said twice", part.name.span, "make it one", notes)
+                notes = (Note("first set here", block.parts[0].name.span),)
+                self.check.report.add("WMS202", f"`{name}` is set twice", part.name.span, "make it one", notes)
             what, allowed = ("link", OF_LINK) if name in links else ("joint", OF_JOINT)
             overrides[name] = tuple(p for p in part.properties if p.name.id in allowed)
             for p in part.properties if name in known else ():
                 if p.name.id not in allowed:
-                    message = f"of a {what} of an asset, a spec cannot say `{p.name.id}`"
-                    self.check.report.add("WMS203", message, p.name.span, f"it can say {', '.join(allowed)}")
+                    message = f"on a {what} of an asset, a spec cannot set `{p.name.id}`"
+                    self.check.report.add("WMS203", message, p.name.span, f"it can set {', '.join(allowed)}")
                 elif p.name.id == "collision" and not any(
                     isinstance(shape.form, MeshFile) and shape.solid for shape in links[name].shapes
                 ):

@@ -33,10 +33,10 @@ def resolve_path(check: Expressions, name: str, written: s.Expr, expr: ir.Expr) 
             remedy = f'write `file: "{text.value[:40]}"` in the object; it cannot depend on a factor'
             if text.value.lower().endswith(STAGES):
                 remedy += f'; one mesh of it is `"{text.value[:40]}#/PRIM"`'
-            check.fail("WMS210", "an asset is named outright", text.span, remedy)
+            check.fail("WMS210", "the file of an asset must be constant", text.span, remedy)
         check_file(check, name, text, FILES[name])
     if len(folders) > 1:
-        check.fail("WMS210", "these file names stand in specs of different folders", written.span, "say them in one")
+        check.fail("WMS210", "these file names stand in specs of different folders", written.span, "write them in one")
     folder = next(iter(folders), ".")
     if folder == ".":
         return expr
@@ -55,8 +55,8 @@ def check_file(check: Expressions, name: str, text: s.Text, endings: tuple[str, 
     file, prim = split_prim_name(text.value) if name == "file" else (text.value, "")
     path = PurePosixPath(file)
     if path.is_absolute() or ntpath.isabs(file) or "\\" in file or ".." in path.parts:
-        check.fail("WMS210", "a file is named from the folder of the spec downwards", text.span,
-                   'put it beside the spec and write `"NAME"` or `"FOLDER/NAME"`')  # fmt: skip
+        check.fail("WMS210", "a file must be below the folder of the spec", text.span,
+                   'put it next to the spec and write `"NAME"` or `"FOLDER/NAME"`')  # fmt: skip
     if path.suffix.lower() not in (STAGES if prim else endings):
         can = ", ".join((*endings, *(ASSETS if name == "file" else ())))
         check.fail("WMS210", f"`{name}` takes no {path.suffix or 'such'} file", text.span, f"it can be one of: {can}")

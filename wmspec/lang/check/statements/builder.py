@@ -115,7 +115,7 @@ def action(
     if verb not in verbs:
         raise WmsError(f"there is no verb `{verb}`; {suggestion(verb, verbs)}")
     if verbs[verb].lasts != (duration is not None):
-        raise WmsError(f"`{verb}` {'needs a' if verbs[verb].lasts else 'happens at once and has no'} duration")
+        raise WmsError(f"`{verb}` {'needs a' if verbs[verb].lasts else 'is instantaneous and has no'} duration")
     properties = _filled(verbs[verb].arguments, arguments, f"the action `{name}`") | {"start": _setting(start)}
     if duration is not None:
         properties["duration"] = _setting(duration)

@@ -38,7 +38,7 @@ class Counterfactuals:
         if len(written.changes) != 1:
             many = len(written.changes)
             what = f"a counterfactual changes exactly one thing, but `{name}` changes {many}"
-            remedy = "make one counterfactual of each change" if many else "say what would be different"
+            remedy = "make one counterfactual of each change" if many else "write the change"
             self.check.fail("WMS503", what, written.name.span, remedy)
         (change,) = written.changes
         match change.kind:
@@ -69,7 +69,7 @@ class Counterfactuals:
         """Return the name of an action."""
         expr = self.check.value(e, (ACTION,), what).expr
         if not isinstance(expr, ir.Value):
-            self.check.fail("WMS503", f"{what} names an action", e.span, "which action is meant is a constant")
+            self.check.fail("WMS503", f"{what} names an action", e.span, "the action must be constant")
         return str(expr.value)
 
     def _added(self, name: str, change: s.Change) -> ir.Counterfactual:
@@ -77,7 +77,7 @@ class Counterfactuals:
         written = s.Action(s.Name(name, change.target.span), change.target, change.timings, change.span)
         if name in self.check.scope.names:
             notes = (Note("declared here", self.check.scope.names[name].name.span),)
-            what = f"the added action is called `{name}`, and something is called so already"
+            what = f"the added action is named `{name}`, and that name is declared already"
             self.check.fail("WMS202", what, change.span, "give the counterfactual another name", notes)
         self.check.scope.names[name] = written
         self.added.append(replace(self.things.action(written), added=True))
@@ -89,7 +89,7 @@ class Counterfactuals:
         assert change.value is not None
         first, second = self._action(change.target, "`order`"), self._action(change.value, "`order`")
         if first == second:
-            message = "an action cannot exchange turns with itself"
+            message = "an action cannot swap its order with itself"
             self.check.fail("WMS503", message, change.value.span, "name two actions")
         if self._turn(first) == self._turn(second) is not None:
             message = f"`{first}` and `{second}` begin and end together, so their order makes no difference"
@@ -120,7 +120,9 @@ class Counterfactuals:
         check_bounds(self.check, typed.expr, slot, change.value.span, f"`{prop}`")
         expr = resolve_path(self.check, prop, change.value, typed.expr) if prop in FILES else typed.expr
         if expr == ir.Property(owner=ir.Value(value=owner), name=prop):
-            self.check.fail("WMS503", "this is what it was before", change.value.span, "change the value")
+            self.check.fail(
+                "WMS503", "this is the value without the counterfactual", change.value.span, "change the value"
+            )
         return self._made(name, change, owner, prop, expr, str(typed.type))
 
     def _value(self, change: s.Change, value: s.Expr, owner: str, slot: PropertySpec, prop: str) -> Typed:

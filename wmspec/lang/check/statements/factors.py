@@ -99,8 +99,8 @@ class Factors:
             return ir.Plan()
         first, *more = self.check.scope.designs
         for other in more:
-            notes = (Note("said here first", first.span),)
-            self.check.report.add("WMS202", "`design` is said twice", other.span, "remove one", notes)
+            notes = (Note("first set here", first.span),)
+            self.check.report.add("WMS202", "`design` is set twice", other.span, "remove one", notes)
         try:
             return self._plan(first)
         except Failed:
@@ -112,7 +112,7 @@ class Factors:
             self.check.fail("WMS201", f"there is no design `{kind}`", name.span, suggestion(kind, DESIGNS))
         if DESIGNS[kind].counted and design.count is None:
             self.check.fail(
-                "WMS408", f"`{kind}` does not say of how many instances", name.span, f"write `design {kind} of 500`"
+                "WMS408", f"`{kind}` needs a number of instances", name.span, f"write `design {kind} of 500`"
             )
         if design.count is not None and not DESIGNS[kind].counted:
             remedy = "write `design sample of N` for N of them"
@@ -145,7 +145,7 @@ class Factors:
             named[p.name.id] = (self._question(p.value),) if balance else tuple(self._factor(e, taken) for e in names)
         if not {"cross", "turn"} & named.keys():
             remedy = "write `{ cross: FACTOR }`, or `{ turn: [FACTOR, ...] }` for factors that take turns"
-            self.check.fail("WMS408", "groups do not say what is crossed in them", design.kind.span, remedy)
+            self.check.fail("WMS408", "groups need crossed factors", design.kind.span, remedy)
         return named
 
     def _question(self, e: s.Expr) -> str:

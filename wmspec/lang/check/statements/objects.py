@@ -66,7 +66,7 @@ class Entities:
             known = ", ".join(_MODELS[kind])
             if model is None:
                 name = self.scope.sets.get(block.name.id, block.name.id)
-                message = f"the {kind} `{name}` does not say which kind it is"
+                message = f"the {kind} `{name}` has no kind"
                 remedy = f"write `: KIND` after its name: {known}"
                 self.check.fail("WMS206", message, block.name.span, remedy)
             message = f"there is no kind of {kind} `{model.id}`"
@@ -130,15 +130,15 @@ class Entities:
             and "file" not in of.said
             and {"mass", "density"} <= of.said.keys()
         ):
-            notes = (Note("its mass is said here", of.said["mass"].span),)
-            message = "`density` says nothing beside `mass`"
+            notes = (Note("its mass is set here", of.said["mass"].span),)
+            message = "`density` has no effect next to `mass`"
             self.report.add("WMS203", message, of.said["density"].name.span, "remove one of them", notes)
         shape = properties["shape"].value if "shape" in properties else None
         for name in MEASURES:
             if name in of.said and isinstance(shape, ir.Value) and not SHAPES[str(shape.value)].accepts(name):
                 takes = [f"`{m}:`" for m in MEASURES if SHAPES[str(shape.value)].accepts(m)]
                 takes = takes[:1] if takes[:1] == ["`size:`"] else takes
-                remedy = f"say how large it is with {either(takes[:3])}"
+                remedy = f"set its size with {either(takes[:3])}"
                 self.report.add("WMS203", f"a {shape.value} has no `{name}`", of.said[name].name.span, remedy)
 
     def _written(self, of: Owner, p: s.Property) -> dict[str, ir.Setting]:
@@ -174,7 +174,7 @@ class Entities:
             color, _, rest = noun.partition(" ")
             noun = rest.strip() if rest and color in COLORS and "color" in of.said else noun
             if not noun:
-                self.check.fail("WMS304", f"`{p.name.id}` says no name", text.span, 'write a noun, as in `"crate"`')
+                self.check.fail("WMS304", f"`{p.name.id}` contains no name", text.span, 'write a noun, as in `"crate"`')
             if noun != text.value:
                 remedy = Remedy.of(f'write `"{noun}"`', text.span.text, f'"{noun}"')
                 what = f"texts put article and colour before what is said with `{p.name.id}`"
@@ -248,20 +248,20 @@ class Entities:
         for timing in action.timings:
             lasts = timing.kind == "for"
             if lasts in spans:
-                notes = (Note("said here first", spans[lasts]),)
+                notes = (Note("first set here", spans[lasts]),)
                 what = "how long this lasts" if lasts else "when this starts"
-                self.report.add("WMS202", f"{what} is said twice", timing.span, "remove one", notes)
+                self.report.add("WMS202", f"{what} is set twice", timing.span, "remove one", notes)
             spans.setdefault(lasts, timing.span)
         begin, span = actions.start(self.check, action)
         check_bounds(self.check, begin.expr, START, span, "`at`")
         settings = {"start": ir.Setting(value=begin.expr, place=Location.of(span))}
         lasting = next((t for t in action.timings if t.kind == "for"), None)
         if lasting is None and does.verb.lasts:
-            message = f"`{does.name}` needs to know how long: `for TIME`"
+            message = f"`{does.name}` needs a duration: `for TIME`"
             self.check.fail("WMS205", message, does.call.span, "add for instance `for 2 s`")
         if lasting is not None:
             if not does.verb.lasts:
-                message = f"`{does.name}` happens at once and cannot last"
+                message = f"`{does.name}` is instantaneous and has no duration"
                 self.check.fail("WMS205", message, does.call.span, "remove `for`")
             typed = self.check.value(lasting.value, (A_TIME,), "`for`")
             check_bounds(self.check, typed.expr, DURATION, lasting.value.span, "`for`")

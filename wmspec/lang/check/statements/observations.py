@@ -24,7 +24,7 @@ class Observations:
         times = self.check.value(observe.times, (List(A_TIME), A_TIME), "`at`")
         expr = times.expr if isinstance(times.type, List) else ir.Items(items=(times.expr,))
         if expr == ir.Items(items=()):
-            message = "there is no time here at which to look"
+            message = "there are no times of observation here"
             self.check.fail("WMS504", message, observe.times.span, "write `[0 s, 1 s]`")
         channels = self._channels(observe.channels) if observe.channels else ("rgb",)
         place = Location.of(observe.span)
@@ -35,7 +35,7 @@ class Observations:
         items = expr.items if isinstance(expr, ir.Items) else (expr,)
         channels = [i.value for i in items if isinstance(i, ir.Value)]
         if len(channels) < len(items) or not channels:
-            self.check.fail("WMS304", "what is kept of a picture is a constant", e.span, "write `[rgb, depth, ids]`")
+            self.check.fail("WMS304", "channels must be constant", e.span, "write `[rgb, depth, ids]`")
         if len(set(channels)) < len(channels):
             self.check.fail("WMS202", "a channel is named twice here", e.span, "remove one")
         return cast(tuple[ir.Channel, ...], tuple(channels))

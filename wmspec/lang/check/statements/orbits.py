@@ -83,7 +83,7 @@ class Orbits:
         if reads is None and self.check.report.failed:
             raise Failed  # an erroneous statement may refer to it
         if reads is None:
-            what = f"nothing in the scene is said in terms of `{name}`, so siblings that differ in it look alike"
+            what = f"nothing in the scene depends on `{name}`, so siblings that differ in it look alike"
             self.check.fail("WMS508", what, span, "let an object or an action depend on it")
         return ir.OrbitFactor(factor=name, reads=reads)
 
@@ -144,7 +144,7 @@ class Orbits:
         factor = self._factor(name, span)
         if not isinstance(factor.domain, ir.Choices) or factor.domain.when is not None:
             what = f"which other levels `{name}` can have depends on the instance"
-            self.check.fail("WMS503", what, span, "give it a list of values that are always there")
+            self.check.fail("WMS503", what, span, "give it a list of unconditional values")
         if len(factor.domain.values) < 2:
             self.check.fail("WMS503", f"`{name}` has no other level", span, "give it two values or more")
 

@@ -87,13 +87,13 @@ class Questions:
         self._check_unique_name(question)
         text = self.pieces(question.text)
         if all(isinstance(part, str) and not part.strip() for part in text):
-            self.check.fail("WMS304", "this question asks nothing", question.text.span, "say what is asked")
+            self.check.fail("WMS304", "this question has no text", question.text.span, "write the question")
         clauses: dict[str, list[s.Clause]] = {}
         for clause in question.clauses:
             clauses.setdefault(clause.kind, []).append(clause)
             if clause.kind in _SINGLE_CLAUSES and len(clauses[clause.kind]) > 1:
-                notes = (Note("said here first", clauses[clause.kind][0].span),)
-                self.report.add("WMS202", f"`{clause.kind}` is said twice", clause.span, "remove one", notes)
+                notes = (Note("first set here", clauses[clause.kind][0].span),)
+                self.report.add("WMS202", f"`{clause.kind}` is set twice", clause.span, "remove one", notes)
         if ANSWER not in clauses:
             self.check.fail("WMS501", "this question has no answer", question.text.span, "add `answer EXPRESSION`")
         kind, options, answer = self._answer(question, clauses)
@@ -285,10 +285,10 @@ class Questions:
         for clause in clauses:
             kind = self._by_kind(clause)
             if first.setdefault(kind, clause) is not clause:
-                notes = (Note("said here first", first[kind].span),)
-                self.report.add("WMS202", "`distinct` is said twice", clause.span, "remove one", notes)
+                notes = (Note("first set here", first[kind].span),)
+                self.report.add("WMS202", "`distinct` is set twice", clause.span, "remove one", notes)
         if True in first and not kinds:
-            remedy = "say which there are: `kinds { NAME: CONDITION ... }`"
+            remedy = "define them: `kinds { NAME: CONDITION ... }`"
             self.report.add("WMS502", "the outcomes of this question have no kinds", first[True].value.span, remedy)
         quantities = self._check_each(self.bounds, [first[False]] if False in first else [])
         length, turn = quantities[0] if quantities else (None, None)
@@ -347,7 +347,7 @@ class Questions:
             typed = self.check.infer(self.modules.plain(expr))
             sort = str(TEXT) if self._named(typed.expr) else _spoken_type(typed.type)
             if sort is None:
-                self.check.fail("WMS302", f"{article(str(typed.type))} cannot be said in a text", span)
+                self.check.fail("WMS302", f"{article(str(typed.type))} has no wording in a text", span)
             parts.append(ir.Interpolation(value=typed.expr, sort=sort))
         parts.append(_unescape(raw[end:-1]))
         return tuple(part for part in parts if part != "")

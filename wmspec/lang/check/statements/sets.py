@@ -66,7 +66,7 @@ class Sets:
             message = f"a set has no fewer than 0 members, and this can be {min(numbers):g}"
             self.check.fail("WMS304", message, written.span, "make it whole numbers from 0 on")
         if not 1 <= max(numbers) <= MOST_MEMBERS:
-            message = f"the most members that this set can have are {max(numbers):g}"
+            message = f"this set can have {max(numbers):g} members"
             self.check.fail("WMS304", message, written.span, f"make that a number from 1 to {MOST_MEMBERS}")
         return int(max(numbers))
 
@@ -75,7 +75,7 @@ class Sets:
         domains: dict[str, tuple[Any, ...]] = {}
         self._needs(written, count, lets, domains)
         if prod(len(d) for d in domains.values()) > MOST_TRIED:
-            message = f"this number depends on too many factors; {MOST_TRIED:,} combinations are the most"
+            message = f"this number depends on too many factors; {MOST_TRIED:,} combinations is the maximum"
             self.check.fail("WMS304", message, written.span, "make it a factor of its own")
         for row in product(*domains.values()):
             try:
@@ -89,7 +89,7 @@ class Sets:
         """Collect the `let`s and factors that a count depends on."""
         for part in parts(expr):
             if isinstance(part, ir.Property | ir.Call) or part == ir.Ref(name="end"):
-                message = "the number of a set is worked out from factors, `let`s and numbers alone"
+                message = "the number of a set can depend on factors, `let`s and numbers only"
                 self.check.fail("WMS304", message, written.span)
             if not isinstance(part, ir.Ref) or part.name in lets or part.name in domains:
                 continue

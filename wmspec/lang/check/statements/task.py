@@ -225,8 +225,8 @@ class _Task:
         """Return the questions, those of the task's own text first, then those of its libraries."""
         assert self.declaration is not None
         text = self.declaration.span.source
-        asked = self.each(s.Question, lambda q: (q.span.source is not text, self.questions.question(q)))
-        return [question for _, question in sorted(asked, key=lambda pair: pair[0])]
+        questions = self.each(s.Question, lambda q: (q.span.source is not text, self.questions.question(q)))
+        return [question for _, question in sorted(questions, key=lambda pair: pair[0])]
 
     def each(self, sort: type[S], check: Callable[[S], T]) -> list[T]:
         """Return the results of checking every statement of a type, without failed ones."""
@@ -256,8 +256,8 @@ class _Task:
         for x in self.statements:
             if isinstance(x, s.Setting):
                 if x.key in settings:
-                    notes = (Note("said here first", settings[x.key].span),)
-                    self.report.add("WMS202", f"`{x.key}` is said twice", x.span, "remove one", notes)
+                    notes = (Note("first set here", settings[x.key].span),)
+                    self.report.add("WMS202", f"`{x.key}` is set twice", x.span, "remove one", notes)
                 settings[x.key] = x
         self._settings = settings
         return {k: x.value.value for k, x in settings.items() if isinstance(x.value, s.Text)}

@@ -21,8 +21,8 @@ def tolerances(check: Expressions, written: Iterable[s.Tolerance]) -> dict[str, 
     for tolerance in written:
         name = tolerance.name
         if name.id in spans:
-            notes = (Note("said here first", spans[name.id]),)
-            check.report.add("WMS202", f"the tolerance `{name.id}` is said twice", name.span, "remove one", notes)
+            notes = (Note("first set here", spans[name.id]),)
+            check.report.add("WMS202", f"the tolerance `{name.id}` is set twice", name.span, "remove one", notes)
         spans.setdefault(name.id, name.span)
         with suppress(Failed):
             checked[name.id] = _tolerance(check, tolerance)

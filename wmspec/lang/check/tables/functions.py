@@ -65,10 +65,10 @@ FUNCTIONS: dict[str, Function] = {
     # places
     "toward": Function("the heading from the acting object to another", (OBJECT,), AN_ANGLE),
     "opposite": Function("the heading the other way", (AN_ANGLE,), AN_ANGLE),
-    "left_of": Function("the place so far to the left of an object's middle, seen from the front or from a viewer", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
-    "right_of": Function("the place so far to the right of an object's middle, seen from the front or from a viewer", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
-    "in_front_of": Function("the place so much nearer to the front, or to a viewer, than an object's middle", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
-    "behind": Function("the place so much further from the front, or from a viewer, than an object's middle", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
+    "left_of": Function("the place at a distance to the left of an object's middle, seen from the front or from a viewer", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
+    "right_of": Function("the place at a distance to the right of an object's middle, seen from the front or from a viewer", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
+    "in_front_of": Function("the place at a distance in front of an object's middle, or nearer to a viewer", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
+    "behind": Function("the place at a distance behind an object's middle, or further from a viewer", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
     "polar": Function("the place at a distance and heading from an object's middle", (OBJECT, A_LENGTH, AN_ANGLE), PLACE),
     "between": Function("the place half way between two objects", (OBJECT, OBJECT), PLACE),
     # colours

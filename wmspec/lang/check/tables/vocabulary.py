@@ -349,7 +349,7 @@ FACTOR_DOMAINS = (
     SyntaxForm("[red, blue]", "these values; objects, points, texts and truth values too"),
     SyntaxForm("[0.5, 1, 2] m/s", "quantities of one unit"),
     SyntaxForm("10 cm .. 20 cm by 5 cm", "steps from the start, up to the end"),
-    SyntaxForm("0 .. 1 in 5", "so many values at equal distances, with both ends"),
+    SyntaxForm("0 .. 1 in 5", "that number of values at equal distances, with both ends"),
     SyntaxForm(
         "product([0 cm, 10 cm], [-5 cm, 5 cm])", "points with these coordinates; three lists for points in space"
     ),
@@ -409,13 +409,15 @@ class DesignForm(SyntaxForm):
 #: Designs: the combinations of factors.
 DESIGNS: dict[str, DesignForm] = {
     "factorial": DesignForm("design factorial", "all of them; the same if there is no `design`"),
-    "sample": DesignForm("design sample of 500", "so many of them, the values of a factor equally often", counted=True),
+    "sample": DesignForm(
+        "design sample of 500", "that number of them, the values of a factor equally often", counted=True
+    ),
     "latin": DesignForm(
         "design latin of 200", "a Latin hypercube: factors may be intervals, covered evenly", counted=True
     ),
     "groups": DesignForm(
         "design groups of 120 { cross: x  turn: [y] }",
-        "so many control groups: in each some factors are crossed, all others are drawn anew for each group; `balance` "
+        "that number of control groups: in each some factors are crossed, all others are drawn again for each group; `balance` "
         "keeps draws in which the answers of a question come equally often",
         counted=True,
     ),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wmspec.eval.report.figures import accuracy, analyses, choices
-from wmspec.eval.report.figures.style import Drawn, settings
+from wmspec.eval.report.figures.style import SvgFigure, settings
 from wmspec.eval.report.report import Report
 
 #: The figures of each section of the page.
@@ -16,7 +16,7 @@ SECTIONS = {
 }
 
 
-def figures(report: Report) -> dict[str, tuple[Drawn, ...]]:
+def figures(report: Report) -> dict[str, tuple[SvgFigure, ...]]:
     """Return the available figures of each section."""
     with settings():
         return {name: tuple(f for draw in draws for f in draw(report)) for name, draws in SECTIONS.items()}
