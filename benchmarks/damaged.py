@@ -34,7 +34,7 @@ from wmspec.core.diagnostics import Report, WmsError
 from wmspec.core.places import Source
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.gallery.gallery import folder as gallery_folder
-from wmspec.eval.image_import.recast import recast
+from wmspec.eval.image_import.importer import import_images
 from wmspec.eval.models import results
 from wmspec.eval.report import replies
 from wmspec.lang.check.statements.task import check_program
@@ -335,7 +335,7 @@ def _results(home: Path, r: random.Random, _: Damage) -> None:
 def _table(home: Path, r: random.Random, damage: Damage) -> None:
     shutil.copytree(originals() / "photos", home / "photos")
     (home / "t.csv").write_bytes(damage(TABLE, r))
-    recast(home / "t.csv", home / "photos", home / "out", 32)
+    import_images(home / "t.csv", home / "photos", home / "out", 32)
 
 
 def _of_trace(home: Path, r: random.Random, damage: Damage) -> None:

@@ -197,7 +197,9 @@ def _attempt_file(kind: str, number: int) -> Outcome:
 def run_files(kind: str, numbers: range, workers: int) -> Iterator[Outcome]:
     """The outcomes of all files, in order; a worker that dies or hangs is a failure of the files that it had."""
     pieces = [(kind, first, min(first + TOGETHER, numbers.stop)) for first in numbers[::TOGETHER]]
-    for (_, first, last), outcomes in zip(pieces, map_ordered(attempt_files, pieces, PoolConfig(workers, 300)), strict=True):
+    for (_, first, last), outcomes in zip(
+        pieces, map_ordered(attempt_files, pieces, PoolConfig(workers, 300)), strict=True
+    ):
         if isinstance(outcomes, JobFailure):
             yield from (Outcome(n, "", "failed", 0.0, 0, f"{outcomes.reason}: {first} to {last}") for n in (first,))
         else:

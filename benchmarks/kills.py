@@ -43,7 +43,7 @@ from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.study import store
 from wmspec.eval.study.make import StudyOptions, make
 from wmspec.eval.study.model import load
-from wmspec.eval.study.store import Store
+from wmspec.eval.study.store import AnswerStore
 
 ROOT = Path(__file__).parent.parent
 SPEC = ROOT / "tests/endtoend/specs/speed_tabletop.wms"
@@ -346,7 +346,9 @@ def study(home: Path, kills: int, chance: random.Random) -> str:
                 heard.append((session, step))
         server.kill()
         rounds += 1
-        if [(v.session, a.step) for v in Store(folder / store.FILE, made).visits() for a in v.answers] != heard:
+        if [
+            (v.session, a.step) for v in AnswerStore(folder / store.ANSWERS_FILE, made).visits() for a in v.answers
+        ] != heard:
             raise Failed("other answers than were given")
     return f"study: {killed} kills in {rounds} studies: every answer kept once"
 

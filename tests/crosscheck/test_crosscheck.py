@@ -15,7 +15,7 @@ from wmspec.lang.check.ir.ir import QuestionKind
 from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.compare.check import check
 from wmspec.runtime.compare.model import CheckResult, Verdict
-from wmspec.runtime.compare.summary import Share, unreliable_answers, lines, suspects
+from wmspec.runtime.compare.summary import Share, lines, suspects, unreliable_answers
 from wmspec.runtime.compare.tolerance import Tolerances
 from wmspec.runtime.compare.verbalize import dispute
 
@@ -82,7 +82,7 @@ def test_a_question_that_no_engine_would_ask_does_not_fail() -> None:
     (found,) = checked(gated)
     (verdict,) = found.verdicts
     assert not verdict.agree
-    assert not verdict.asked
+    assert not verdict.is_accepted
     assert found.passes(strict=False)
     assert not found.passes(strict=True)
     (line,) = lines([found], [PAIR])
@@ -107,7 +107,7 @@ def test_pictures_are_compared_with_the_counterfactuals_of_the_other_engine() ->
     assert [c.run for c in found.comparisons] == ["truth", "slower"]
     (verdict,) = found.verdicts
     assert verdict.agree
-    assert verdict.asked
+    assert verdict.is_accepted
     assert found.passes(strict=True)
 
 

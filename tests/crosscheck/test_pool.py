@@ -11,7 +11,7 @@ import pytest
 
 from wmspec.core.diagnostics import GraphicsError, WmsError
 from wmspec.runtime.workers import pool
-from wmspec.runtime.workers.pool import PoolConfig, HelperProcess, JobFailure, map_ordered
+from wmspec.runtime.workers.pool import HelperProcess, JobFailure, PoolConfig, map_ordered
 
 
 def square(i: int) -> int:
@@ -59,7 +59,9 @@ def test_whatever_goes_wrong_costs_its_own_piece(workers: int) -> None:
 def test_a_reason_names_our_code_wherever_it_lies(module: str, place: str) -> None:
     names: dict[str, Any] = {"__name__": module}
     exec(compile("def work(i):\n    raise ValueError('no')", "/home/me/wmspec/other.py", "exec"), names)
-    assert list(map_ordered(names["work"], [(1,)], PoolConfig(0, timeout=60))) == [JobFailure("error", f"ValueError: no{place}")]
+    assert list(map_ordered(names["work"], [(1,)], PoolConfig(0, timeout=60))) == [
+        JobFailure("error", f"ValueError: no{place}")
+    ]
 
 
 @pytest.mark.parametrize("workers", [0, 2])

@@ -11,7 +11,7 @@ from wmspec.dataset.build.batching import batches
 from wmspec.dataset.build.estimate import _first_pieces, _rate, _seconds, _spaced_units, _Trial, _Unit
 from wmspec.dataset.build.plan import Task
 from wmspec.dataset.build.worker import Balance
-from wmspec.runtime.workers.pool import PoolConfig, JobFailure
+from wmspec.runtime.workers.pool import JobFailure, PoolConfig
 
 
 @pytest.fixture(scope="module")

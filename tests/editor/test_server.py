@@ -281,7 +281,7 @@ def test_definitions_lead_into_libraries_and_names_change_everywhere(tmp_path: P
         editor.path.write_text(text)
         assert diagnose(editor.path).passed
         for after, name, told in (
-            ("observe fro", "ahead", "comes with wmspec"),
+            ("observe fro", "ahead", "a library of wmspec"),
             ("factor   ti", "ball", "already"),
             ("factor   ti", "factor", "a word of the language"),
             ("factor   ti", "no-name", "no name"),

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmspec.eval.models import reply
-from wmspec.eval.models.reply import LETTERS, ORDINALS, choice, mark, is_near, number_in
+from wmspec.eval.models.reply import LETTERS, ORDINALS, choice, is_near, mark, number_in
 from wmspec.eval.models.results import COLUMNS
 
 PICTURES = (None, None, None, None)

@@ -31,5 +31,7 @@ def test_to_the_right_is_to_the_right_in_the_picture(yaw: float, down: float, x:
 
 @pytest.mark.parametrize("below", [-1.0, 1.0])
 def test_looking_along_the_vertical_is_looking_to_the_front(below: float) -> None:
-    values = Evaluator(task("t", thing("camera", "eye", at=(1, 2, 3), look_at=(1, 2, 3 + below)), observe("eye", [0])), {})
+    values = Evaluator(
+        task("t", thing("camera", "eye", at=(1, 2, 3), look_at=(1, 2, 3 + below)), observe("eye", [0])), {}
+    )
     assert camera_direction(values, "eye") == 0

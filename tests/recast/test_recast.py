@@ -117,7 +117,12 @@ def test_the_example_states_every_licence(example: Path) -> None:
 def test_the_same_table_gives_the_same_bytes(example: Path, tmp_path: Path) -> None:
     skimage = pytest.importorskip("skimage")
     run(
-        "import-images", DOCS / "photographs.csv", "--images", Path(skimage.__file__).parent / "data", "-o", tmp_path / "again"
+        "import-images",
+        DOCS / "photographs.csv",
+        "--images",
+        Path(skimage.__file__).parent / "data",
+        "-o",
+        tmp_path / "again",
     )
     for path in (p for p in example.rglob("*") if p.is_file()):
         assert path.read_bytes() == (tmp_path / "again" / path.relative_to(example)).read_bytes(), path

@@ -13,7 +13,10 @@ from wmspec.lang.check.types.types import A_LENGTH, OBJECT
 
 ROW = Verb(
     "sends the object straight up",
-    {"object": PropertySpec((OBJECT,), "what hops"), "height": PropertySpec((A_LENGTH,), "how high it rises", above=0, most=10)},
+    {
+        "object": PropertySpec((OBJECT,), "what hops"),
+        "height": PropertySpec((A_LENGTH,), "how high it rises", above=0, most=10),
+    },
     lasts=False,
     author="tests.recipes.hop:hop",
     staged="launch",

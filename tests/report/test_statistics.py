@@ -13,7 +13,7 @@ from wmspec.eval.report.curves import curves, strength
 from wmspec.eval.report.entanglement import paper_dimension, relative_entanglement
 from wmspec.eval.report.filtered import ALL_MODELS, OWN_PERCEPTION
 from wmspec.eval.report.intervals import mean_estimates, seeded_generator
-from wmspec.eval.report.items import item_rest_correlation, fit_item_response, stratified_sample
+from wmspec.eval.report.items import fit_item_response, item_rest_correlation, stratified_sample
 from wmspec.eval.report.questions import Questions
 from wmspec.eval.report.replies import replies
 

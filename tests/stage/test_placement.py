@@ -193,7 +193,7 @@ def test_scattered_objects_keep_their_gap_and_stay_in_the_field(seed: int, shape
 
 def test_how_many_there_are_moves_none_of_them_nor_does_anything_else_that_is_there() -> None:
     few, many = values(TABLE, *dots(9, 2)), values(TABLE, *dots(9, 7), thing("object", "other", on="table"))
-    assert [few.there(f"dots_{i}") for i in range(9)] == [i < 2 for i in range(9)]
+    assert [few.is_present(f"dots_{i}") for i in range(9)] == [i < 2 for i in range(9)]
     assert all(few.pose(f"dots_{i}") == many.pose(f"dots_{i}") for i in range(9))
 
 

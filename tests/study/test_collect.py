@@ -25,12 +25,12 @@ from wmspec.eval.study.answers import Answer, Person
 from wmspec.eval.study.collect import collect
 from wmspec.eval.study.make import StudyOptions, make
 from wmspec.eval.study.model import Study, load
-from wmspec.eval.study.store import Store
+from wmspec.eval.study.store import AnswerStore
 
 
 def visit(folder: Path, name: str, off: int = 0, until: int = 10_000, checks: bool = True) -> None:
     """Somebody answers `until` so many steps, `off` places from the truth, and passes `checks` of attention or not."""
-    study, opened = load(folder), Store(folder / store.FILE, load(folder))
+    study, opened = load(folder), AnswerStore(folder / store.ANSWERS_FILE, load(folder))
     session = f"{int.from_bytes(name.encode()):032x}"
     slot = opened.begin(Person(session=session, rater=name)).slot
     for step in range(min(until, len(study.slots[slot]))):
@@ -185,7 +185,9 @@ def test_two_of_a_name_are_two_people(study: Path, tmp_path: Path) -> None:
 
 
 def test_numbers_are_scored_in_the_unit_that_was_asked_for(tmp_path: Path) -> None:
-    study = make(DatasetReader.open(in_numbers(tmp_path / "data")), StudyOptions(per_task=4, raters=1), tmp_path / "study")
+    study = make(
+        DatasetReader.open(in_numbers(tmp_path / "data")), StudyOptions(per_task=4, raters=1), tmp_path / "study"
+    )
     answers = []
     for step in range(len(study.slots[0])):
         shown = study.step(0, step)

@@ -117,7 +117,7 @@ def test_texts_that_were_replaced_stay_and_end_nothing(dataset: DatasetReader, s
 
 
 def test_another_study_never_takes_the_place_of_one_with_answers(dataset: DatasetReader, study: Path) -> None:
-    store.Store(study / store.FILE, load(study)).close()
+    store.AnswerStore(study / store.ANSWERS_FILE, load(study)).close()
     with pytest.raises(WmsError, match="answers to another study"):
         make(dataset, StudyOptions(per_task=3), study)
     make(dataset, StudyOptions(per_task=6, raters=3, check_every=6), study)

@@ -17,7 +17,14 @@ from wmspec.core.tally import Tally
 from wmspec.lang.check.ir.record import to_json
 from wmspec.runtime.compare.model import CheckResult
 from wmspec.runtime.compare.record import junit, record
-from wmspec.runtime.compare.summary import UnreliableAnswers, TaskAgreement, Suspect, unreliable_answers, lines, suspects
+from wmspec.runtime.compare.summary import (
+    Suspect,
+    TaskAgreement,
+    UnreliableAnswers,
+    lines,
+    suspects,
+    unreliable_answers,
+)
 from wmspec.runtime.compare.sweep import SweepConfig, Swept, pairs, sweep
 from wmspec.runtime.compare.tolerance import tolerances
 from wmspec.runtime.compare.verbalize import complaints

@@ -86,7 +86,7 @@ class Episode:
     def notes(self) -> tuple[Diagnostic, ...]:
         """Warnings: substitutions, approximations, and regimes in which the engine is known to be wrong."""
         wrong = entered(self.scene, self.trace, Tolerances().event)
-        doubts = (Diagnostic(regime.told, severity="warning") for regime in wrong)
+        doubts = (Diagnostic(regime.sentence, severity="warning") for regime in wrong)
         nearly = approximation_warnings(info(self.engine).lacks, self.scene)
         return tuple(dict.fromkeys((*self.scene.notes, *nearly, *doubts)))
 

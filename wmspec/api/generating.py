@@ -144,7 +144,7 @@ def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptio
         if not task.questions:
             raise WmsError(f"the task `{task.name}` has no question; nothing to generate")
     return Plan(
-        spec_texts=spec_texts(chosen_tasks),
+        texts=spec_texts(chosen_tasks),
         tasks=tuple(
             PlannedTask(t.spec, instance_indices(t, per_task, full, options.get("part", (1, 1)))) for t in chosen_tasks
         ),

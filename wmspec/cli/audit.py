@@ -1,4 +1,4 @@
-"""`wmspec audit`: is a dataset what it promises?"""
+"""`wmspec audit`: check a dataset for shortcuts and other defects."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from wmspec.cli.common import json_option, make_folder, write_text
 if TYPE_CHECKING:
     from wmspec.dataset.audit.model import Audit
 
-#: So many failures of one sort are told on the terminal.
+#: The most failures of one check that are printed.
 MAX_PRINTED = 3
 
 
@@ -41,7 +41,7 @@ def audit_command(
 
     Exits with 1 if a check fails.
     """
-    # Before NumPy starts: its matrices are small here, and the same sums must come out on any number of cores.
+    # Before the import of NumPy: one thread gives the same sums on any number of cores, and the matrices are small.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from wmspec.dataset.audit.audit import audit
     from wmspec.dataset.audit.page import page
@@ -64,7 +64,7 @@ def audit_command(
 
 
 def _print(result: Audit) -> None:
-    """The first page, for a terminal, and what fails."""
+    """Print the overview and the failures."""
     from rich.console import Console
     from rich.table import Table
 
@@ -80,11 +80,11 @@ def _print(result: Audit) -> None:
     for finding in result.findings:
         if finding.verdict == "fails":
             failing.setdefault((finding.check, finding.task), []).append(finding.what)
-    for (check, task), those in failing.items():
-        for what in those[:MAX_PRINTED]:
-            click.echo(f"{click.style(WORDS['fails'], fg='red')}: {check}{f' {task}' if task else ''}: {what}")
-        if len(those) > MAX_PRINTED:
+    for (check, task), found in failing.items():
+        for text in found[:MAX_PRINTED]:
+            click.echo(f"{click.style(WORDS['fails'], fg='red')}: {check}{f' {task}' if task else ''}: {text}")
+        if len(found) > MAX_PRINTED:
             click.echo(
-                f"  and {len(those) - MAX_PRINTED:,} more; all of them are in the report that `-o FOLDER` writes"
+                f"  and {len(found) - MAX_PRINTED:,} more; `-o FOLDER` writes all of them"
             )
     click.echo(verdict(result))

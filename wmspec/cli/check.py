@@ -1,4 +1,4 @@
-"""`wmspec check`: are these specs right?"""
+"""`wmspec check`: check specs."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def check_command(specs: tuple[Path, ...], form: str, timeout: float, no_cache: 
 
 
 def _print(checked: Checked) -> None:
-    """Diagnostics to standard error, the tasks without mistakes to standard output."""
+    """Print diagnostics to standard error, and tasks without mistakes to standard output."""
     for diagnostic in checked.diagnostics:
         click.echo(diagnostic.render(paint()) + "\n", err=True)
     for task in checked.tasks:
@@ -68,14 +68,14 @@ def _print(checked: Checked) -> None:
     if not checked.passed:
         errors = [d for d in checked.diagnostics if d.severity == "error"]
         codes = sorted({d.code for d in errors})
-        more = f"`wmspec explain {codes[0]}` tells more"
+        more = f"see `wmspec explain {codes[0]}`"
         click.echo(f"{len(errors)} mistake{'s' * (len(errors) != 1)}; {more}", err=True)
     elif not checked.tasks:
-        click.echo("no tasks here, and no mistakes")
+        click.echo("no tasks, no mistakes")
 
 
 def _print_design(task: CheckedTask) -> None:
-    """The sample sizes, and what balance may cost."""
+    """Print the sample sizes and the cost of balance."""
     for size, names in by_size(task.sample_sizes or {}).items():
         click.echo(f"  {size:,} independent group{'s' * (size != 1)}: {', '.join(names)}")
     if task.balance:

@@ -1,4 +1,4 @@
-"""What several commands share: their options, and how a person's texts become values."""
+"""Options shared by commands, and parsing of their values."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ redraw_option = click.option(
 
 
 def by_size(sizes: Mapping[str, int]) -> dict[int, list[str]]:
-    """The names of factors and nuisances, by the sample size that they have in common."""
+    """Group the names of factors and nuisances by sample size."""
     named: dict[int, list[str]] = {}
     for name, size in sizes.items():
         named.setdefault(size, []).append(name)
@@ -52,7 +52,7 @@ def by_size(sizes: Mapping[str, int]) -> dict[int, list[str]]:
 
 
 def balance_note(question: str) -> str:
-    """What balance may cost."""
+    """Return a note on the cost of balanced answers."""
     from wmspec.core.limits import MAX_DRAWS
 
     most = f"each group is drawn up to {MAX_DRAWS} times"
@@ -60,19 +60,19 @@ def balance_note(question: str) -> str:
 
 
 def paint() -> Paint:
-    """How diagnostics are coloured."""
+    """Return the colouring of diagnostics."""
     if not _has_colour():
         return unpainted
     return lambda text, part: click.style(text, fg=_COLORS[part], bold=part != "caret")
 
 
 def _has_colour() -> bool:
-    """On a terminal, unless the user asked for none (https://no-color.org)."""
+    """Whether to use colours: on a terminal, unless NO_COLOR is set (https://no-color.org)."""
     return sys.stderr.isatty() and not os.environ.get("NO_COLOR")
 
 
 def read_stdin() -> Source:
-    """The text that is piped in, as `-` asks for. Raises WmsError if it is no text."""
+    """Return the text on standard input. Raises WmsError if it is not UTF-8."""
     try:
         return Source("<stdin>", sys.stdin.buffer.read().decode("utf-8").replace("\r\n", "\n"))
     except UnicodeDecodeError as error:
@@ -80,7 +80,7 @@ def read_stdin() -> Source:
 
 
 def look_options(command: F) -> F:
-    """The options `--look` and `--samples`."""
+    """Add the options `--look` and `--samples`."""
     look = click.option(
         "--look",
         type=click.Choice(["parity", "photo"]),
@@ -93,14 +93,14 @@ def look_options(command: F) -> F:
 
 
 class _Timeout(BaseException):
-    """No mistake of the user's, which what reads files of others might take it for."""
+    """A BaseException, so that no handler of other errors catches it."""
 
 
 @contextmanager
 def time_limit(seconds: float) -> Iterator[None]:
     """Raise WmsError when the block exceeds the time limit, at the next Python instruction."""
 
-    def stop(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  a handler is called with both
+    def stop(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  the signature of a handler
         raise _Timeout
 
     before = signal.signal(signal.SIGALRM, stop)
@@ -109,7 +109,7 @@ def time_limit(seconds: float) -> Iterator[None]:
         yield
     except _Timeout:
         raise WmsError(
-            f"it takes longer than {seconds:g} s; check fewer specs, or give it more with --timeout"
+            f"time limit of {seconds:g} s exceeded; check fewer specs, or set --timeout"
         ) from None
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
@@ -117,12 +117,12 @@ def time_limit(seconds: float) -> Iterator[None]:
 
 
 def tell(text: str) -> None:
-    """What is doubtful, and what is left out, on standard error."""
+    """Print a warning to standard error."""
     click.echo(text, err=True)
 
 
 def exit_if_failed(tally: Tally) -> None:
-    """Say on standard error what failed of a run. Exits with 1 if nothing was made, or too much of it failed."""
+    """Print the failures of a run to standard error; exit with 1 if nothing was made or too much failed."""
     if tally.told:
         tell(tally.told)
     if not tally.passed:
@@ -130,7 +130,7 @@ def exit_if_failed(tally: Tally) -> None:
 
 
 def load_instance(path: Path, name: str, index: int, seed: int, redraw: int = 0) -> Instance:
-    """An instance of the task of this name, or of the only one, of a spec file. Raises WmsError if there is none."""
+    """Return an instance of a spec's task with this name, or of its only task. Raises WmsError if there is none."""
     from wmspec.api import load_all
 
     tasks = load_all(path, seed=seed, tell=tell)
@@ -149,7 +149,7 @@ def load_instance(path: Path, name: str, index: int, seed: int, redraw: int = 0)
 
 
 def parse_size(text: str) -> tuple[int, int]:
-    """`384` or `320x240` as width and height in pixels. Raises WmsError for anything else."""
+    """Parse `384` or `320x240` to width and height in pixels. Raises WmsError otherwise."""
     from wmspec.api.rendering import MAX_SIDE, MIN_SIDE
 
     match = re.fullmatch(r"(\d+)(?:x(\d+))?", text.strip())
@@ -161,11 +161,11 @@ def parse_size(text: str) -> tuple[int, int]:
 
 
 def parse_share(text: str) -> tuple[int, int]:
-    """`2/8` as the second of eight shares. Raises WmsError for anything else."""
+    """Parse `2/8` to (2, 8). Raises WmsError otherwise."""
     match = re.fullmatch(r"(\d+)/(\d+)", text.strip())
     number, count = (int(match[1]), int(match[2])) if match else (0, 0)
     if not 1 <= number <= count:
-        raise WmsError(f"shard `{text}`: expected one of so many, from 1/8 for the first of eight to 8/8 for the last")
+        raise WmsError(f"shard `{text}`: expected I/N, such as 1/8 for the first of eight shares")
     return number, count
 
 
@@ -174,7 +174,7 @@ def make_folder(path: Path) -> Path:
     try:
         make_folders(path)
     except OSError as error:
-        raise WmsError(f"cannot be made a folder: {error.strerror}", FilePlace(str(path))) from None
+        raise WmsError(f"cannot create the folder: {error.strerror}", FilePlace(str(path))) from None
     return path
 
 

@@ -1,4 +1,4 @@
-"""`wmspec compile`: stages, and what an engine loads by itself."""
+"""`wmspec compile`: write stages and native files of engines."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def compile_command(
         click.echo(checked.to_json())
         return
     if output is None:
-        raise WmsError("say where to write: `--output FOLDER`, or `--ir` to print the checked task")
+        raise WmsError("missing option --output FOLDER, or --ir to print the checked task")
     folder = make_folder(output / checked.name)
     written = chosen_instance.write(folder)
     for engine in select_backends(backend) if backend else ():

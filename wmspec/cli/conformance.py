@@ -1,4 +1,4 @@
-"""`wmspec conformance`: the cases of usdphysics-conformance in the installed engines."""
+"""`wmspec conformance`: run the cases of usdphysics-conformance in the installed engines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a dataset would take, told before it is made."""
+"""Cost estimates of `wmspec generate --dry-run`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def print_cost(plan: Plan, effort: PoolConfig, as_json: bool) -> None:
-    """Try some instances of each task and print what all of them would take. Exits with 1 if too many failed."""
+    """Generate some instances per task and print a cost estimate. Exits with 1 if too many failed."""
     from wmspec.dataset.build.estimate import estimate
     from wmspec.dataset.build.manifest import top_reasons
 
@@ -38,12 +38,12 @@ def print_cost(plan: Plan, effort: PoolConfig, as_json: bool) -> None:
             if cost.balance is not None:
                 click.echo(f"{cost.task}: {cost.balance}")
         click.echo(f"with {effort.workers} workers, in {', '.join(plan.engines)}; nothing was written")
-        click.echo("± is one standard error, by how the units that were tried differ")
+        click.echo("± is one standard error, from the variation among the tried units")
     exit_if_failed(_tally(costs))
 
 
 def _tally(costs: Sequence[Cost]) -> Tally:
-    """What was tried is few: that all of it was rejected by gates is told, and is no failure."""
+    """Return the counts of a dry run; rejections by gates are not failures."""
     tried, failed = sum(c.tried for c in costs), sum(c.failed for c in costs)
     crash = next((c.crash for c in costs if c.crash is not None), None)
     return Tally("instance was tried", tried, "instances", tried, failed, crash.told() if crash else "")
@@ -67,12 +67,12 @@ def _print(costs: Sequence[Cost], workers: int) -> None:
             c.task, *_totals([c], workers), f"{c.tried}", f"{c.seconds:.2f}", f"{c.rejected} of {c.questions}"
         )
     if len(costs) > 1:
-        table.add_row("together", *_totals(costs, workers))
+        table.add_row("total", *_totals(costs, workers))
     Console(soft_wrap=False).print(table, highlight=False)
 
 
 def _totals(costs: Sequence[Cost], workers: int) -> tuple[str, str, str]:
-    """Instances, time with its standard error, and size."""
+    """Return instances, time with its standard error, and size."""
     hours, count = sum(c.hours(workers) for c in costs), sum(c.bytes for c in costs)
     errors = [error for c in costs if (error := c.standard_error(workers)) is not None]
     within = f" ± {math.hypot(*errors) / hours:.0%}" if len(errors) == len(costs) and hours else ""

@@ -1,4 +1,4 @@
-"""`wmspec crosscheck`: do the engines agree?"""
+"""`wmspec crosscheck`: compare engines."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from wmspec.cli.common import exit_if_failed, seed_option, specs_argument, tell,
 if TYPE_CHECKING:
     from wmspec.api import Agreement
 
-#: The most disagreements that are told in full on the terminal; the files hold all.
+#: The most disagreements printed in full; the files contain all.
 MAX_PRINTED = 20
 
 
@@ -124,14 +124,14 @@ def _print(agreement: Agreement) -> None:
         for complaint in agreement.complaints(instance):
             click.echo(f"  {complaint}")
     if len(failed) > MAX_PRINTED:
-        click.echo(f"\n... and {len(failed) - MAX_PRINTED} more instances; --json FILE has them all")
+        click.echo(f"\n... and {len(failed) - MAX_PRINTED} more instances; --json FILE writes all")
     if agreement.suspects:
         click.echo("\nmore often with:")
     for s in agreement.suspects:
         where = f"where {s.factor} is {_short(s.value)}"
         click.echo(f"  {s.task}: {s.what} in {s.with_it} instances {where}, in {s.without} elsewhere")
     if agreement.doubtful:
-        click.echo("\nanswers that rest on motion that engines get wrong, whether they agree or not:")
+        click.echo("\nanswers that depend on motion that engines simulate wrongly:")
     for d in agreement.doubtful:
         click.echo(f"  {d.task}: {d.answers}, as {d.kind}; in instance {d.instance}, {d.where}")
     click.echo(f"\n{len(agreement.instances) - len(failed)} of {len(agreement.instances)} instances pass")

@@ -1,4 +1,4 @@
-"""`wmspec doctor`: what works here, and how to mend what does not."""
+"""`wmspec doctor`: test the installation and print remedies."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ def doctor_command(ctx: click.Context, capabilities: bool, as_json: bool) -> Non
             click.echo(f"{mark}  {finding.name:{width}}  {finding.found}")
         for finding in findings:
             if finding.report:
-                click.echo(f"\n{finding.name} failed, and the cause is not known: {finding.found}\n{finding.report}")
+                click.echo(f"\n{finding.name} failed for an unknown reason: {finding.found}\n{finding.report}")
         for cure in dict.fromkeys(f.remedy for f in findings if f.remedy):
-            click.echo(f"\nto mend {', '.join(f.name for f in findings if f.remedy == cure)}:\n  {cure}")
+            click.echo(f"\nto fix {', '.join(f.name for f in findings if f.remedy == cure)}:\n  {cure}")
     ctx.exit(0 if fit(findings) else 1)
 
 

@@ -1,4 +1,4 @@
-"""`wmspec evaluate`: what a model replies to the questions of a dataset."""
+"""`wmspec evaluate`: evaluate a model on a dataset."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def evaluate_command(dataset: Path | None, rescore: Path | None, as_json: bool, 
         _rescore(rescore, as_json)
         return
     if dataset is None or options["model"] is None:
-        raise WmsError("what is asked, and who? `wmspec evaluate DATASET --model MODEL -o results.parquet`")
+        raise WmsError("missing DATASET or --model: `wmspec evaluate DATASET --model MODEL -o results.parquet`")
     run, server = _run(dataset, options)
     if options["dry_run"]:
         _print_requests(run)
@@ -101,7 +101,7 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
     opened = DatasetReader.open(dataset)
     opened.intact()
     if options["ablate"] and options["model"] in baselines.NAMES:
-        raise WmsError(f"--ablate: `{options['model']}` is sent nothing that could be left out; name a model")
+        raise WmsError(f"--ablate: `{options['model']}` has no request to ablate; choose a model")
     served = options["model"].startswith("openai:")
     url = server.address(options["base_url"]) if served else None
     settings = Settings(
@@ -122,7 +122,7 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
 
 
 def _parameters(written: tuple[str, ...], samples: int) -> tuple[tuple[str, Any], ...]:
-    """What goes into every request, in order. `NAME=null` takes one away."""
+    """Return the request parameters, sorted by name. `NAME=null` removes a default."""
     values: dict[str, Any] = {"temperature": 0, "max_tokens": 1024}
     for each in written:
         name, equals, value = each.partition("=")
@@ -133,7 +133,7 @@ def _parameters(written: tuple[str, ...], samples: int) -> tuple[tuple[str, Any]
         except ValueError:
             values[name] = value
     if samples > 1 and values["temperature"] == 0:
-        raise WmsError("--samples: at temperature 0 they are all the same; add --parameter temperature=0.7")
+        raise WmsError("--samples: all replies are equal at temperature 0; add --parameter temperature=0.7")
     return tuple(sorted((name, value) for name, value in values.items() if value is not None))
 
 
@@ -145,7 +145,7 @@ def _evaluate(run: Run, server: Server | None, options: dict[str, Any], as_json:
 
     output: Path | None = options["output"]
     if output is None or output.suffix != ".parquet":
-        raise WmsError("where to? the results are a .parquet file: add -o results.parquet")
+        raise WmsError("missing output: add -o results.parquet")
     settings = run.settings
     parameters = dict(settings.parameters)
     model: Model = open_model(settings.model, run.dataset, settings.seed, parameters, server, options["concurrency"])
@@ -156,12 +156,12 @@ def _evaluate(run: Run, server: Server | None, options: dict[str, Any], as_json:
         ended = evaluate(run, model, output, lambda right, count, cost: bar(_so_far(right, count, cost), 1))
     _print_counts(ended.counts, output, as_json)
     if ended.missing and not as_json:
-        click.echo(f"{ended.missing:,} requests were not sent, because a limit was reached; the same command goes on")
+        click.echo(f"{ended.missing:,} requests were not sent because of a limit; the same command resumes")
     exit_if_failed(_tally(ended))
 
 
 def _tally(ended: RunResult) -> Tally:
-    """Every request that failed counts: the same command tries it again."""
+    """Return the counts of a run: every failed request counts, since the same command retries it."""
     status = ended.counts.status
     failed = status.get("error", 0)
     read, asked = status.get("ok", 0), ended.counts.replies
@@ -173,7 +173,7 @@ def _so_far(right: int, count: int, cost: float) -> str:
 
 
 def _print_counts(counted: Counts, path: Path, as_json: bool) -> None:
-    """What came out, for a terminal or a program."""
+    """Print the scores for a terminal or as JSON."""
     if as_json:
         from dataclasses import asdict
 
@@ -186,7 +186,7 @@ def _print_counts(counted: Counts, path: Path, as_json: bool) -> None:
     lost = {name: count for name, count in counted.status.items() if name != "ok"}
     if lost:
         told = ", ".join(f"{count:,} {name}" for name, count in lost.items())
-        among = f"; of those that could be read {counted.right / read:.1%} are right" if read else ""
+        among = f"; of the readable replies {counted.right / read:.1%} are right" if read else ""
         click.echo(f"counted as wrong: {told}{among}")
     if counted.tokens_in or counted.tokens_out:
         cost = f"; cost {counted.cost:.4g}" if counted.cost is not None else ""
@@ -203,7 +203,7 @@ def _rescore(path: Path, as_json: bool) -> None:
 
 
 def _print_requests(run: Run) -> None:
-    """How many requests there are, and the first, with its pictures as sizes."""
+    """Print the number of requests and the first one, with sizes in place of pictures."""
     chosen = run.chosen()
     click.echo(f"{sum(len(list(run.asks(question))) for question in chosen):,} requests for {len(chosen):,} questions")
     first: Ask | None = run.first()

@@ -1,4 +1,4 @@
-"""`wmspec explain`: what a code means and how to mend it."""
+"""`wmspec explain`: explain a diagnostic code."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def explain_command(code: str | None) -> None:
 
 
 def _show(markdown: str) -> None:
-    """Markdown as it is, or, on a terminal, with headings and examples set off."""
+    """Print Markdown; headings are bold and examples indented."""
     fenced = False
     for line in markdown.splitlines():
         if line.startswith("```"):

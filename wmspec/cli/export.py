@@ -1,4 +1,4 @@
-"""`wmspec export`: a dataset as a folder for the tools that people evaluate with."""
+"""`wmspec export`: write a dataset for other evaluation tools."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`wmspec fmt`: specs in the one way to write them."""
+"""`wmspec fmt`: format specs."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def _difference(before: str, after: str, name: str) -> str:
 
 
 def _replace(path: Path, text: str) -> None:
-    """Write the file whole or not at all, with the permissions that it had; a link stays a link."""
+    """Replace the file atomically and keep its permissions; follow a link."""
     path = path.resolve()
     name = ""
     try:

@@ -1,4 +1,4 @@
-"""`wmspec generate`: datasets."""
+"""`wmspec generate`: generate a dataset."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def generate_command(
     from wmspec.api.agreement import worker_settings
     from wmspec.api.generating import plan_dataset
 
-    choices: DatasetOptions = {
+    options: DatasetOptions = {
         "per_task": per_task,
         "full": full,
         "part": parse_share(shard),
@@ -138,11 +138,11 @@ def generate_command(
         "licence": licence,
     }
     if dry_run:
-        plan = plan_dataset(specs, tell, **choices)
+        plan = plan_dataset(specs, tell, **options)
         print_cost(plan, worker_settings(workers, timeout, plan.engines), as_json)
         return
     if output is None:
-        raise WmsError("where to? give the folder of the dataset with -o, or --dry-run to learn what it would take")
+        raise WmsError("missing option --output FOLDER, or --dry-run for a cost estimate")
     try:
         summary = generate(
             specs,
@@ -155,10 +155,10 @@ def generate_command(
             address=address,
             progress=progress_bar,
             tell=tell,
-            **choices,
+            **options,
         )
     except KeyboardInterrupt:
-        click.echo("\nstopped; give the same command again to go on", err=True)
+        click.echo("\nstopped; the same command resumes", err=True)
         raise SystemExit(INTERRUPTED) from None
     click.echo(json.dumps(asdict(summary)["tasks"], indent=2) if as_json else summary)
     exit_if_failed(summary.tally)

@@ -24,9 +24,9 @@ def import_images_command(table: Path, images: Path, output: Path, size: int) ->
     TABLE is a CSV with one question per row: question, pictures, options, answer, and optional columns
     (docs/recast.md). The result works with evaluate, report, audit and view. Picture metadata is removed.
     """
-    from wmspec.eval.image_import.recast import recast
+    from wmspec.eval.image_import.importer import import_images
 
-    result = recast(table, images, output, size)
+    result = import_images(table, images, output, size)
     for task, count in result.questions.items():
         click.echo(f"{task}: {count:,} {'question' if count == 1 else 'questions'}")
     if result.unlicensed:

@@ -1,4 +1,4 @@
-"""`wmspec list`: what is in these specs?"""
+"""`wmspec list`: list tasks."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def _print(rows: Sequence[dict[str, Any]], sizes: bool) -> None:
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     numbers = ("instances", "groups", "paper's")
-    last = "groups from which one learns of" if sizes else "factors"
+    last = "independent groups" if sizes else "factors"
     for name in ("task", "dimension", *numbers, last):
         table.add_column(name, justify="right" if name in numbers else "left", overflow="fold")
     for row in rows:
@@ -73,7 +73,7 @@ def _print(rows: Sequence[dict[str, Any]], sizes: bool) -> None:
         count, told = f"{row['instances']:,}{asked}", _sizes(row) if sizes else _factors(row)
         table.add_row(row["task"], row["dimension"], count, f"{row['groups']:,}", paper, told)
     console = Console()
-    if not console.is_terminal:  # programs read lines: one a task, however long
+    if not console.is_terminal:  # one line per task for programs
         console.width = 10_000
     console.print(table)
     for row in rows:
@@ -83,19 +83,19 @@ def _print(rows: Sequence[dict[str, Any]], sizes: bool) -> None:
 
 
 def _sizes(row: dict[str, Any]) -> str:
-    """The factors and nuisances, by from how many groups something is learnt about them."""
+    """Return the factors and nuisances, grouped by their number of groups."""
     return "; ".join(f"{size:,}: {', '.join(names)}" for size, names in by_size(row["sample_sizes"]).items())
 
 
 def _factors(row: dict[str, Any]) -> str:
-    """How many values each factor has, and in how many groups it is crossed if that is not in all."""
+    """Return the number of levels per factor, and the number of groups that cross it if not all."""
     sizes = {name: row["sample_sizes"][name] for name in row["factors"]}
     crossed = {name: "" if size == row["groups"] else f" in {size:,}" for name, size in sizes.items()}
     return ", ".join(f"{name} ({count or 'continuous'}{crossed[name]})" for name, count in row["factors"].items())
 
 
 def _coverage(rows: Sequence[dict[str, Any]]) -> str:
-    """How much there is, and how much of the paper these tasks rebuild."""
+    """Return the totals, and how much of WM-ABench the tasks cover."""
     from wmspec.core.wm_abench import COLUMNS
 
     total, rebuilt = sum(c.cases for c in COLUMNS), [row["paper"] for row in rows if row["paper"]]

@@ -1,4 +1,4 @@
-"""`wmspec lsp`: the language server, for editors."""
+"""`wmspec lsp`: run the language server."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`wmspec new`: a first spec, to begin with."""
+"""`wmspec new`: write a first spec."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def new_command(name: str, template: str) -> None:
         with path.open("x", encoding="utf-8", newline="\n") as file:
             file.write(text)
     except FileExistsError:
-        raise WmsError("is there already", FilePlace(str(path)), "choose another name, or remove it first") from None
+        raise WmsError("already exists", FilePlace(str(path)), "choose another name, or remove the file") from None
     except OSError as error:
         raise WmsError(f"cannot be written: {error.strerror}", FilePlace(str(path))) from None
     click.echo(f"{path}: try `wmspec watch {path}`, then `wmspec generate {path} -o out --per-task 6`")

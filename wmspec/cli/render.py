@@ -1,4 +1,4 @@
-"""`wmspec render`: pictures of an instance, a stage or a trace, still or in motion."""
+"""`wmspec render`: render an instance, a stage or a trace as pictures or a film."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def render_command(
     for execute in executions:
         with _record_failure(causes) if len(executions) > 1 else nullcontext():
             episode = execute()
-            renderer_of(episode.engine, **drawing)  # tells what is wrong with it before a folder is made
+            renderer_of(episode.engine, **drawing)  # fails before a folder is created
             name = f"{episode.scene.name.rpartition('/')[2]}-{instance:06d}-{episode.engine}"
             for path in _write(_Pictures(episode, camera, overlay, drawing), output, name, rate, many):
                 click.echo(path)
@@ -110,20 +110,20 @@ def render_command(
 
 @contextmanager
 def _record_failure(causes: list[str]) -> Iterator[None]:
-    """Keep why one of several engines cannot execute or draw it. A mistake in what was asked for is raised."""
+    """Record why one of several engines cannot execute or draw; raise mistakes of the user."""
     try:
         yield
     except (StageError, EngineError, GraphicsError) as error:
         causes.append(str(error))
     except (WmsError, OSError):
         raise
-    except Exception as error:  # noqa: BLE001  whatever an engine raises, the others draw
+    except Exception as error:  # noqa: BLE001  the other engines still draw
         causes.append(Crash.of(error).told())
 
 
 @dataclass(frozen=True)
 class _Pictures:
-    """What is drawn of an episode, and how."""
+    """An episode and its render options."""
 
     episode: Episode
     camera: str
@@ -134,7 +134,7 @@ class _Pictures:
 def _executions(
     source: Path, backend: str, task: str, instance: int, seed: int, redraw: int, seconds: float | None
 ) -> list[Callable[[], Episode]]:
-    """What gives the episodes: one of each engine that executes it, or the one that was written to disk."""
+    """Return functions that give the episodes: one per engine, or one for a stored trace."""
     from wmspec.api import load_episode, open_stage
     from wmspec.api.episode import execute
     from wmspec.runtime.engines.registry import select_backends
@@ -154,7 +154,7 @@ def _executions(
 
 
 def _write(pictures: _Pictures, output: Path, name: str, rate: float, many: bool) -> Iterator[Path]:
-    """Write what the suffix of the output asks for; with many engines, each to a file of its own."""
+    """Write the format of the output's suffix; with several engines, one file each."""
     episode, camera = pictures.episode, pictures.camera
     suffix = output.suffix.lower()
     if suffix not in (*FILM_SUFFIXES, ".png"):

@@ -1,4 +1,4 @@
-"""`wmspec report`: what came of evaluating models and people."""
+"""`wmspec report`: analyse results of models and people."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def report_command(results: tuple[Path, ...], dataset: Path | None, output: Path
 
     RESULTS are files of `wmspec evaluate` and `wmspec study collect`, or folders of them.
     """
-    # Before NumPy starts: the same sums must come out on any number of cores.
+    # Before the import of NumPy: one thread gives the same sums on any number of cores.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     lacking = [name for name in ("pandas", "matplotlib", "statsmodels") if find_spec(name) is None]
     if lacking:

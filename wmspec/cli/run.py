@@ -1,4 +1,4 @@
-"""`wmspec run`: execute an instance, or a stage from anywhere, and see what happened."""
+"""`wmspec run`: execute an instance or a stage and print what happened."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 MIN_PARTS, MIN_DEPTH = 3, 2
-"""So many parts of one prim, that deep in a stage (`/World/Objects/arm`), are told together."""
+"""A prim at this depth (`/World/Objects/arm`) with at least this many parts is printed as one line."""
 
 duration_option = click.option(
     "--for",
@@ -102,7 +102,7 @@ def run_command(
 
 
 def _run_each(engines: Sequence[str], execute: Callable[[str], Episode]) -> tuple[list[Episode], dict[str, WmsError]]:
-    """What happened in each engine that executes it, and why the others do not, by name."""
+    """Return the episodes of the engines that can execute it, and the refusals by engine."""
     episodes: list[Episode] = []
     refusals: dict[str, WmsError] = {}
     for engine in engines:
@@ -114,13 +114,13 @@ def _run_each(engines: Sequence[str], execute: Callable[[str], Episode]) -> tupl
 
 
 def print_notes(episodes: Sequence[Episode]) -> None:
-    """What was taken for something else, each once."""
+    """Print the notes of all episodes, each once."""
     for note in dict.fromkeys(note for episode in episodes for note in episode.notes):
         tell(note.render(paint()))
 
 
 def parse_duration(text: str) -> float:
-    """The time (s) that is meant."""
+    """Parse a time in seconds."""
     from wmspec.lang.check.types.units import TIME, UnknownUnit, parse_unit
 
     number = text.rstrip("abcdefghijklmnopqrstuvwxyz ")
@@ -135,7 +135,7 @@ def parse_duration(text: str) -> float:
 
 
 def _summary(episode: Episode) -> dict[str, Any]:
-    """Of what can move: where it ends, and its touches, in which it comes first."""
+    """Return the final state of movable bodies, and their contacts; a movable body is named first."""
     bodies = {}
     for name in episode.movable:
         track = episode[name]
@@ -183,7 +183,9 @@ def _print(episode: Episode) -> None:
 
 
 def _links(episode: Episode) -> dict[str, str]:
-    """What moves as told and is one of many parts of something, as links of an arm are: name -> path of the whole."""
+    """Return kinematic bodies that are parts of an articulated whole, such as links of an arm: name -> path of the
+    whole.
+    """
     led = {b.name: b.path.rpartition("/")[0] for b in episode.scene.bodies if b.motion == "kinematic"}
     wholes = Counter(led.values())
     return {name: whole for name, whole in led.items() if wholes[whole] >= MIN_PARTS and whole.count("/") > MIN_DEPTH}

@@ -1,4 +1,4 @@
-"""`wmspec schema`: the shape of the intermediate representation."""
+"""`wmspec schema`: print the schema of the intermediate representation."""
 
 from __future__ import annotations
 

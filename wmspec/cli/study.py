@@ -1,4 +1,4 @@
-"""`wmspec study`: people answer the questions of a dataset."""
+"""`wmspec study`: run a study with people."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def make_command(dataset: Path, output: Path, **flags: object) -> None:
     """Create a study: assignment and order of questions, the page, and texts to edit."""
     from wmspec.dataset.build.reader import DatasetReader
     from wmspec.eval.study.make import StudyOptions, make
-    from wmspec.eval.study.page import unfinished
+    from wmspec.eval.study.page import unfinished_texts
 
     fields = {{"task": "tasks", "engine": "engines"}.get(name, name): value for name, value in flags.items()}
     options = StudyOptions(**fields)  # type: ignore[arg-type]
@@ -65,8 +65,8 @@ def make_command(dataset: Path, output: Path, **flags: object) -> None:
         f"{output}: {asked:,} questions, {study.raters} raters each: {len(study.slots)} people, "
         f"{max(map(len, study.slots))} pages at most"
     )
-    for path in unfinished(output):
-        click.echo(f"{path}: say what is in brackets there, then give this command again", err=True)
+    for path in unfinished_texts(output):
+        click.echo(f"{path}: fill in the text in brackets, then repeat this command", err=True)
 
 
 @study_command.command("serve")
@@ -82,17 +82,17 @@ def serve_command(study: Path, host: str, port: int) -> None:
 
     Safe to stop at any time: an answer is on disk before the page is notified.
     """
-    from wmspec.eval.study.page import unfinished
-    from wmspec.eval.study.serve import Server
+    from wmspec.eval.study.page import unfinished_texts
+    from wmspec.eval.study.serve import StudyServer
 
-    with Server(study, host, port) as server:
-        for path in unfinished(study):
-            click.echo(f"{path}: people will read what is in brackets there", err=True)
+    with StudyServer(study, host, port) as server:
+        for path in unfinished_texts(study):
+            click.echo(f"{path}: contains unedited text in brackets", err=True)
         if not server.is_local:
             click.echo(
-                "others can reach it, and nothing is encrypted: put a server that speaks https before it", err=True
+                "reachable by others without encryption; put an HTTPS proxy in front of it", err=True
             )
-        click.echo(f"{server.url}  (Ctrl+C ends it)")
+        click.echo(f"{server.url}  (stop with Ctrl+C)")
         try:
             server.serve_forever()
         except KeyboardInterrupt:
@@ -116,7 +116,7 @@ def collect_command(study: Path, answers: tuple[Path, ...], output: Path, least_
     from wmspec.eval.study.collect import collect
 
     if output.suffix != ".parquet":
-        raise WmsError("where to? the results are a .parquet file: add -o results.parquet")
+        raise WmsError("missing output: add -o results.parquet")
     made = collect(study, answers, output, least_checks)
     if as_json:
         click.echo(json.dumps(asdict(made), indent=1))
@@ -133,5 +133,5 @@ def collect_command(study: Path, answers: tuple[Path, ...], output: Path, least_
             f"{agreed.task or 'all'}: {agreed.questions:,} questions, {agreed.choices:,} choices, Fleiss' κ {kappa}, "
             f"the majority is right in {agreed.majority:.1%}"
         )
-    lacking = f"; {made.missing:,} replies are still wanted" if made.missing else ""
+    lacking = f"; {made.missing:,} replies are missing" if made.missing else ""
     click.echo(f"{output}: {made.replies:,} replies{lacking}")

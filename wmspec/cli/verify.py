@@ -1,4 +1,4 @@
-"""`wmspec verify`: do a dataset's rows come out again?"""
+"""`wmspec verify`: regenerate part of a dataset and compare."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from wmspec.cli.common import json_option, tell
 if TYPE_CHECKING:
     from wmspec.dataset.verify import Verification
 
-#: So many differences are told one by one.
+#: The most differences that are printed.
 MAX_PRINTED = 10
 
 
@@ -61,10 +61,10 @@ def _print(result: Verification) -> None:
     if len(worst) > MAX_PRINTED:
         click.echo(f"and {len(worst) - MAX_PRINTED:,} more")
     for name, (there, here) in result.versions.items():
-        click.echo(f"made with {name} {there}; here is {here}")
+        click.echo(f"generated with {name} {there}; installed is {here}")
     words = {
-        "same": "all the same to the byte",
-        "near": f"{len(worst):,} not to the byte; texts, options and answers are the same, numbers and pictures near",
+        "same": "byte-identical",
+        "near": f"{len(worst):,} not byte-identical; texts, options and answers are equal, numbers and pictures close",
         "different": f"{sum(not d.near for d in worst):,} different",
     }
-    click.echo(f"{result.questions:,} questions made again: {words[result.verdict]}")
+    click.echo(f"{result.questions:,} questions regenerated: {words[result.verdict]}")

@@ -1,4 +1,4 @@
-"""`wmspec view`: a dataset for people, as a page to look at and to answer, or as a picture."""
+"""`wmspec view`: show a dataset as a page, a folder or a contact sheet."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import click
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 
-#: How many instances of each task are shown on a sheet, in a page and in a folder, if nothing is said.
+#: The default number of instances per task, by suffix of the output.
 DEFAULT_PER_TASK = {".png": 3, ".html": 20, "": 50}
 
 
@@ -43,7 +43,7 @@ def view_command(dataset: Path, output: Path, per_task: int | None, results: tup
     kind = output.suffix.lower()
     if kind not in DEFAULT_PER_TASK:
         raise WmsError(
-            "what to write? a page is a .html file, a sheet a .png file, a folder has no suffix", FilePlace(str(output))
+            "unknown output format: expected .html for a page, .png for a sheet, or a folder", FilePlace(str(output))
         )
     count = per_task or DEFAULT_PER_TASK[kind]
     if kind == ".png":

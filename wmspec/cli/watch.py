@@ -1,4 +1,4 @@
-"""`wmspec watch`: a spec beside its pictures, while it is being written."""
+"""`wmspec watch`: serve a page with previews of a spec."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ def watch_command(spec: Path, port: int, instances: int, size: int, backend: str
     from wmspec.runtime.engines.registry import select_backends
 
     if not spec.is_file():
-        raise WmsError("there is no such file", FilePlace(str(spec)), "`wmspec new NAME` writes a first spec")
+        raise WmsError("no such file", FilePlace(str(spec)), "`wmspec new NAME` writes a first spec")
     engines = select_backends(backend)
     if len(engines) > 1:
-        raise WmsError("a page is drawn by one engine; name one with `--backend`")
+        raise WmsError("expected one engine with `--backend`")
     watch = Watch(spec, PreviewOptions(engines[0], instances, size))
     server = PageServer(watch, port)
     worker = threading.Thread(target=watch.run)

@@ -64,7 +64,9 @@ class Verification:
         return "near" if all(difference.near for difference in self.differences) else "different"
 
 
-def verify(dataset: DatasetReader, plan: Plan, effort: PoolConfig, progress: Callable[[str, int], None]) -> Verification:
+def verify(
+    dataset: DatasetReader, plan: Plan, effort: PoolConfig, progress: Callable[[str, int], None]
+) -> Verification:
     """Generate the instances of `plan` again and compare them. The plan is a subset of the dataset's plan."""
     job, differences, questions = job_of(plan, effort), list[Difference](), 0
     tasks = {task.spec.name: task for task in plan.tasks}

@@ -1,4 +1,4 @@
-"""What to offer at a place: only what fits there."""
+"""Completion: the words that fit at a place."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ from wmspec.lang.parse.files import library_folder, search_path
 from wmspec.lang.parse.parser import parse_expression
 
 ItemKind = Literal["property", "argument", "unit", "name", "function", "verb", "word", "keyword", "library", "part"]
-#: The order in which they are offered.
+#: The order of the kinds in a list of completions.
 ORDER: tuple[ItemKind, ...] = (
     *("unit", "property", "argument", "library", "name", "part", "word", "verb", "function", "keyword"),
 )
@@ -49,7 +49,7 @@ ORDER: tuple[ItemKind, ...] = (
 
 @dataclass(frozen=True)
 class CompletionItem:
-    """A word to offer, of which sort, what is told beside it, what it means, and what is written for it."""
+    """A suggested word: its kind, a short detail, its meaning, and the inserted text if that differs."""
 
     word: str
     sort: ItemKind
@@ -60,20 +60,20 @@ class CompletionItem:
 
 @dataclass(frozen=True)
 class Completions:
-    """What to offer in the place of the characters from `start` on."""
+    """The suggestions that replace the characters from `start` on."""
 
     start: int
     offers: tuple[CompletionItem, ...]
 
 
 def complete(document: Document, offset: int) -> Completions:
-    """What may stand at an offset of a document, the likeliest first."""
+    """Return the suggestions at an offset of a document, the likeliest first."""
     place = cursor(document.text, offset)
     if place is None:
         return Completions(offset, ())
     meaning = document.meaning(offset)
     if place.unit is not None and (units := _units(document, meaning, place)):
-        bare = not document.text[place.unit[0] : offset]  # then what follows a number without a unit may be meant too
+        bare = not document.text[place.unit[0] : offset]  # a keyword may also follow a number
         others = _others(document, meaning, place, offset) if bare and place.start == place.unit[0] else ()
         return Completions(place.unit[0], _sorted([*units, *others]))
     return Completions(place.start, _sorted(_others(document, meaning, place, offset)))
@@ -114,16 +114,16 @@ def _others(document: Document, meaning: Expressions | None, place: Cursor, offs
 
 
 def _stands(keyword: str, expected: ExpectedInput) -> bool:
-    """Whether a keyword that may stand makes sense there too."""
+    """Whether a keyword that the grammar accepts also fits the expected input."""
     if keyword in ("true", "false", "not") and expected.types is not None:
         return TRUTH in map(_item, expected.types)
     return expected.kind not in ("member", "verb") and not (keyword == "object" and expected.types != ())
 
 
 def accepted_values(slot: PropertySpec) -> str:
-    """What a property or argument takes, and what it is if it is left out."""
+    """Return the types of a property or argument, with its default."""
     kinds = either([str(t) for t in slot.types])
-    return f"{kinds}, {slot.default} if left out" if slot.default is not None else kinds
+    return f"{kinds}; default: {slot.default}" if slot.default is not None else kinds
 
 
 # ---------------------------------------------------------------- values
@@ -155,7 +155,7 @@ def _may_be(of: Type, expected: Type) -> bool:
 
 
 def _typed(document: Document, meaning: Expressions | None, offset: int) -> Iterator[tuple[str, Type | None, str]]:
-    """Every name in scope, with its type if that is known, and what it is."""
+    """Yield every name in scope with its type, if known, and its kind."""
     for name, declared in Names(document).visible(offset).items():
         node = declared.node
         if isinstance(node, s.Use | s.Template):
@@ -177,7 +177,7 @@ def _type(meaning: Expressions | None, name: str, node: object) -> Type | None:
 # ---------------------------------------------------------------- names of one kind
 
 
-def _named(  # noqa: C901, PLR0912  a case for each kind
+def _named(  # noqa: C901, PLR0912  one case per kind
     document: Document, meaning: Expressions | None, expected: ExpectedInput, offset: int
 ) -> Iterator[CompletionItem]:
     visible = Names(document).visible(offset)
@@ -234,7 +234,7 @@ def _libraries(folder: Path) -> Iterator[CompletionItem]:
 
 
 def _members(meaning: Expressions | None, of: Span, visible: Iterable[str]) -> Iterator[CompletionItem]:
-    """What may follow a dot: names of a library, parts and properties of a thing, arguments of an action."""
+    """Yield the names after a dot: names of a library, parts and properties of an object, arguments of an action."""
     for name in visible:
         whole, dot, last = name.partition(".")
         if dot and whole == of.text:
@@ -266,6 +266,6 @@ def _members(meaning: Expressions | None, of: Span, visible: Iterable[str]) -> I
 
 
 def type_with_example(of: Type) -> str:
-    """A type with an example of its values."""
+    """Return a type with an example value."""
     such = example(of)
     return f"{of}, such as `{such}`" if such and of != TRUTH else str(of)

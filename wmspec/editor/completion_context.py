@@ -1,4 +1,4 @@
-"""What is wanted at a place: values of which types, a property, an argument, a name of what kind."""
+"""The input that the grammar and the checker expect at a place: types of values, properties, arguments, names."""
 
 from __future__ import annotations
 
@@ -54,11 +54,12 @@ _TYPED: dict[str, tuple[Type, ...]] = {
 
 @dataclass(frozen=True)
 class ExpectedInput:
-    """What is wanted. `types` None: a value of any type, and no types: no value. `measured`: of the executed episode.
+    """The expected input at a place.
 
-    `slots` are properties or arguments that may be named there, each followed by a colon. `kind` is what is named, if
-    only such a name fits: "library", "template", "camera", "verb", "table" (of `words`, each with its meaning), or
-    "member" of the expression `of`.
+    `types` are those of an expected value; None for any type, empty for no value. `measured`: whether the value may
+    depend on the executed episode. `slots` are properties or arguments that may follow, each with a colon. `kind`
+    restricts names: "library", "template", "camera", "verb", "table" (of `words`, each with its meaning), or "member"
+    of the expression `of`.
     """
 
     types: tuple[Type, ...] | None = ()
@@ -73,7 +74,7 @@ ANYTHING = ExpectedInput(types=None)
 
 
 class Reader:
-    """Reads a stack of the parser from its top."""
+    """Derives the expected input from the parser's stack."""
 
     def __init__(self, source: Source, meaning: Expressions | None, stack: tuple[Symbol, ...]) -> None:
         self.source = source
@@ -81,13 +82,13 @@ class Reader:
         self.stack = stack
 
     def expected(self) -> ExpectedInput:
-        """What is wanted after the whole stack."""
+        """Return the expected input after the whole stack."""
         context = self._after(len(self.stack) - 1)
         measuring = {"ANSWER", "ENSURE", "MARGIN", "DIFFERENCE", "APART", "UNLESS"} & {symbol(p) for p in self.stack}
         return ExpectedInput(context.types, bool(measuring), context.slots, context.kind, context.words, context.of)
 
     def _after(self, top: int) -> ExpectedInput:
-        """What is wanted after the parts up to `top`."""
+        """Return the expected input after the symbols up to `top`."""
         if top < 0:
             return ExpectedInput()
         here, below = self._symbol(top), self._symbol(top - 1)
@@ -174,7 +175,7 @@ class Reader:
     # ------------------------------------------------------------ within brackets
 
     def _within(self, top: int) -> ExpectedInput:
-        """After an opening bracket, or after a comma within brackets."""
+        """Return the expected input after an opening bracket or a comma within brackets."""
         if self._symbol(top - 2) == "ORDER":
             return ExpectedInput(kind="changed")
         opened = self._opened(top + 1)
@@ -195,7 +196,7 @@ class Reader:
         return ExpectedInput()
 
     def _argument(self, opened: int, name: str, place: int = 0) -> ExpectedInput:
-        """An argument of what is called before a bracket: the one of that name, or the one at that place."""
+        """Return the expected argument of the call before a bracket, by name or by position."""
         called = self._text(opened - 1)
         if self._symbol(opened - 1) == "name":  # the parameters of a library or a template
             return ANYTHING
@@ -217,7 +218,7 @@ class Reader:
         return ANYTHING
 
     def verb(self, called: str) -> Verb | None:
-        """The verb that is written so, of an object or of a robot."""
+        """Return the verb with this name, of an object or of a robot."""
         robot, dot, name = called.partition(".")
         if not dot:
             return VERBS.get(called) if any(symbol(p) == "ACTION" for p in self.stack) else None
@@ -229,12 +230,12 @@ class Reader:
     # ------------------------------------------------------------ within braces
 
     def _body(self, top: int) -> ExpectedInput:
-        """Within the braces of a block: its properties."""
+        """Return the expected properties within the braces of a block."""
         opened = self._opened(top + 1)
         return ExpectedInput(slots=self._slots(opened)) if self._symbol(opened) == "LBRACE" else ExpectedInput()
 
     def _slots(self, opened: int, leave: str = "") -> dict[str, PropertySpec]:
-        """The properties of the block with these braces that are not said yet; `leave` in the one that is."""
+        """Return the properties of a block that are not written yet, and the one named `leave`."""
         head = next((i for i in range(opened - 1, -1, -1) if self._symbol(i) in (*_BLOCKS, *_OPEN)), -1)
         if head < 0 or self._symbol(head) not in _BLOCKS:
             return {}
@@ -256,7 +257,7 @@ class Reader:
         return {name: slot for name, slot in table.items() if name not in present or name == leave}
 
     def _written_properties(self, opened: int) -> tuple[set[str], bool]:
-        """The names of the properties within these braces so far, and whether there are parts."""
+        """Return the names of the properties written within these braces, and whether there are parts."""
         names, parts = set[str](), False
         for part in self.stack[opened + 1 :]:
             trees = [part.read] if isinstance(part.read, Tree) else []
@@ -271,7 +272,7 @@ class Reader:
     # ------------------------------------------------------------ types of what was read
 
     def _like(self, at: int) -> ExpectedInput:
-        """What goes with the value there: one of its types."""
+        """Return the expected input that has the type of the value there."""
         span = self._span(at)
         expression = parse_expression(span, Report()) if span is not None else None
         types = self._of(expression) if expression is not None else ()
@@ -300,15 +301,15 @@ class Reader:
         return span.text if span else ""
 
     def _is_value(self, at: int) -> bool:
-        """Whether an expression was read there."""
+        """Whether the symbol there is an expression."""
         return self._symbol(at) in _VALUES
 
     def _opened(self, top: int) -> int:
-        """Where the innermost bracket before `top` was opened; -1 if none was."""
+        """Return the index of the innermost open bracket before `top`; -1 if there is none."""
         return next((i for i in range(top - 1, -1, -1) if self._symbol(i) in _OPEN), -1)
 
     def _count(self, opened: int, top: int) -> int:
-        """How many values were read since a bracket was opened."""
+        """Return the number of values since a bracket."""
         count = 0
         for part in self.stack[opened + 1 : top]:
             if isinstance(part.read, Tree) and part.read.rule.startswith("__"):
@@ -318,7 +319,7 @@ class Reader:
         return count
 
 
-#: The rules of expressions whose value may stand before an operator or a bracket.
+#: Rules of expressions whose value may precede an operator or a bracket.
 _VALUES = frozenset(
     {"reference", "member", "index", "call", "number", "quantity", "text", "true", "false", "tuple", "list"}
     | {"binary", "minus", "compare", "negate", "both", "either", "range_", "steps", "points", "conditional"}
@@ -326,16 +327,16 @@ _VALUES = frozenset(
 
 
 def _open(expected: Type) -> tuple[Type, ...] | None:
-    """A type of the tables of functions; None for one that stands for any."""
+    """Return a type of the function tables; None for a generic one."""
     return None if str(expected) in ("quantity", "list of items", "item") else (expected,)
 
 
 def _parts(types: tuple[Type, ...]) -> tuple[Type, ...]:
-    """The types of a tuple's parts."""
+    """Return the types of a tuple's components."""
     return tuple(Quantity(t.dimension) if isinstance(t, Vector) else t for t in types)
 
 
 def _items(types: tuple[Type, ...]) -> tuple[Type, ...] | None:
-    """The types of a list's items; of a domain's, those of its values."""
+    """Return the types of a list's items, or of a domain's values."""
     items = tuple(t.item for t in types if isinstance(t, List) and t.item is not None)
     return items or types or None

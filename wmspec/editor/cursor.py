@@ -1,4 +1,4 @@
-"""What may be written at a place of a text, read off the parser's own stack, whatever comes after it."""
+"""The parser state at a place in a text, independent of the text after it."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from wmspec.lang.parse.recover import recover
 from wmspec.lang.parse.tables import tables
 
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
-#: A number with its unit so far; of a name that ends in a digit it is no part.
+#: A number with an incomplete unit; not the end of a name with a digit.
 _QUANTITY = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?:[eE][+-]?\d+)?[ \t]*(?P<unit>(?:[A-Za-z%][A-Za-z0-9^*/%-]*)?)\Z")
 _LIST = re.compile(r"\][ \t]+(?P<unit>(?:[A-Za-z%][A-Za-z0-9^*/%-]*)?)\Z")
 
 
 @dataclass(frozen=True)
 class Cursor:
-    """A place in a text: where the word there begins, and what was read before it.
+    """A place in a text: the start of the word there, and the parser state before it.
 
-    `keywords` may stand there. `stack` is what a name there would follow, outermost first; None if no name may stand.
-    `unit` is where a unit begins that may stand there, with the stack before its number or list.
+    `keywords` are accepted there. `stack` is the parser's stack before a name, outermost symbol first; None if no name
+    is accepted. `unit` is the start of an accepted unit, with the stack before its number or list.
     """
 
     start: int
@@ -31,7 +31,7 @@ class Cursor:
 
 
 def cursor(text: str, offset: int) -> Cursor | None:
-    """What may be written at an offset; None within a comment or a text."""
+    """Return the cursor at an offset; None within a comment or a string."""
     before = text[:offset]
     word = _WORD.search(before)
     start = word.start() if word else offset
@@ -46,7 +46,7 @@ def cursor(text: str, offset: int) -> Cursor | None:
 
 
 def _goes_on(last: Token, offset: int) -> bool:
-    """Whether a comment or a text that began before the offset holds it."""
+    """Whether a comment or string from before the offset contains it."""
     return last.end == offset and last.type in ("COMMENT", "OPEN_STRING")
 
 
@@ -62,13 +62,13 @@ def _unit(before: str) -> tuple[int, tuple[Symbol, ...]] | None:
 
 
 def _stack(machine: LRParser, kind: str, offset: int) -> tuple[Symbol, ...] | None:
-    """What a word of this type would follow."""
+    """Return the stack before a token of this type; None if it is not accepted."""
     tried = _copy(machine)
     return tuple(tried.parts[:-1]) if tried.read(Token(kind, "x", offset, 0)) else None
 
 
 def _only_a_name(machine: LRParser, kind: str) -> bool:
-    """Whether a keyword of this type would be no more than a name there."""
+    """Whether the grammar accepts a keyword of this type only as a name."""
     tried = _copy(machine)
     tried.read(Token(kind, "x", 0, 0))
     actions = tried.tables.states[tried.states[-1]].values()
@@ -76,7 +76,7 @@ def _only_a_name(machine: LRParser, kind: str) -> bool:
 
 
 def _fed(text: str) -> LRParser:
-    """The machine after a text. What cannot be read is passed over, but never the last statement."""
+    """Return the parser after a text. It skips unreadable parts, but never the last statement."""
     tokens = [t for t in tokenize(text) if t.type not in ("WHITE", "COMMENT", "STRAY", "OPEN_STRING")]
     tokens.append(Token(END, "", len(text), 0))
     machine, i = LRParser("start"), 0
@@ -98,7 +98,7 @@ def _copy(machine: LRParser) -> LRParser:
 
 
 def symbol(part: Symbol) -> str:
-    """What a part is: the type of a word, or the rule of a tree."""
+    """Return the symbol of a stack entry: the type of a token, or the rule of a tree."""
     match part.read:
         case Token(type=kind):
             return kind

@@ -1,4 +1,4 @@
-"""A few instances of a spec that is being written, in small pictures: drawn in a process of its own."""
+"""Previews of a few instances of a spec, drawn in a separate process."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Cell:
-    """A picture (PNG) or a text with a caption; `true` is the option that is right."""
+    """A captioned picture (PNG) or text; `true` marks the correct option."""
 
     caption: str
     text: str = ""
@@ -32,7 +32,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class QuestionPreview:
-    """A question with what is shown before it and its options; or why it cannot be asked."""
+    """A question with its context and options, or the reason for its rejection."""
 
     text: str
     shown: tuple[Cell, ...] = ()
@@ -42,7 +42,7 @@ class QuestionPreview:
 
 @dataclass(frozen=True)
 class Row:
-    """An instance: the values of its factors in words, and what is asked of it."""
+    """An instance: its factor levels in words, and its questions."""
 
     task: str
     index: int
@@ -51,9 +51,9 @@ class Row:
 
 
 def draw(text: str, path: Path, task: str, index: int, engine: str, size: int) -> Row:
-    """An instance of a spec without mistakes, executed and asked about in an engine, its pictures `size` px wide.
+    """Return the preview of an instance, executed in an engine, with pictures `size` pixels wide.
 
-    What cannot be executed, asked or drawn is told in its row.
+    The spec must have no mistakes. Failures are part of the row.
     """
     instance = _tasks(text, path)[task][index]
     try:
@@ -64,7 +64,7 @@ def draw(text: str, path: Path, task: str, index: int, engine: str, size: int) -
 
 
 def picture(text: str, path: Path, task: str, index: int, engine: str, size: int) -> bytes:
-    """A sheet (PNG) of what the cameras of an instance observe. Raises WmsError if it cannot be executed or drawn."""
+    """Return a sheet (PNG) of the observed views of an instance. Raises WmsError if it cannot be executed or drawn."""
     out = io.BytesIO()
     _tasks(text, path)[task][index].run(engine).sheet(size=size).save(out, "PNG")
     return out.getvalue()
@@ -72,14 +72,14 @@ def picture(text: str, path: Path, task: str, index: int, engine: str, size: int
 
 @lru_cache(maxsize=2)
 def _tasks(text: str, path: Path) -> dict[str, Task]:
-    """The tasks of a text by name. The libraries that it uses may change while this process lives: see `changed`."""
+    """Return the tasks of a text by name, cached; call `changed` when a library changes."""
     from wmspec.api.loading import diagnose_text
 
     return {task.name: task for task in diagnose_text(text, path, tried=False)[1]}
 
 
 def changed() -> None:
-    """Forget texts: a library has changed."""
+    """Clear the cache after a change of a library."""
     _tasks.cache_clear()
 
 

@@ -1,4 +1,4 @@
-"""What a word means: the same as the tables of the reference say, or what it was declared as."""
+"""Documentation of the word at a place, from the tables of the language or its declaration."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ from wmspec.sim.materials import MATERIALS
 
 @dataclass(frozen=True)
 class Hover:
-    """Markdown about the characters of a span."""
+    """Markdown for a span."""
 
     span: Span
     markdown: str
 
 
 def hover(document: Document, offset: int) -> Hover | None:
-    """What there is to say about the word at an offset; None if there is nothing."""
+    """Return the documentation of the word at an offset; None if there is none."""
     token = _token(document, offset)
     if token is None:
         return None
@@ -64,8 +64,8 @@ def _token(document: Document, offset: int) -> Token | None:
 # ---------------------------------------------------------------- properties, arguments, verbs
 
 
-def _key(document: Document, nodes: list[Node], token: Token) -> str:  # noqa: C901  a case for each holder
-    """What a property or an argument is, by what it belongs to."""
+def _key(document: Document, nodes: list[Node], token: Token) -> str:  # noqa: C901  one case per owner
+    """Return the documentation of a property or an argument, from the table of its owner."""
     name = nodes[-1]
     if not isinstance(name, s.Name) or len(nodes) < 2:
         return ""
@@ -126,14 +126,14 @@ def _function(name: str) -> str:
 
 
 def slot_markdown(name: str, slot: PropertySpec) -> str:
-    """A property or argument: what it takes, what it is if left out, what it means."""
+    """Return the meaning, types and default of a property or argument."""
     kinds = " or ".join(type_with_example(t) for t in slot.types)
     left_out = f"  \nleft out: `{slot.default}`" if slot.default is not None else ""
     return f"**{name}** {slot.meaning}\n\ntakes {kinds}{left_out}"
 
 
 def verb_markdown(name: str, verb: Verb) -> str:
-    """A verb and its arguments."""
+    """Return the signature, meaning and arguments of a verb."""
     call = f"{name}({', '.join(verb.arguments)}){' for TIME' if verb.lasts else ''}"
     rows = "\n".join(f"- `{key}`: {slot.meaning} ({accepted_values(slot)})" for key, slot in verb.arguments.items())
     return f"```wms\n{call}\n```\n{verb.meaning}\n\n{rows}".rstrip()
@@ -163,7 +163,7 @@ def _word(word: str) -> str:
 
 
 def _keyword(token: Token, nodes: list[Node]) -> str:
-    """A keyword: what the statement is that it begins, or stands in."""
+    """Return the documentation of the statement that a keyword begins or is part of."""
     if token.text not in tables().keywords:
         return ""
     node = nodes[-1]
@@ -172,7 +172,7 @@ def _keyword(token: Token, nodes: list[Node]) -> str:
 
 
 def _declared(document: Document, meaning: Expressions | None, name: Occurrence) -> str:
-    """A name: the first line of what declares it, its type, and where that is."""
+    """Return the first line of a declaration, with its type and file."""
     node = name.declared.node
     if isinstance(node, s.File):  # a library
         about = next((item.text for item in node.items if isinstance(item, s.Docstring)), "")

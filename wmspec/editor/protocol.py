@@ -1,4 +1,4 @@
-"""What the server knows as what the protocol calls it: places, paths, diagnostics, fixes, offers, symbols."""
+"""Conversion to the types of the language server protocol: positions, diagnostics, fixes, completions, symbols."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.codes import CODES
 from wmspec.lang.parse.files import resolve_display_path
 
-#: Where the page of each code is, as `wmspec explain` shows it.
+#: The folder with the page of each code, as shown by `wmspec explain`.
 PAGES = Path(codes.__file__).parent
 
 _SORTS: dict[ItemKind, lsp.CompletionItemKind] = {
@@ -51,21 +51,21 @@ _SYMBOLS: dict[type, lsp.SymbolKind] = {
 
 
 class Positions:
-    """Between offsets in a text and positions of the protocol, which count in units that the client has chosen."""
+    """Converts between offsets in a text and positions in the units that the client chose."""
 
     def __init__(self, text: TextDocument) -> None:
         self._text = text
 
     def offset(self, position: lsp.Position) -> int:
-        """The offset of a position."""
+        """Return the offset of a position."""
         return min(self._text.offset_at_position(position), len(self._text.source))
 
     def range(self, span: Span) -> lsp.Range:
-        """The range of a span of this text."""
+        """Return the range of a span of this text."""
         return self.between(span.start, span.end)
 
     def between(self, start: int, end: int) -> lsp.Range:
-        """The range between two offsets."""
+        """Return the range between two offsets."""
         return lsp.Range(self._position(start), self._position(end))
 
     def _position(self, offset: int) -> lsp.Position:
@@ -75,23 +75,23 @@ class Positions:
 
 
 def positions_in(document: Document, codec: PositionCodec) -> Positions:
-    """The positions in a document that need not be open."""
+    """Return the positions in a document, open or not."""
     return Positions(TextDocument(uri_of(document.path), document.text, position_codec=codec))
 
 
 def path_of(uri: str) -> Path:
-    """The path of a document; of one that was never saved, its name in the current folder."""
+    """Return the path of a document; for an unsaved one, its name in the current folder."""
     path = to_fs_path(uri) if uri.startswith("file:") else None
     return Path(path or uri.rpartition(":")[2] or "untitled").resolve()
 
 
 def uri_of(path: Path) -> str:
-    """The address of a file."""
+    """Return the URI of a file."""
     return from_fs_path(str(path)) or path.as_uri()
 
 
 def lsp_diagnostic(d: Diagnostic, text: TextDocument) -> lsp.Diagnostic:
-    """The diagnostic as editors show it; one that lies in another file stands at the start, with its place told."""
+    """Return the diagnostic for editors; one of another file is at the start of the text and names its place."""
     codec = text.position_codec
     here = isinstance(d.place, Span) and resolve_display_path(d.place.source.name).resolve() == path_of(text.uri)
     message = d.message if here or d.place is None else f"{d.place}: {d.message}"
@@ -123,7 +123,7 @@ def _related(message: str, place: Place | None, codec: PositionCodec) -> lsp.Dia
 
 
 def quick_fix(d: Diagnostic, uri: str, positions: Positions, shown: Iterable[lsp.Diagnostic]) -> lsp.CodeAction | None:
-    """The remedy of a diagnostic as an edit, if it is one."""
+    """Return the remedy of a diagnostic as an edit, if it has one."""
     if not isinstance(d.help, Remedy) or not isinstance(d.place, Span) or d.place.text.count(d.help.wrong) == 0:
         return None
     start = d.place.start + d.place.text.rindex(d.help.wrong)
@@ -137,11 +137,11 @@ def quick_fix(d: Diagnostic, uri: str, positions: Positions, shown: Iterable[lsp
     )
 
 
-# ---------------------------------------------------------------- offers and symbols
+# ---------------------------------------------------------------- completions and symbols
 
 
 def lsp_completion(number: int, offer: CompletionItem, where: lsp.Range) -> lsp.CompletionItem:
-    """An offer, the `number`-th, that replaces a range."""
+    """Return a suggestion that replaces a range; `number` is its rank."""
     return lsp.CompletionItem(
         label=offer.word,
         kind=_SORTS[offer.sort],
@@ -154,7 +154,7 @@ def lsp_completion(number: int, offer: CompletionItem, where: lsp.Range) -> lsp.
 
 
 def symbols(node: Node, positions: Positions) -> Iterator[lsp.DocumentSymbol]:
-    """What a file, a task or a block declares, as a tree."""
+    """Yield the declarations of a file, a task or a block, as a tree."""
     for _, child in children(node):
         kind = _SYMBOLS.get(type(child))
         if kind is None:

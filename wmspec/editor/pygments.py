@@ -1,4 +1,4 @@
-"""A lexer for Pygments, so that documentation shows specs in colour: the words are those of the parser."""
+"""A Pygments lexer for specs in documentation, based on the parser's tokens."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _PLAIN: dict[str, _TokenType] = {
 
 
 class WmsLexer(Lexer):
-    """Specs in the language of wmspec."""
+    """Lexer for the language of wmspec."""
 
     name = "wmspec"
     aliases: ClassVar[list[str]] = ["wms"]
@@ -50,7 +50,7 @@ class WmsLexer(Lexer):
     mimetypes: ClassVar[list[str]] = []
 
     def get_tokens_unprocessed(self, text: str) -> Iterator[tuple[int, _TokenType, str]]:
-        """Every word with its place and its kind."""
+        """Yield every token with its offset and kind."""
         tokens = list(tokenize(text))
         after: str = ""
         for token, following in zip(tokens, [*tokens[1:], Token("WHITE", "", 0, 0)], strict=True):

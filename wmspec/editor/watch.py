@@ -1,4 +1,4 @@
-"""A spec that is checked and drawn whenever its file is saved: what is known of it, and who is told."""
+"""A spec that is checked and drawn whenever its file is saved."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from wmspec.lang.parse.files import display_path, read_source
 from wmspec.lang.parse.load import load_source
 from wmspec.runtime.workers.pool import HelperProcess, JobFailure
 
-#: How often the files are looked at (s), and how long one instance may take.
+#: The interval between polls, and the time limit of an instance, in seconds.
 POLL_INTERVAL, INSTANCE_TIMEOUT = 0.2, 60.0
 
 
 @dataclass(frozen=True)
 class PreviewOptions:
-    """How a sheet is drawn: the engine, the instances of each task, the width of a picture (px)."""
+    """The engine, the instances per task, and the width of a picture in pixels."""
 
     engine: str
     instances: int = 3
@@ -34,7 +34,7 @@ class PreviewOptions:
 
 @dataclass(frozen=True)
 class State:
-    """What the page shows: rows of the text as it is, or, while that is broken, of the last one that was not."""
+    """The state of the page: previews of the current text, or of the last one without mistakes (`stale`)."""
 
     version: int = 0
     phase: Literal["checking", "drawing", "done"] = "checking"
@@ -47,7 +47,7 @@ class State:
 
 @dataclass
 class Watch:
-    """Looks at a spec's file and its libraries; `state` is always a whole one, and who waits is told of the next."""
+    """Polls a spec and its libraries; `state` is always complete, and waiting readers are notified of each new one."""
 
     path: Path
     options: PreviewOptions
@@ -57,7 +57,7 @@ class Watch:
     _updated: Condition = field(default_factory=Condition)
 
     def run(self) -> None:
-        """Check and draw at every change, until it is stopped."""
+        """Check and draw at every change, until stopped."""
         helper = HelperProcess(INSTANCE_TIMEOUT)
         before: dict[Path, bytes] | None = None
         libraries: tuple[Path, ...] = ()
@@ -73,19 +73,19 @@ class Watch:
             helper.close()
 
     def stop(self) -> None:
-        """End `run`, and let go of those who wait."""
+        """End `run` and release waiting readers."""
         self.stopped.set()
         with self._updated:
             self._updated.notify_all()
 
     def after(self, version: int, timeout: float) -> State | None:
-        """A state newer than `version`, as soon as there is one; None if there is none in `timeout` seconds."""
+        """Wait for a state newer than `version`; None if there is none within `timeout` seconds."""
         with self._updated:
             self._updated.wait_for(lambda: self.state.version > version or self.stopped.is_set(), timeout)
             return self.state if self.state.version > version else None
 
     def png(self, name: str) -> bytes | None:
-        """A picture of the sheet by its name, or of the one before, which a page may still be asking for."""
+        """Return a picture by name, of the current or the previous previews, which a page may still request."""
         return next(
             (c.png for c in _cells((*self.state.rows, *self._before)) if c.png and picture_name(c.png) == name), None
         )
@@ -96,7 +96,7 @@ class Watch:
             self._updated.notify_all()
 
     def _changed(self, helper: HelperProcess, contents: dict[Path, bytes]) -> tuple[Path, ...]:
-        """Check the text, then draw it. Returns the libraries that it uses."""
+        """Check the text, then draw it. Returns its libraries."""
         self._before = last = self.state.rows
         self._publish(replace(self.state, phase="checking", stale=bool(last)))
         try:
@@ -116,7 +116,7 @@ class Watch:
         return tuple(path for task in tasks for path in task.program.libraries)
 
     def _libraries(self, text: str) -> tuple[Path, ...]:
-        """Those of a text that has mistakes, whatever is in the file by now: one of them may be where these are."""
+        """Return the libraries of a text with mistakes: one of them may contain these."""
         with suppress(WmsError):
             return tuple(load_source(Source(display_path(self.path), text), self.path.parent, Report()).libraries)
         return ()
@@ -124,7 +124,7 @@ class Watch:
     def _draw(
         self, helper: HelperProcess, text: str, tasks: tuple[Task, ...], checked: State, contents: dict[Path, bytes]
     ) -> None:
-        """Draw instance by instance; a newer text ends it."""
+        """Draw instance by instance, until the text changes."""
         rows: tuple[examples.Row, ...] = ()
         helper.do(examples.changed)
         for task, index in _chosen(tasks, self.options.instances):
@@ -143,12 +143,12 @@ class Watch:
 
 
 def picture_name(png: bytes) -> str:
-    """What a picture is called: the same one always the same."""
+    """Return the name of a picture, a hash of its bytes."""
     return hashlib.sha256(png).hexdigest()[:20]
 
 
 def _chosen(tasks: tuple[Task, ...], count: int) -> Iterator[tuple[Task, int]]:
-    """The same instances after every change that leaves the design as it is."""
+    """Yield the instances to draw; the same as long as the design is the same."""
     for task in tasks:
         for instance in sorted(task.design.sample(count)):
             yield task, instance
@@ -161,7 +161,7 @@ def _cells(rows: tuple[examples.Row, ...]) -> Iterator[examples.Cell]:
 
 
 def _contents(paths: tuple[Path, ...]) -> dict[Path, bytes]:
-    """What the files hold; nothing for one that cannot be read."""
+    """Return the contents of files; empty for unreadable ones."""
     contents = {}
     for path in paths:
         try:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from wmspec.compile.design.depend import dependencies
 from wmspec.compile.layout.evaluator import Evaluator
-from wmspec.lang.check.ir.evaluate import evaluate, parts
+from wmspec.lang.check.ir.evaluate import evaluate, subexpressions
 from wmspec.lang.check.ir.ir import Expr, Interpolation, Question, Ref, Value
 
 
@@ -37,7 +37,7 @@ def _subexpressions(spoken: Iterable[Expr], values: Evaluator) -> Iterator[Expr]
     lets = {let.name: let.value for let in values.spec.lets}
     waiting, seen = list(spoken), set[str]()
     while waiting:
-        for part in parts(waiting.pop()):
+        for part in subexpressions(waiting.pop()):
             yield part
             if isinstance(part, Ref) and part.name in lets and part.name not in seen:
                 seen.add(part.name)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from wmspec.compile.layout.evaluator import INHERITED
 from wmspec.compile.layout.motion import CARRYING
-from wmspec.lang.check.ir.evaluate import parts
+from wmspec.lang.check.ir.evaluate import subexpressions
 from wmspec.lang.check.ir.ir import Call, Choices, Entity, Expr, Property, Ref, TaskSpec, Value
 from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MEASURES
 
@@ -104,7 +104,7 @@ class Dependencies:
     def _direct(self, expr: Expr) -> frozenset[str]:
         """Return the sources that an expression names."""
         direct: set[str] = set()
-        for part in parts(expr):
+        for part in subexpressions(expr):
             match part:
                 case Ref(name=name):
                     direct.add(name)
@@ -112,7 +112,9 @@ class Dependencies:
                     direct |= {f"{named}.{name}" for named in self._named(owner)}
                 case Call(function=function, arguments=arguments, options=options) if function in _FUNCTION_READS:
                     for argument in (*arguments, *(option.value for option in options)):
-                        direct |= {f"{n}.{aspect}" for n in self._named(argument) for aspect in _FUNCTION_READS[function]}
+                        direct |= {
+                            f"{n}.{aspect}" for n in self._named(argument) for aspect in _FUNCTION_READS[function]
+                        }
         return frozenset(direct)
 
     # ------------------------------------------------------------ what one property is made of
@@ -229,7 +231,7 @@ class Dependencies:
     def _named(self, expr: Expr) -> frozenset[str]:
         """Return the names of the entities that an expression may refer to."""
         named: set[str] = set()
-        for part in parts(expr):
+        for part in subexpressions(expr):
             match part:
                 case Value(value=str(name)) if name in self._things:
                     named.add(name)

@@ -36,7 +36,7 @@ def links(values: Evaluator, owner: str) -> tuple[str, ...]:
 
 def pose_in_asset(values: Evaluator, owner: str) -> Pose:
     """Return the initial pose of a link in the asset's frame."""
-    return values.once((owner, "within"), lambda: _shift(values, owner).compose(zero_pose(values, owner)))
+    return values.memoized((owner, "within"), lambda: _shift(values, owner).compose(zero_pose(values, owner)))
 
 
 def zero_pose(values: Evaluator, owner: str) -> Pose:
@@ -57,7 +57,7 @@ def pieces(values: Evaluator, owner: str) -> tuple[PlacedShape, ...]:
 def _shift(values: Evaluator, owner: str) -> Pose:
     """Return the motion of a link due to the start coordinates of the joints between it and the asset's frame."""
     of = base(values, owner) or owner
-    holders = values.once((of, "holders"), lambda: _holders(values, of))
+    holders = values.memoized((of, "holders"), lambda: _holders(values, of))
     shift, link = IDENTITY, owner
     for _ in holders:  # bounded, as joints may form a loop
         if link not in holders:
@@ -91,9 +91,11 @@ def require_within_limits(values: Evaluator, thing: Entity, start: float, help: 
     """Raise ImpossibleValue, with a remedy, if a hinge or slider starts beyond its limits."""
     joint, model = thing.name, thing.model
     if (end := exceeded_limit(values, joint, start)) is not None:
-        place = values.place(joint, "start" if values.has(joint, "start") else end)
+        place = values.source_location(joint, "start" if values.has(joint, "start") else end)
         limit = format_coordinate(values.number(joint, end), model)
-        raise ImpossibleValue(f"`{joint}` starts at {format_coordinate(start, model)}, beyond its limit of {limit}", place, help)
+        raise ImpossibleValue(
+            f"`{joint}` starts at {format_coordinate(start, model)}, beyond its limit of {limit}", place, help
+        )
 
 
 def exceeded_limit(values: Evaluator, joint: str, coordinate: float) -> str | None:

@@ -68,7 +68,7 @@ class Evaluator:
         """Return a factor, nuisance or `let`, or `end`, the end of the episode."""
         if name in self.assignment:
             return self.assignment[name]
-        return self.once(("", name), lambda: self._named(name))
+        return self.memoized(("", name), lambda: self._named(name))
 
     def during(self, time: float) -> bool:
         """Whether a time (s) is within the episode."""
@@ -81,7 +81,7 @@ class Evaluator:
             return self._known[key]
         setting = self._things[owner].properties.get(name)
         if setting is None or owner in self._changed or not isinstance(setting.value, Value):
-            return self.once(key, lambda: self._value(owner, name))
+            return self.memoized(key, lambda: self._value(owner, name))
         constant = setting.value.value  # fast path for constants
         self._check(self._things[owner], name, constant, setting.place)
         self._known[key] = constant
@@ -165,13 +165,13 @@ class Evaluator:
         """Return the value of a design function."""
         return functions.call(self, function, arguments, options)
 
-    def once(self, key: tuple[str, str], make: Callable[[], T]) -> T:
+    def memoized(self, key: tuple[str, str], make: Callable[[], T]) -> T:
         """Return the cached value of `make`; `key` is its owner and name. Raises WmsError if it depends on itself."""
         if key not in self._known:
             owner, name = key
             if key in self._open:
                 named = f"{owner}.{name}" if owner else name
-                raise ImpossibleValue(f"`{named}` depends on itself", self.place(owner) if owner else None)
+                raise ImpossibleValue(f"`{named}` depends on itself", self.source_location(owner) if owner else None)
             self._open.add(key)
             try:
                 self._known[key] = make()
@@ -188,7 +188,7 @@ class Evaluator:
             return True
         return thing.kind == "part" and name in INHERITED and self.has(thing.of, name)
 
-    def place(self, owner: str, name: str = "") -> Location:
+    def source_location(self, owner: str, name: str = "") -> Location:
         """Return the source location of an entity or of one of its properties."""
         thing = self._things[owner]
         return thing.properties[name].place if name in thing.properties else thing.place
@@ -197,24 +197,26 @@ class Evaluator:
         """Return the names of an object's parts, such as `rack.left`."""
         return self._parts.get(owner, ())
 
-    def there(self, name: str) -> bool:
+    def is_present(self, name: str) -> bool:
         """Whether an object or action is present; an action needs its object, and a counterfactual may omit it."""
         thing = self._things[name]
         if thing.kind == "action":
             change = self.change
             about = change is not None and change.owner == name
             happens = about if thing.added else not (about and change is not None and change.change == "without")
-            return happens and ("object" not in thing.properties or self.there(self.reference(name, "object")))
+            return happens and ("object" not in thing.properties or self.is_present(self.reference(name, "object")))
         return "present" not in thing.properties or self.flag(name, "present")
 
     def ends(self, joint: str) -> tuple[str, ...]:
         """Return the objects that a joint connects: two, or one that it connects to the world."""
         return tuple(self.reference(joint, end) for end in ("of", "to") if self.has(joint, end))
 
-    def acting(self, verb: str, owner: str) -> list[Entity]:
+    def actions_on(self, verb: str, owner: str) -> list[Entity]:
         """Return the actions of a verb on an object."""
         return [
-            a for a in self._actions.get(verb, ()) if self.reference(a.name, "object") == owner and self.there(a.name)
+            a
+            for a in self._actions.get(verb, ())
+            if self.reference(a.name, "object") == owner and self.is_present(a.name)
         ]
 
     @cached_property
@@ -262,7 +264,7 @@ class Evaluator:
 
     def pose(self, owner: str) -> Pose:
         """Return the initial pose of an object in the world. A supported object touches its support exactly."""
-        return self.once((owner, "pose"), lambda: placement.pose(self, owner))
+        return self.memoized((owner, "pose"), lambda: placement.pose(self, owner))
 
     # ------------------------------------------------------------ working a value out
 

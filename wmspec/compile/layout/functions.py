@@ -106,7 +106,7 @@ def _rgb(_values: Evaluator, red: float, green: float, blue: float) -> str:
 
 
 def _present(values: Evaluator, objects: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(name for name in objects if values.there(name))
+    return tuple(name for name in objects if values.is_present(name))
 
 
 def _nth(_values: Evaluator, items: tuple[Any, ...], number: float) -> Any:
@@ -131,7 +131,7 @@ def extreme_name(sizes: dict[str, float], most: bool, tie: float | None = None) 
 
 def _count(values: Evaluator, items: tuple[str | bool, ...]) -> float:
     """Return the number of present objects, or of true values."""
-    return float(sum(item if isinstance(item, bool) else values.there(item) for item in items))
+    return float(sum(item if isinstance(item, bool) else values.is_present(item) for item in items))
 
 
 def _pick(size: Callable[[Evaluator, str], float], most: bool) -> Callable[..., str]:

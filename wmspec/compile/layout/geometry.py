@@ -23,12 +23,12 @@ def pieces(values: Evaluator, owner: str) -> tuple[PlacedShape, ...]:
 
     Raises WmsError for invalid sizes.
     """
-    return values.once((owner, "pieces"), lambda: _touched(values, owner))
+    return values.memoized((owner, "pieces"), lambda: _touched(values, owner))
 
 
 def all_pieces(values: Evaluator, owner: str) -> tuple[tuple[str, PlacedShape], ...]:
     """Return all solids of an object, visual and touchable, each with the name of its part or of the object."""
-    return values.once((owner, "every piece"), lambda: _pieces(values, owner))
+    return values.memoized((owner, "every piece"), lambda: _pieces(values, owner))
 
 
 def touchable(values: Evaluator, part: str) -> bool:
@@ -76,7 +76,7 @@ def _solid(values: Evaluator, owner: str) -> Shape:
     try:
         return load(path, scale, touched, touchable(values, owner))
     except ImpossibleValue as error:
-        raise error.at(values.place(owner, "file")) from None
+        raise error.at(values.source_location(owner, "file")) from None
 
 
 def _shape(values: Evaluator, owner: str) -> Shape:
@@ -88,11 +88,11 @@ def _shape(values: Evaluator, owner: str) -> Shape:
     if edges not in kind.lengths:
         having = either([article(other) for other, one in SHAPES.items() if edges in one.lengths])
         many = f"only {having} has {'two' if edges == 2 else 'three'} edges"
-        raise ImpossibleValue(f"`{owner}` is a {word}, and {many}", values.place(owner, "size"))
+        raise ImpossibleValue(f"`{owner}` is a {word}, and {many}", values.source_location(owner, "size"))
     try:
         return _formed(word, dumps(words))
     except UnfitError as error:
-        place = values.place(owner, error.name) if error.name in words else values.place(owner)
+        place = values.source_location(owner, error.name) if error.name in words else values.source_location(owner)
         raise ImpossibleValue(f"the {word} `{owner}` {error}", place) from None
 
 

@@ -34,7 +34,7 @@ def carriers(values: Evaluator) -> dict[str, str]:
     """Return the carried (kinematic) objects, each with one of the actions that carry it."""
     carrying: dict[str, str] = {}
     for action in values.spec.things:
-        if action.kind == "action" and not action.of and action.verb in CARRYING and values.there(action.name):
+        if action.kind == "action" and not action.of and action.verb in CARRYING and values.is_present(action.name):
             carrying.setdefault(values.reference(action.name, "object"), action.name)
     return carrying
 
@@ -49,7 +49,7 @@ def placement_before(values: Evaluator, action: Entity) -> Placement:
     """Return where the object of a carrying action is when the action begins."""
     owner = values.reference(action.name, "object")
     stand = Placement(values.pose(owner), values.number(owner, "yaw"))
-    moves = sorted((a for verb in CARRYING for a in values.acting(verb, owner)), key=lambda a: _start(values, a))
+    moves = sorted((a for verb in CARRYING for a in values.actions_on(verb, owner)), key=lambda a: _start(values, a))
     for move in moves[: next(i for i, m in enumerate(moves) if m.name == action.name)]:
         stand = placement_after(values, move, stand)
     return stand

@@ -27,7 +27,7 @@ def pose(values: Evaluator, owner: str) -> Pose:
 
 def frame(values: Evaluator, base: str) -> Pose:
     """Return the pose of an asset's frame, given its base."""
-    return values.once((base, "frame"), lambda: _placed(values, base))
+    return values.memoized((base, "frame"), lambda: _placed(values, base))
 
 
 def _placed(values: Evaluator, owner: str) -> Pose:
@@ -35,7 +35,7 @@ def _placed(values: Evaluator, owner: str) -> Pose:
     at = scatter.scattered_position(values, owner) if values.has(owner, "scatter") else values.spot(owner)
     resting = rest(values, owner, at, *own_rotation(values, owner))
     links = assets.links(values, owner)
-    heights = [values.number(a.name, "height") for link in links for a in values.acting("drop", link)]
+    heights = [values.number(a.name, "height") for link in links for a in values.actions_on("drop", link)]
     return Pose(add(resting.position, (0.0, 0.0, max(heights))), resting.orientation) if heights else resting
 
 

@@ -31,7 +31,7 @@ MAX_TRIES, MAX_ROUNDS = 1000, 10
 def scattered_position(values: Evaluator, owner: str) -> tuple[float, float]:
     """Return the position (x, y) of a scattered object on its support, else on the ground."""
     base = _base(values, owner)
-    places = values.once((base, "scattered"), lambda: _scattered(values, base))
+    places = values.memoized((base, "scattered"), lambda: _scattered(values, base))
     return places[owner]
 
 
@@ -56,7 +56,7 @@ def _scattered(values: Evaluator, base: str) -> dict[str, tuple[float, float]]:
             return {name: (x, y) for name, (x, y, _) in circles.items()}
     raise ImpossibleValue(
         f"no room for `{name}` between the {len(circles)} scattered before it",
-        values.place(name, "scatter"),
+        values.source_location(name, "scatter"),
         "widen `scatter`, or make the objects smaller, fewer or their `gap` smaller",
     )
 

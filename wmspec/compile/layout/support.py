@@ -25,12 +25,12 @@ def require_support(name: str, values: Evaluator) -> None:
     low, high = bounds(made, pose)
     if len(made) == 1 and made[0].solid.symmetry == "ball" and support_faces(values, base)[0].normal == UP:
         low = high = pose.compose(made[0].pose).position
-    least, most = values.once((base, "upright box"), lambda: bounds(pieces(values, base), values.pose(base)))
+    least, most = values.memoized((base, "upright box"), lambda: bounds(pieces(values, base), values.pose(base)))
     if any(low[i] > most[i] + 1e-9 or high[i] < least[i] - 1e-9 for i in range(2)):
         word = "scatter" if values.has(name, "scatter") else "at"
         size = " by ".join(units.format_quantity(most[i] - least[i], units.LENGTH) for i in range(2))
         raise ImpossibleValue(
             f"`{name}` is in the air beside `{base}`, on which it should rest and which is {size} large",
-            values.place(name, word),
+            values.source_location(name, word),
             "move it there, or leave `on:` out and say `at: (x, y, z)`",
         )

@@ -33,10 +33,12 @@ def contact_face(values: Evaluator, owner: str, at: Spot) -> Face | None:
     if held is None:
         return None
     if is_point(at) and len(at) == 3:
-        raise ImpossibleValue(f"`{owner}` rests on something, so its place there is (x, y)", values.place(owner, "at"))
+        raise ImpossibleValue(
+            f"`{owner}` rests on something, so its place there is (x, y)", values.source_location(owner, "at")
+        )
     way, base = held
     if way == "inside" and not values.parts(base):
-        place = values.place(owner, "inside")
+        place = values.source_location(owner, "inside")
         shape = values.text(base, "shape")
         hollow = shape in HOLLOW and not values.has(base, "file")
         remedy = f"put its shape into a part: `part wall {{ shape: {shape} ... }}`" if hollow else f"use `on: {base}`"
@@ -48,9 +50,11 @@ def support_of(values: Evaluator, owner: str) -> tuple[str, str] | None:
     """Return the support or container of an object and the property (`on` or `inside`) that names it, or None."""
     holders = [(way, values.reference(owner, way)) for way in ("on", "inside") if values.has(owner, way)]
     if len(holders) == 2:
-        raise ImpossibleValue(f"`{owner}` is both `on` and `inside`", values.place(owner, "inside"), "keep one of them")
+        raise ImpossibleValue(
+            f"`{owner}` is both `on` and `inside`", values.source_location(owner, "inside"), "keep one of them"
+        )
     if holders and holders[0][1] == owner:
-        raise ImpossibleValue(f"`{owner}` cannot rest on itself", values.place(owner, holders[0][0]))
+        raise ImpossibleValue(f"`{owner}` cannot rest on itself", values.source_location(owner, holders[0][0]))
     return holders[0] if holders else None
 
 
@@ -59,7 +63,7 @@ def support_of(values: Evaluator, owner: str) -> tuple[str, str] | None:
 
 def support_faces(values: Evaluator, base: str) -> list[Face]:
     """Return the surfaces of an object that can support others, the most level first."""
-    return values.once((base, "tops"), lambda: _tops(values, base))
+    return values.memoized((base, "tops"), lambda: _tops(values, base))
 
 
 def _tops(values: Evaluator, base: str) -> list[Face]:

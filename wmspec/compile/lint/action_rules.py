@@ -15,11 +15,11 @@ def target_beyond_limit(scene: LintScene) -> Iterator[Breach]:
     """Find drives with a target beyond a limit of their joint."""
     values = scene.values
     for thing in values.spec.things:
-        if thing.kind == "joint" and values.there(thing.name) and values.has(thing.name, "target"):
-            yield from _beyond(scene, thing.name, thing.name, values.place(thing.name, "target"))
-        elif thing.kind == "action" and thing.verb == "drive" and not thing.of and values.there(thing.name):
+        if thing.kind == "joint" and values.is_present(thing.name) and values.has(thing.name, "target"):
+            yield from _beyond(scene, thing.name, thing.name, values.source_location(thing.name, "target"))
+        elif thing.kind == "action" and thing.verb == "drive" and not thing.of and values.is_present(thing.name):
             joint = values.reference(thing.name, "joint")
-            yield from _beyond(scene, thing.name, joint, values.place(thing.name, "target"))
+            yield from _beyond(scene, thing.name, joint, values.source_location(thing.name, "target"))
 
 
 def _beyond(scene: LintScene, owner: str, joint: str, place: Location) -> Iterator[Breach]:
@@ -40,16 +40,16 @@ def acts_on_nothing(scene: LintScene) -> Iterator[Breach]:
         if action.kind != "action" or "object" not in action.properties or action.added:
             continue
         name = values.reference(action.name, "object")
-        place = values.place(action.name, "object")
-        if not values.there(name):
+        place = values.source_location(action.name, "object")
+        if not values.is_present(name):
             remedy = "exclude this with `require`, or name one that is there"
             if values.spec.thing(name).set:
                 remedy = "count from the end, as `[-1]` is the last that is there; or exclude this with `require`"
             what = f"`{action.name}` does nothing: `{name}` is not there {scene.where}"
             yield Breach(what, place, remedy, about=action.name)
-        elif values.there(action.name):
+        elif values.is_present(action.name):
             starts = values.number(action.name, "start")
-            for gone in values.acting("vanish", name):
+            for gone in values.actions_on("vanish", name):
                 if gone is not action and values.number(gone.name, "start") < starts:
                     what = f"`{action.name}` does nothing: `{name}` vanished before, with `{gone.name}`"
                     yield Breach(what, place, "let it begin earlier, or leave it out", about=action.name)

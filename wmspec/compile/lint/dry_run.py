@@ -47,11 +47,17 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
         linter.check(design, design_rules.RULES)
         instances = [design[index] for index in design.sample(SAMPLE_SIZE)]
         tried = [Evaluator(spec, instance.values, None, instance.key) for instance in instances]
-        work = len(spec.things) + ROBOT_ACTION_COST * sum(thing.kind == "action" and bool(thing.of) for thing in spec.things)
+        work = len(spec.things) + ROBOT_ACTION_COST * sum(
+            thing.kind == "action" and bool(thing.of) for thing in spec.things
+        )
         built = max(MIN_SCENES, SAMPLE_SIZE * ENTITY_BUDGET // max(ENTITY_BUDGET, work))
         for count, (values, instance) in enumerate(zip(tried[:built], instances, strict=False)):
             with linter.collecting():
-                _lint_scene(LintScene(values, depend, design, instance), linter, changed=count < max(MIN_SCENES // 2, built // 3))
+                _lint_scene(
+                    LintScene(values, depend, design, instance),
+                    linter,
+                    changed=count < max(MIN_SCENES // 2, built // 3),
+                )
         for question in spec.questions:
             with linter.collecting():
                 linter.check(SampledQuestion(question, tuple(tried)), option_rules.ALWAYS)

@@ -8,7 +8,7 @@ from wmspec.compile.lint.question_rules import answer_picture_time, is_posed
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import LintScene
 from wmspec.compile.lint.task_rules import LintTask
-from wmspec.lang.check.ir.evaluate import evaluate, parts
+from wmspec.lang.check.ir.evaluate import evaluate, subexpressions
 from wmspec.lang.check.ir.ir import Interpolation, Question, Ref, time_of_last_picture
 from wmspec.lang.check.types import units
 
@@ -76,7 +76,7 @@ def _remedy(scene: LintScene, question: Question) -> str:
     """Without a `horizon`, the end is the last picture that is shown."""
     spec = scene.values.spec
     unwritten = spec.horizon == time_of_last_picture(spec.observations)
-    if unwritten and any(isinstance(part, Ref) and part.name == "end" for part in parts(question.answer)):
+    if unwritten and any(isinstance(part, Ref) and part.name == "end" for part in subexpressions(question.answer)):
         return "without a `horizon` the last picture is the end: write `horizon TIME`, a later one"
     return "show what comes before it"
 

@@ -26,18 +26,20 @@ def hidden_thing(scene: LintScene) -> Iterator[Breach]:
     cameras = _looking_first(values)
     if not cameras or any(values.has(camera, "ride") for camera in cameras):
         return
-    things = {t.name: t for t in values.spec.things if t.kind == "object" and values.there(t.name)}
+    things = {t.name: t for t in values.spec.things if t.kind == "object" and values.is_present(t.name)}
     walls = [(name, half, pose) for name in things for half, pose in _boxes(values, name)]
     questions = (question for question in values.spec.questions if is_posed(question, values))
-    needed = {name for question in questions for name in referenced_objects(question, values).union(moved_objects(values))}
+    needed = {
+        name for question in questions for name in referenced_objects(question, values).union(moved_objects(values))
+    }
     for name in (name for name in things if name in needed and not things[name].set):
         around = list(corners(bounds(pieces(values, name), values.pose(name))))
         by = [_hiding(values.vector(camera, "at"), around, [w for w in walls if w[0] != name]) for camera in cameras]
         if all(by):
             what = f"`{name}` is moved or asked about, and hidden behind `{by[0]}` from `{cameras[0]}` {scene.where}"
-            note = Note(f"`{by[0]}` is declared here", values.place(by[0] or ""))
+            note = Note(f"`{by[0]}` is declared here", values.source_location(by[0] or ""))
             remedy = "move one of them or the camera, or ask only where it is seen: `ensure`"
-            yield Breach(what, values.place(name, "at"), remedy, (note,), about=name)
+            yield Breach(what, values.source_location(name, "at"), remedy, (note,), about=name)
 
 
 RULES = (hidden_thing,)

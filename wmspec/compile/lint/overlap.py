@@ -79,7 +79,7 @@ def _pieces_of(values: Evaluator, name: str) -> tuple[PlacedShape, ...]:
 def _bodies(values: Evaluator) -> Iterator[_Body]:
     for thing in values.spec.things:
         name = thing.name
-        if thing.kind != "object" or not values.there(name) or not values.flag(name, "solid"):
+        if thing.kind != "object" or not values.is_present(name) or not values.flag(name, "solid"):
             continue
         if any(_in_pieces(values, part) for part in (name, *values.parts(name))):
             continue
@@ -92,7 +92,7 @@ def _in_pieces(values: Evaluator, part: str) -> bool:
 
 
 def _joined(values: Evaluator) -> set[frozenset[str]]:
-    joints = [t.name for t in values.spec.things if t.kind == "joint" and values.there(t.name)]
+    joints = [t.name for t in values.spec.things if t.kind == "joint" and values.is_present(t.name)]
     return {frozenset(values.ends(j)) for j in joints if values.has(j, "to")}
 
 

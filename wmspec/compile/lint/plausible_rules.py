@@ -45,10 +45,12 @@ def camera_inside(scene: LintScene) -> Iterator[Breach]:
     for camera in _standing(values):
         eye = values.vector(camera, "at")
         for thing in values.spec.things:
-            if thing.kind == "object" and values.there(thing.name) and _within(values, thing.name, eye):
+            if thing.kind == "object" and values.is_present(thing.name) and _within(values, thing.name, eye):
                 what = f"`{camera}` is inside `{thing.name}` {scene.where}"
-                note = Note(f"`{thing.name}` is declared here", values.place(thing.name))
-                yield Breach(what, values.place(camera, "at"), "move one of them", (note,), about=(camera, thing.name))
+                note = Note(f"`{thing.name}` is declared here", values.source_location(thing.name))
+                yield Breach(
+                    what, values.source_location(camera, "at"), "move one of them", (note,), about=(camera, thing.name)
+                )
 
 
 @rule("WMS605")
@@ -71,12 +73,12 @@ def thing_far_away(scene: LintScene) -> Iterator[Breach]:
     if len(cameras) < len({o.camera for o in values.spec.observations}):
         return  # a riding camera may come near
     needed = {name for q in values.spec.questions for e in q.ensures for name in mentioned_words(values, e.condition)}
-    things = [t for t in values.spec.things if t.kind == "object" and not t.set and values.there(t.name)]
+    things = [t for t in values.spec.things if t.kind == "object" and not t.set and values.is_present(t.name)]
     for name in (t.name for t in things if t.name in needed.union(relevant_objects(values))):
         boxes = list(swept_boxes(values, name))
         if cameras and all(_share(values, camera, box) < MIN_VISIBLE_SHARE for camera in cameras for box in boxes):
             what = f"`{name}` is too small to be seen from `{cameras[0]}` {scene.where}"
-            yield Breach(what, values.place(name, "at"), "is this the unit that is meant?", about=name)
+            yield Breach(what, values.source_location(name, "at"), "is this the unit that is meant?", about=name)
 
 
 @rule("WMS606")
@@ -84,12 +86,17 @@ def too_fast(scene: LintScene) -> Iterator[Breach]:
     """Find implausibly fast launches."""
     values = scene.values
     for action in values.spec.things:
-        if action.kind == "action" and "speed" in action.properties and values.there(action.name) and not action.of:
+        if (
+            action.kind == "action"
+            and "speed" in action.properties
+            and values.is_present(action.name)
+            and not action.of
+        ):
             speed = values.number(action.name, "speed")
             if speed > MAX_LAUNCH_SPEED:
                 target = values.reference(action.name, "object")
                 what = f"`{action.name}` gives `{target}` {units.format_quantity(speed, units.SPEED)}"
-                place = values.place(action.name, "speed")
+                place = values.source_location(action.name, "speed")
                 yield Breach(f"{what} {scene.where}", place, "is this the unit that is meant?", about=action.name)
 
 
@@ -98,12 +105,15 @@ def out_of_proportion(scene: LintScene) -> Iterator[Breach]:
     """Find implausibly heavy or light objects."""
     values = scene.values
     for thing in values.spec.things:
-        if thing.kind == "object" and values.there(thing.name) and values.has(thing.name, "mass"):
+        if thing.kind == "object" and values.is_present(thing.name) and values.has(thing.name, "mass"):
             mass = values.number(thing.name, "mass")
             if not MIN_MASS <= mass <= MAX_MASS:
                 what = f"`{thing.name}` weighs {units.format_quantity(mass, units.MASS)} {scene.where}"
                 yield Breach(
-                    what, values.place(thing.name, "mass"), "is this the unit that is meant?", about=thing.name
+                    what,
+                    values.source_location(thing.name, "mass"),
+                    "is this the unit that is meant?",
+                    about=thing.name,
                 )
 
 
@@ -112,13 +122,13 @@ def launched_twice(scene: LintScene) -> Iterator[Breach]:
     """Find two simultaneous launches of one object: the later one in the text would win."""
     values = scene.values
     for name in (t.name for t in values.spec.things if t.kind == "object"):
-        actions = values.acting("launch", name)
+        actions = values.actions_on("launch", name)
         for a, b in combinations(actions, 2):
             if abs(values.number(a.name, "start") - values.number(b.name, "start")) < 1e-9:
                 what = f"`{a.name}` and `{b.name}` launch `{name}` at the same time {scene.where}"
-                note = Note(f"`{a.name}` is declared here", values.place(a.name))
+                note = Note(f"`{a.name}` is declared here", values.source_location(a.name))
                 remedy = "leave one out, or let it begin at another time"
-                yield Breach(what, values.place(b.name), remedy, (note,), about=(a.name, b.name))
+                yield Breach(what, values.source_location(b.name), remedy, (note,), about=(a.name, b.name))
 
 
 RULES = (

@@ -61,11 +61,13 @@ def struck_in_a_row(scene: LintScene) -> Iterator[Breach]:
         how = "touch" if touch else f"are {_length(gap)} apart"
         who = "every engine resolves" if touch else "engines with compliant contacts resolve"
         what = f"`{a}` and `{b}` {how} {scene.where}: {who} both collisions in the same step"
-        note = Note(f"`{a}` is declared here", values.place(a))
+        note = Note(f"`{a}` is declared here", values.source_location(a))
         others = "" if touch else f", or {ENGINES_REMEDY}"
-        apart = f"leave {_length(IMPACT_DURATION * speed)} between them" if speed else "leave some millimetres between them"
+        apart = (
+            f"leave {_length(IMPACT_DURATION * speed)} between them" if speed else "leave some millimetres between them"
+        )
         remedy = f"{apart}, or give them a `restitution` below {ELASTIC_RESTITUTION:g}{others}"
-        yield Breach(what, values.place(b), remedy, (note,), about=(a, b))
+        yield Breach(what, values.source_location(b), remedy, (note,), about=(a, b))
 
 
 @rule("WMS608")
@@ -76,7 +78,7 @@ def rolling_cylinder(scene: LintScene) -> Iterator[Breach]:
         if any(_lying(values, name)):
             what = f"`{name}` is a disc on its rim {scene.where}; some engines brake it as it rolls"
             remedy = f"make it as long as it is thick, or {ENGINES_REMEDY}"
-            yield Breach(what, values.place(name, "shape"), remedy, about=name)
+            yield Breach(what, values.source_location(name, "shape"), remedy, about=name)
 
 
 @rule("WMS608")
@@ -92,7 +94,9 @@ def leaning_cylinder(scene: LintScene) -> Iterator[Breach]:
             tips = math.atan(2 * piece.solid.radius / piece.solid.height)
             what = f"`{name}` stands {_degrees(angle)} from upright {scene.where}, and tips from {_degrees(tips)} on"
             remedy = f"let the slope be gentler or steeper, make it a box, or {ENGINES_REMEDY}"
-            yield Breach(f"{what}; some engines tip it before", values.place(name, "shape"), remedy, about=name)
+            yield Breach(
+                f"{what}; some engines tip it before", values.source_location(name, "shape"), remedy, about=name
+            )
 
 
 @rule("WMS608")
@@ -114,7 +118,7 @@ def heavy_landing(scene: LintScene) -> Iterator[Breach]:
             if heavier >= HEAVY_LANDING_RATIO:
                 what = f"`{a}` falls on `{b}` {scene.where} and is {heavier:.3g} times as heavy"
                 remedy = f"make their masses more alike, or {ENGINES_REMEDY}"
-                yield Breach(f"{what}; some engines let it rise again", values.place(a), remedy, about=(a, b))
+                yield Breach(f"{what}; some engines let it rise again", values.source_location(a), remedy, about=(a, b))
 
 
 @rule("WMS608")
@@ -134,7 +138,7 @@ def double_pendulum(scene: LintScene) -> Iterator[Breach]:
             what = f"`{of}` swings from `{to}`, which swings itself, {scene.where}"
             remedy = "ask early, and with a `margin` of some per cent"
             doubt = "all engines lose or gain a few per cent of the energy of such"
-            yield Breach(f"{what}; {doubt}", values.place(name), remedy, about=name)
+            yield Breach(f"{what}; {doubt}", values.source_location(name), remedy, about=name)
             return
 
 
@@ -144,14 +148,14 @@ def sliding_mesh(scene: LintScene) -> Iterator[Breach]:
     values = scene.values
     loose = set(_loose(values))
     for action in values.spec.things:
-        if action.kind != "action" or action.verb != "launch" or not values.there(action.name):
+        if action.kind != "action" or action.verb != "launch" or not values.is_present(action.name):
             continue
         name = values.reference(action.name, "object")
         if name in loose and any(piece.solid.primitive is None for piece in pieces(values, name)):
             kinds = "neither box, ball, capsule nor cylinder"
             what = f"`{name}` is launched {scene.where} and is {kinds}; some engines brake it as it slides"
             remedy = f"make it of those, or {ENGINES_REMEDY}"
-            yield Breach(what, values.place(name, "shape"), remedy, about=name)
+            yield Breach(what, values.source_location(name, "shape"), remedy, about=name)
 
 
 @rule("WMS608")
@@ -165,7 +169,7 @@ def fast_spin(scene: LintScene) -> Iterator[Breach]:
             what = f"`{name}` spins at {spin:.3g} rad/s {scene.where}"
             doubt = "some engines gain or lose energy as its axis turns"
             remedy = f"let it spin at less than {FAST_SPIN:g} rad/s, or {ENGINES_REMEDY}"
-            yield Breach(f"{what}; {doubt}", values.place(name, "spin"), remedy, about=name)
+            yield Breach(f"{what}; {doubt}", values.source_location(name, "spin"), remedy, about=name)
 
 
 @rule("WMS608")
@@ -183,7 +187,7 @@ def fast_and_thin(scene: LintScene) -> Iterator[Breach]:
             deep = f"where contacts are soft that goes {_length(depth)} deep"
             what = f"`{name}` is {_length(thin)} thick, and {fast}; {deep}"
             remedy = f"make it thicker, the other slower, or {ENGINES_REMEDY}"
-            yield Breach(what, values.place(name), remedy, about=name)
+            yield Breach(what, values.source_location(name), remedy, about=name)
 
 
 RULES = (
@@ -195,13 +199,13 @@ RULES = (
 def _touchable(values: Evaluator) -> list[str]:
     """Return the present, touchable objects."""
     objects = (t.name for t in values.spec.things if t.kind == "object")
-    return [name for name in objects if values.there(name) and values.flag(name, "solid")]
+    return [name for name in objects if values.is_present(name) and values.flag(name, "solid")]
 
 
 def _speeds(values: Evaluator) -> Iterator[float]:
     """Yield the speeds (m/s) of launches and paths."""
     for action in values.spec.things:
-        if action.kind == "action" and values.there(action.name) and "speed" in action.properties:
+        if action.kind == "action" and values.is_present(action.name) and "speed" in action.properties:
             yield values.number(action.name, "speed")
 
 
@@ -243,7 +247,7 @@ def _joined(values: Evaluator) -> set[str]:
 
 
 def _joints(values: Evaluator) -> list[Entity]:
-    return [t for t in values.spec.things if t.kind == "joint" and values.there(t.name)]
+    return [t for t in values.spec.things if t.kind == "joint" and values.is_present(t.name)]
 
 
 def _ends(values: Evaluator, joint: str) -> set[str]:

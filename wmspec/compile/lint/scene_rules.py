@@ -19,7 +19,7 @@ from wmspec.compile.lint.visibility import blind_cameras
 from wmspec.core.diagnostics import Note
 from wmspec.core.places import Location
 from wmspec.lang.check.expressions.measured import is_measured
-from wmspec.lang.check.ir.evaluate import NoValue, evaluate, parts
+from wmspec.lang.check.ir.evaluate import NoValue, evaluate, subexpressions
 from wmspec.lang.check.ir.ir import Call, Expr, Question
 from wmspec.lang.check.tables.verbs import VERBS
 from wmspec.lang.check.types import units
@@ -50,14 +50,14 @@ def objects_inside_one_another(scene: LintScene) -> Iterator[Breach]:
     begun = f"under `{change.name}`" if change else "at the start"
     for pair in overlaps(scene.values):
         depth = units.format_quantity(float(f"{pair.depth:.2g}"), units.LENGTH)
-        place = scene.values.place(pair.second)
+        place = scene.values.source_location(pair.second)
         if of := _set_of(scene.values, pair.first, pair.second):
             what = f"members of `{of}` are {depth} inside one another {begun} {scene.where}"
             remedy = "say with `index` where each is, as in `at (index * 10 cm, 0)`, or make them smaller"
             yield Breach(what, place, remedy, about=of)
             continue
         what = f"`{pair.second}` is {depth} inside `{pair.first}` {begun} {scene.where}"
-        note = Note(f"`{pair.first}` is declared here", scene.values.place(pair.first))
+        note = Note(f"`{pair.first}` is declared here", scene.values.source_location(pair.first))
         remedy = "move them apart, make one smaller, or exclude this with `require`"
         yield Breach(what, place, remedy, (note,), (pair.first, pair.second))
 
@@ -81,7 +81,7 @@ def blind_camera(scene: LintScene) -> Iterator[Breach]:
 def turned_camera(scene: LintScene) -> Iterator[Breach]:
     """Find cameras whose left differs from the left of `relation`."""
     spec = scene.values.spec
-    answers = (part for question in spec.questions for part in parts(question.answer))
+    answers = (part for question in spec.questions for part in subexpressions(question.answer))
     if not any(isinstance(part, Call) and part.function == "relation" and not _from(part) for part in answers):
         return
     way = common_direction(scene.values)
@@ -103,27 +103,27 @@ def late_action(scene: LintScene) -> Iterator[Breach]:
     values = scene.values
     end = values.end
     for action in values.spec.things:
-        if action.kind == "action" and not (action.of or VERBS[action.verb].holds) and values.there(action.name):
+        if action.kind == "action" and not (action.of or VERBS[action.verb].holds) and values.is_present(action.name):
             start = values.number(action.name, "start")
             if start > end - 1e-9:
                 lasts = f"the episode lasts {units.format_quantity(end, units.TIME)} {scene.where}"
                 what = f"`{action.name}` never happens: it begins at {units.format_quantity(start, units.TIME)}, and {lasts}"
                 remedy = "let it begin earlier, or set a longer `horizon`"
-                yield Breach(what, values.place(action.name, "start"), remedy, about=action.name)
+                yield Breach(what, values.source_location(action.name, "start"), remedy, about=action.name)
 
 
 @rule("WMS304")
 def crowded(scene: LintScene) -> Iterator[Breach]:
     """Find scenes with so many possible contacts that an episode is slow: each step tests every pair."""
     values = scene.values
-    present = [t.name for t in values.spec.things if t.kind == "object" and values.there(t.name)]
+    present = [t.name for t in values.spec.things if t.kind == "object" and values.is_present(t.name)]
     free = [name for name in present if not values.flag(name, "fixed")]
     pairs = len(free) * (len(free) - 1) // 2 + len(free) * (len(present) - len(free))
     seconds = pairs * values.end * _PAIR_SECONDS
     if seconds > _MAX_SECONDS:
         what = f"{len(free)} things can move, and {pairs:,} pairs can touch: an episode may take about {seconds:.0f} s"
         remedy = "have fewer, fix some of them, or observe for less long; `wmspec generate --timeout` gives more time"
-        yield Breach(f"{what} {scene.where}", values.place(free[0]), remedy, about="crowded")
+        yield Breach(f"{what} {scene.where}", values.source_location(free[0]), remedy, about="crowded")
 
 
 @rule("WMS304", "error")
@@ -143,7 +143,7 @@ def measure_outside_the_episode(scene: LintScene) -> Iterator[Breach]:
         if not is_posed(question, values):
             continue
         for expr, place in _measuring(question):
-            for call in (part for part in parts(expr) if isinstance(part, Call)):
+            for call in (part for part in subexpressions(expr) if isinstance(part, Call)):
                 times = dict(_times(call, values))
                 if late := [time for time in times.values() if not values.during(time)]:
                     lasts = (

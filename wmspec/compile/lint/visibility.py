@@ -10,7 +10,7 @@ from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.motion import CARRYING, heading_of, placement_after, placement_before, timed_path
 from wmspec.compile.layout.solids import Box, bounds, corners
 from wmspec.core.space import Vector, add, cross, dot, heading_vector, scale
-from wmspec.lang.check.ir.evaluate import parts
+from wmspec.lang.check.ir.evaluate import subexpressions
 from wmspec.lang.check.ir.ir import Entity, Expr, Interpolation, Property, Ref, TaskSpec, Value
 
 
@@ -37,7 +37,7 @@ def relevant_boxes(values: Evaluator) -> Iterator[Box]:
 
 def relevant_objects(values: Evaluator) -> list[str]:
     """Return the present objects that actions move or that answers, options and texts mention."""
-    objects = {t.name for t in values.spec.things if t.kind == "object" and values.there(t.name)}
+    objects = {t.name for t in values.spec.things if t.kind == "object" and values.is_present(t.name)}
     names = dict.fromkeys(moved_objects(values))
     for expr in _question_expressions(values.spec):
         names |= dict.fromkeys(mentioned_words(values, expr))
@@ -47,7 +47,7 @@ def relevant_objects(values: Evaluator) -> list[str]:
 def moved_objects(values: Evaluator) -> list[str]:
     """Return the objects of actions."""
     acting = (t.name for t in values.spec.things if t.kind == "action" and "object" in t.properties)
-    return [values.reference(name, "object") for name in acting if values.there(name)]
+    return [values.reference(name, "object") for name in acting if values.is_present(name)]
 
 
 def _question_expressions(spec: TaskSpec) -> Iterator[Expr]:
@@ -60,7 +60,7 @@ def _question_expressions(spec: TaskSpec) -> Iterator[Expr]:
 
 def mentioned_words(values: Evaluator, expr: Expr) -> Iterator[str]:
     """Yield the words of an expression as evaluated in an instance, including names of objects."""
-    for part in parts(expr):
+    for part in subexpressions(expr):
         match part:
             case Value(value=str(word)):
                 yield word
@@ -85,7 +85,7 @@ def swept_boxes(values: Evaluator, name: str) -> Iterator[Box]:
     yield low, high
     here = values.pose(name).position
     for verb in (*CARRYING, "launch", "slide"):
-        for action in values.acting(verb, name):
+        for action in values.actions_on(verb, name):
             for there in _reached(values, action):
                 gone = add(there, scale(-1.0, here))
                 yield _around((low, high), (add(low, gone), add(high, gone)))

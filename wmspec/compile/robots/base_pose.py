@@ -18,7 +18,7 @@ def base(values: Evaluator, robot: str) -> Pose:
     if values.has(robot, "on"):
         if len(at) == 3:
             raise ImpossibleValue(
-                f"`{robot}` stands on something, so its place there is (x, y)", values.place(robot, "at")
+                f"`{robot}` stands on something, so its place there is (x, y)", values.source_location(robot, "at")
             )
         return Pose(surfaces.top_point(values, values.reference(robot, "on"), at).middle, from_ypr(yaw))
     assert surfaces.is_point(at)

@@ -245,7 +245,7 @@ def _obstacles(made: Plan, action: Entity, carried: set[str]) -> Iterator[tuple[
     others = {values.reference(t.name, "object") for t in other_motions(values)}
     for thing in values.spec.things:
         name = thing.name
-        if thing.kind != "object" or name in handled or name in others or not values.there(name):
+        if thing.kind != "object" or name in handled or name in others or not values.is_present(name):
             continue
         if not _is_solid(values, name) or (
             action.verb == "push" and name not in carried and not values.flag(name, "fixed")

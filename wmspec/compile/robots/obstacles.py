@@ -53,7 +53,7 @@ def obstacles(values: Evaluator, low: float, high: float) -> tuple[Outline, ...]
     """Return the initial outlines of all visible or touchable, uncarried objects between two heights (m)."""
     carried = carriers(values)
     names = (t.name for t in values.spec.things if t.kind == "object" and t.name not in carried)
-    kept = (name for name in names if values.there(name) and _has_any(values, name, ("drawn", "solid")))
+    kept = (name for name in names if values.is_present(name) and _has_any(values, name, ("drawn", "solid")))
     return tuple(outline for name in kept for outline in _outlines(values, name, low, high))
 
 

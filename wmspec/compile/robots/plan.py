@@ -55,7 +55,7 @@ def arm_of(values: Evaluator, robot: str) -> Arm:
     try:
         return read_arm(resolve_display_path(values.text(robot, "model")))
     except ImpossibleValue as error:
-        raise error.at(values.place(robot, "model")) from None
+        raise error.at(values.source_location(robot, "model")) from None
 
 
 def plan(values: Evaluator) -> dict[str, Reach]:
@@ -63,7 +63,7 @@ def plan(values: Evaluator) -> dict[str, Reach]:
 
     Raises WmsError with its location for infeasible actions.
     """
-    return values.once(("", "robots"), lambda: _plan(values))
+    return values.memoized(("", "robots"), lambda: _plan(values))
 
 
 def _plan(values: Evaluator) -> dict[str, Reach]:

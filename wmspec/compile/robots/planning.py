@@ -179,7 +179,7 @@ class Plan:
     def require_held(self, action: Entity) -> None:
         """Raise if the arm has not grasped the object of the action, or if another arm holds it too."""
         name, arm = self.values.reference(action.name, "object"), self.arms[action.of]
-        left_out = (t for t in self.values.spec.things if t.of == action.of and not self.values.there(t.name))
+        left_out = (t for t in self.values.spec.things if t.of == action.of and not self.values.is_present(t.name))
         if arm.intended != name and not any(t.verb in TAKING_VERBS for t in left_out):
             raise ImpossibleValue(
                 f"`{action.of}` does not hold `{name}`, so it cannot {action.verb} it",
@@ -215,7 +215,7 @@ def require_single(acts: Sequence[Entity]) -> Entity:
 def other_motions(values: Evaluator) -> Iterator[Entity]:
     """Yield the actions without a robot that move an object."""
     acts = (t for t in values.spec.things if t.kind == "action" and not t.of and t.verb != "paint")
-    return (t for t in acts if "object" in t.properties and values.there(t.name))
+    return (t for t in acts if "object" in t.properties and values.is_present(t.name))
 
 
 def _at_action(diagnostic: Diagnostic, action: Entity) -> Diagnostic:

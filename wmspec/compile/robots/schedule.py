@@ -25,7 +25,7 @@ def actions_in_order(values: Evaluator, models: Sequence[str]) -> list[Entity]:
     Raises WmsError with its location if one begins while its robot is busy.
     """
     robots = {t.name for t in values.spec.things if t.kind == "robot" and t.model in models}
-    acts = [t for t in values.spec.things if t.kind == "action" and t.of in robots and values.there(t.name)]
+    acts = [t for t in values.spec.things if t.kind == "action" and t.of in robots and values.is_present(t.name)]
     acts.sort(key=lambda a: values.number(a.name, "start"))
     free: dict[str, float] = {}
     for action in acts:

@@ -29,7 +29,7 @@ def supported_objects(made: Plan, carriers: set[str]) -> set[str]:
     """Return the objects that rest on or in these, directly or indirectly."""
     values, found, new = made.values, set[str](), carriers
     others = (t.name for t in values.spec.things if t.kind == "object" and t.name not in carriers)
-    left = [name for name in others if values.there(name) and not values.flag(name, "fixed")]
+    left = [name for name in others if values.is_present(name) and not values.flag(name, "fixed")]
     while new:
         new = {name for name in left if any(_is_supported(made, name, carrier) for carrier in new)}
         found |= new

@@ -72,7 +72,7 @@ def travels(values: Evaluator) -> dict[str, Travel]:
 
     Raises WmsError with its location for infeasible actions.
     """
-    return values.once(("", "travels"), lambda: _travels(values))
+    return values.memoized(("", "travels"), lambda: _travels(values))
 
 
 def _travels(values: Evaluator) -> dict[str, Travel]:
@@ -162,7 +162,7 @@ def _plan_car(values: Evaluator, level: float, spot: Pose2D, acts: Sequence[Enti
 
 def _traffic(values: Evaluator, robot: str) -> Traffic:
     names = values.references(robot, "roads") if values.has(robot, "roads") else ()
-    roads = tuple(road(values, name) for name in names if values.there(name))
+    roads = tuple(road(values, name) for name in names if values.is_present(name))
     side = 1 if values.text(robot, "keeps") == "left" else -1
     return Traffic(roads, values.number(robot, "lane"), side)
 
@@ -188,7 +188,7 @@ def _car_path(
 def _goal(values: Evaluator, action: Entity) -> str:
     """Return the object that a robot goes to. Raises WmsError with its location if it is absent."""
     goal = values.reference(action.name, "to")
-    if not values.there(goal):
+    if not values.is_present(goal):
         raise ImpossibleValue(f"`{goal}` is not there, so nobody can go to it", action.place)
     return goal
 
@@ -233,7 +233,7 @@ def _plan_walker(values: Evaluator, level: float, spot: Pose2D, acts: Sequence[E
         if outline.distance((spot.x, spot.y)) < WALKER_RADIUS:
             walker = acts[0].of
             problem = f"`{walker}` stands less than {WALKER_RADIUS * 100:g} cm from `{outline.name}`, or in it"
-            raise ImpossibleValue(problem, values.place(walker, "at"), "place it further away")
+            raise ImpossibleValue(problem, values.source_location(walker, "at"), "place it further away")
     for action in acts:
         if action.verb in ("move", "back"):
             distance, sign = values.number(action.name, "distance"), 1 if action.verb == "move" else -1

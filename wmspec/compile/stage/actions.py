@@ -42,7 +42,7 @@ def _require_able(action: Entity, target: str, values: Evaluator, carried: dict[
     """Raise unless the object can perform the verb."""
     if values.flag(target, "fixed") and action.verb != "paint":
         raise ImpossibleValue(f"`{target}` is fixed, so nothing can {action.verb} it", action.place)
-    if action.verb not in motion.CARRYING and target in carried and not VERBS[action.verb].whatever:
+    if action.verb not in motion.CARRYING and target in carried and not VERBS[action.verb].allows_carried:
         raise ImpossibleValue(
             f"`{target}` is carried by `{carried[target]}`, so `{action.verb}` cannot move it",
             action.place,
@@ -127,7 +127,9 @@ def _rolls(target: str, way: Vector, values: Evaluator) -> bool:
     if len(made) > 1 or made[0].solid.symmetry == "none":
         return False
     axis = rotate(values.pose(target).compose(made[0].pose).orientation, UP)
-    return made[0].solid.symmetry == "ball" or (abs(axis[2]) < MAX_LYING_COSINE and abs(dot(axis, way)) < MIN_ALONG_COSINE)
+    return made[0].solid.symmetry == "ball" or (
+        abs(axis[2]) < MAX_LYING_COSINE and abs(dot(axis, way)) < MIN_ALONG_COSINE
+    )
 
 
 # ---------------------------------------------------------------- carried
@@ -195,7 +197,7 @@ def force(prim: Prim, action: Entity, values: Evaluator) -> None:
 def release(_prim: Prim, action: Entity, values: Evaluator) -> None:
     """Add nothing: the object is held until the start of the action."""
     target = values.reference(action.name, "object")
-    if len(values.acting("drop", target)) + len(values.acting("release", target)) > 1:
+    if len(values.actions_on("drop", target)) + len(values.actions_on("release", target)) > 1:
         raise ImpossibleValue(f"`{target}` is let go more than once", action.place, "keep one `release` or `drop`")
 
 

@@ -33,9 +33,9 @@ def add_camera(doc: Document, name: str, values: Evaluator) -> None:
     path = camera_path(name, values)
     if values.has(name, "ride"):
         ridden = values.reference(name, "ride")
-        if not values.there(ridden):
+        if not values.is_present(ridden):
             raise ImpossibleValue(
-                f"the camera `{name}` rides on `{ridden}`, which is not there", values.place(name, "ride")
+                f"the camera `{name}` rides on `{ridden}`, which is not there", values.source_location(name, "ride")
             )
         doc.add(path.rpartition("/")[0], "Scope", (), (f"{name}.ride",))
     prim = doc.add(path, "Camera", (), (f"{name}.ride",))
@@ -54,7 +54,7 @@ def _looking(eye: Vector, target: Vector, values: Evaluator, name: str) -> Matri
     forward = [t - e for e, t in zip(eye, target, strict=True)]
     length = math.hypot(*forward)
     if length < 1e-9:
-        raise ImpossibleValue(f"the camera `{name}` looks at the very point where it is", values.place(name))
+        raise ImpossibleValue(f"the camera `{name}` looks at the very point where it is", values.source_location(name))
     z = [-f / length for f in forward]
     level = math.hypot(z[0], z[1])
     x = [-z[1] / level, z[0] / level, 0.0] if level > 1e-9 else [1.0, 0.0, 0.0]
@@ -66,7 +66,7 @@ def add_light(doc: Document, name: str, world: str | None, values: Evaluator) ->
     """Add the prims of a light: a sun and a sky. Raises WmsError if it has no direction."""
     direction = values.vector(name, "direction")
     if math.hypot(*direction) < 1e-9:
-        raise ImpossibleValue(f"the light `{name}` has no direction", values.place(name))
+        raise ImpossibleValue(f"the light `{name}` has no direction", values.source_location(name))
     shadows = f"{name}.shadows"
     shining = () if values.flag(name, "shadows") else ("ShadowAPI",)
     sun = doc.add(f"/World/Lights/{name}", "DistantLight", shining, (shadows,))

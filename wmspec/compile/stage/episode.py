@@ -52,7 +52,7 @@ def _built(values: Evaluator, make: Callable[[Document, str, Evaluator, frozense
     report = Report()
     for thing in (thing for thing in spec.things if thing.kind == "object"):
         with report.collect_errors():
-            if values.there(thing.name):
+            if values.is_present(thing.name):
                 make(doc, thing.name, values, deciding, thing.name in carried)
     for thing in (thing for thing in spec.things if thing.kind in ("joint", "camera", "light", "robot")):
         with report.collect_errors():
@@ -79,7 +79,7 @@ def _built(values: Evaluator, make: Callable[[Document, str, Evaluator, frozense
 def _actions(doc: Document, values: Evaluator, carried: dict[str, str], report: Report) -> None:
     for thing in (thing for thing in values.spec.things if thing.kind == "action"):
         with report.collect_errors():
-            if values.there(thing.name):
+            if values.is_present(thing.name):
                 if thing.of:
                     from wmspec.compile.stage import robots
 

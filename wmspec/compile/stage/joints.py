@@ -36,14 +36,14 @@ def add_joint(doc: Document, joint: Entity, values: Evaluator, carried: Mapping[
     name = joint.name
     of, to = values.reference(name, "of"), values.reference(name, "to") if values.has(name, "to") else None
     sources = (f"{name}.present", f"{name}.of", f"{name}.to", f"{of}.present", *((f"{to}.present",) if to else ()))
-    if not all(map(values.there, (name, of, to) if to else (name, of))):
+    if not all(map(values.is_present, (name, of, to) if to else (name, of))):
         return
     if values.flag(of, "fixed"):
         raise ImpossibleValue(
-            f"`{of}` is fixed, so no joint can move it", values.place(name, "of"), "exchange `of` and `to`"
+            f"`{of}` is fixed, so no joint can move it", values.source_location(name, "of"), "exchange `of` and `to`"
         )
     if of == to:
-        raise ImpossibleValue(f"the joint `{name}` joins `{of}` to itself", values.place(name, "to"))
+        raise ImpossibleValue(f"the joint `{name}` joins `{of}` to itself", values.source_location(name, "to"))
     for end in (of, to):
         if end and end in carried:
             raise ImpossibleValue(
@@ -69,10 +69,10 @@ def require_no_loops(values: Evaluator) -> None:
     """Raise WmsError with its location for a joint that closes a loop: engines solve trees."""
     groups: dict[str, set[str]] = {}
     for joint in values.spec.things:
-        if joint.kind != "joint" or not values.there(joint.name):
+        if joint.kind != "joint" or not values.is_present(joint.name):
             continue
         ends = values.ends(joint.name)
-        if not all(map(values.there, ends)):
+        if not all(map(values.is_present, ends)):
             continue
         of, to = (*("" if values.flag(end, "fixed") else end for end in ends), "")[:2]  # "" is the world
         first, second = groups.setdefault(of, {of}), groups.setdefault(to, {to})
@@ -91,7 +91,7 @@ def require_no_loops(values: Evaluator) -> None:
 
 def has_joint(values: Evaluator, owner: str) -> bool:
     """Whether a joint holds an object."""
-    joints = (j.name for j in values.spec.things if j.kind == "joint" and values.there(j.name))
+    joints = (j.name for j in values.spec.things if j.kind == "joint" and values.is_present(j.name))
     ends = ((name, end) for name in joints for end in ("of", "to"))
     return any(values.reference(name, end) == owner for name, end in ends if values.has(name, end))
 
@@ -131,7 +131,9 @@ def _frame(joint: Entity, values: Evaluator) -> Quaternion:
         return IDENTITY_QUAT
     axis = values.vector(joint.name, "axis")
     if math.hypot(*axis) < 1e-9:
-        raise ImpossibleValue(f"the joint `{joint.name}` has no axis; it is 0 here", values.place(joint.name, "axis"))
+        raise ImpossibleValue(
+            f"the joint `{joint.name}` has no axis; it is 0 here", values.source_location(joint.name, "axis")
+        )
     return align_x(unit(axis))
 
 
@@ -141,7 +143,7 @@ def _driven(joint: Entity, values: Evaluator) -> bool:
         return False
     stiffness, damping = (values.number(joint.name, name) for name in ("stiffness", "damping"))
     if values.has(joint.name, "target") and stiffness == 0:
-        place = values.place(joint.name, "target")
+        place = values.source_location(joint.name, "target")
         raise ImpossibleValue(f"nothing takes `{joint.name}` to its target, as its stiffness is 0", place)
     return stiffness > 0 or damping > 0
 
@@ -151,7 +153,7 @@ def _coordinate(prim: Prim, joint: Entity, values: Evaluator, driven: bool) -> N
     prim.set("physics:axis", "token", "X", uniform=True)
     limits = {p: values.number(name, p) for p in ("low", "high") if values.has(name, p)}
     if limits.get("low", -math.inf) > limits.get("high", math.inf):
-        raise ImpossibleValue(f"`low` of `{name}` is above its `high`", values.place(name, "low"))
+        raise ImpossibleValue(f"`low` of `{name}` is above its `high`", values.source_location(name, "low"))
     if not joint.of:  # joints of assets may start elsewhere; `assets` checks them
         help = "limits are counted from how its objects are placed, so 0 is between them"
         assets.require_within_limits(values, joint, 0.0, help)

@@ -20,7 +20,7 @@ def has_own_mass(name: str, values: Evaluator) -> bool:
     if not touched and not (values.has(name, "mass") and values.has(name, "moments")):
         raise ImpossibleValue(
             f"nothing of `{name}` can be touched, so nothing says what it weighs",
-            values.place(name),
+            values.source_location(name),
             "give it `mass` and `moments`, or make a part of it solid",
         )
     return values.has(name, "centre") or values.has(name, "moments")
@@ -42,7 +42,7 @@ def _moments(name: str, values: Evaluator) -> tuple[float, ...]:
     moments = values.vector(name, "moments")
     largest, rest = max(moments), sum(moments) - max(moments)
     if largest > rest * (1 + 1e-6):
-        numbers, place = ", ".join(f"{m:g}" for m in moments), values.place(name, "moments")
+        numbers, place = ", ".join(f"{m:g}" for m in moments), values.source_location(name, "moments")
         raise ImpossibleValue(f"no solid has the moments ({numbers}) of `{name}`: one is above the others' sum", place)
     return tuple(min(m, rest * (1 - ROUNDING)) if m == largest else m for m in moments)
 
@@ -64,5 +64,5 @@ def _whole(name: str, values: Evaluator) -> float:
     """Return the touchable volume (m³) of an object. Raises WmsError if it is too small."""
     whole = sum(piece.solid.volume for part, piece in all_pieces(values, name) if touchable(values, part))
     if whole < MIN_VOLUME:
-        raise ImpossibleValue(f"`{name}` is too small to have a mass: {whole:g} m³", values.place(name))
+        raise ImpossibleValue(f"`{name}` is too small to have a mass: {whole:g} m³", values.source_location(name))
     return whole

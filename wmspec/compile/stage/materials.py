@@ -84,7 +84,7 @@ def _image(part: str, values: Evaluator) -> tuple[Path | None, tuple[float, floa
     if values.has(part, "image"):
         path = resolve_display_path(values.text(part, "image"))
         if not path.is_file():
-            raise ImpossibleValue(f"there is no picture {path}", values.place(part, "image"))
+            raise ImpossibleValue(f"there is no picture {path}", values.source_location(part, "image"))
         return path, values.pair(part, "repeats") if values.has(part, "repeats") else None
     material = MATERIALS[values.text(part, "material")]
     return material.path, (material.repeats, material.repeats)

@@ -27,10 +27,12 @@ def add_object(doc: Document, name: str, values: Evaluator, carriers: frozenset[
     """Add the prims of a present object; `carriers` are the sources of `carried`, whether actions carry it."""
     fixed, solid = values.flag(name, "fixed"), values.flag(name, "solid")
     if fixed and carried:
-        raise ImpossibleValue(f"`{name}` is fixed, so nothing can carry it", values.place(name))
+        raise ImpossibleValue(f"`{name}` is fixed, so nothing can carry it", values.source_location(name))
     if not fixed and not carried and not solid:
         what = f"`{name}` cannot be touched, so it would fall through everything"
-        raise ImpossibleValue(what, values.place(name), "make it `fixed: true`, or carry it with `glide` or `follow`")
+        raise ImpossibleValue(
+            what, values.source_location(name), "make it `fixed: true`, or carry it with `glide` or `follow`"
+        )
     require_support(name, values)
     weighed = () if fixed or not solid or not masses.has_own_mass(name, values) else ("PhysicsMassAPI",)
     passed = _passed(name, values)
@@ -64,7 +66,7 @@ def _moving(body: Prim, name: str, values: Evaluator) -> None:
         if not values.has(name, word):
             continue
         if values.flag(name, "fixed"):
-            place = values.place(name, word)
+            place = values.source_location(name, word)
             raise ImpossibleValue(f"`{name}` is fixed, so it has no `{word}`", place)
         way = scale(unit, rotate(turned, values.vector(name, word)))
         body.set(f"physics:{attribute}", "vector3f", way, f"{name}.{word}", *((f"{base}.pose",) if base else ()))
@@ -73,7 +75,7 @@ def _moving(body: Prim, name: str, values: Evaluator) -> None:
 def _passed(name: str, values: Evaluator) -> tuple[str, ...]:
     """Return the present objects that it does not collide with."""
     passes = values.references(name, "passes") if values.has(name, "passes") else ()
-    return tuple(other for other in passes if other != name and values.there(other))
+    return tuple(other for other in passes if other != name and values.is_present(other))
 
 
 def _pieces(doc: Document, name: str, values: Evaluator, solid: bool) -> None:
@@ -117,7 +119,7 @@ def _piece(doc: Document, path: str, piece: PlacedShape, part: str, name: str, v
         if values.has(part, "file"):
             way = COLLISIONS[values.text(part, "collision")]
         if way == "none" and not values.flag(name, "fixed"):
-            place = values.place(part, "collision")
+            place = values.source_location(part, "collision")
             raise ImpossibleValue("only what is fixed is touched as its surface", place, "make it `hull` or `pieces`")
         prim.set("physics:approximation", "token", way, form, uniform=True)
     return prim

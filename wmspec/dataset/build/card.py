@@ -220,21 +220,21 @@ def _task(task: Task, count: TaskSummary) -> str:
 def _domain(factor: Factor) -> str:
     match factor.domain:
         case Choices(values=values, weights=weights):
-            words = ", ".join(plain(v) for v in values)
-            words += f", weighted {', '.join(map(plain, weights))}" if weights else ""
+            words = ", ".join(format_level(v) for v in values)
+            words += f", weighted {', '.join(map(format_level, weights))}" if weights else ""
         case Interval(low=low, high=high, logarithmic=logarithmic):
-            words = f"{plain(low)} to {plain(high)}{', even in the logarithm' if logarithmic else ''}"
+            words = f"{format_level(low)} to {format_level(high)}{', even in the logarithm' if logarithmic else ''}"
         case Normal(mean=mean, deviation=deviation):
-            words = f"about {plain(mean)}, normally with a deviation of {plain(deviation)}"
+            words = f"about {format_level(mean)}, normally with a deviation of {format_level(deviation)}"
     if factor.nuisance:
         words += ", drawn once per control group"
     return f"{words} ({factor.unit})" if factor.unit else words
 
 
-def plain(value: Level) -> str:
+def format_level(value: Level) -> str:
     """Return a factor's value in human notation."""
     if isinstance(value, tuple):
-        return f"({', '.join(map(plain, value))})"
+        return f"({', '.join(map(format_level, value))})"
     if isinstance(value, bool):
         return "yes" if value else "no"
     return value if isinstance(value, str) else f"{value:.4g}"

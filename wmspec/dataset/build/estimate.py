@@ -90,7 +90,9 @@ def estimate(plan: Plan, effort: PoolConfig, progress: Callable[[str, int], None
     pieces = [(own[name], name, unit.other, unit.pieces) for name, unit in todo]
     trials: dict[str, list[tuple[_Unit, _Trial | JobFailure]]] = {task.spec.name: [] for task in plan.tasks}
     specs = {task.spec.name: task.spec for task in plan.tasks}
-    with closing(map_ordered(run_trial, pieces, effort, lambda p: sum(weight(specs[p[1]], x) for x in p[-1]))) as outcomes:
+    with closing(
+        map_ordered(run_trial, pieces, effort, lambda p: sum(weight(specs[p[1]], x) for x in p[-1]))
+    ) as outcomes:
         for number, ((name, unit), trial) in enumerate(zip(todo, outcomes, strict=True), 1):
             trials[name].append((unit, trial))
             if number == len(todo) or todo[number][0] != name:

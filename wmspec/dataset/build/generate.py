@@ -67,7 +67,8 @@ def generate(
                 one = shard_of[task, index]
                 spec = specs[task]
                 one.keep(
-                    index, failed_outcome(plan, spec, index, made) if isinstance(made, JobFailure) else made.outcomes[at]
+                    index,
+                    failed_outcome(plan, spec, index, made) if isinstance(made, JobFailure) else made.outcomes[at],
                 )
                 progress(task, 1)
     return RunStats(shared, balance, crash)

@@ -99,7 +99,9 @@ def export(what: Export, tool: str, place: Path) -> int:
         folder.clear()
         count = TOOLS[tool](what, folder)
         folder.copy("eval/models/reply.py", "wmspec_reply.py")
-        (place / MARK_FILE).write_bytes(files.pretty_json({**about, "questions": count, "files": sorted(folder.written)}))
+        (place / MARK_FILE).write_bytes(
+            files.pretty_json({**about, "questions": count, "files": sorted(folder.written)})
+        )
     return count
 
 

@@ -15,16 +15,16 @@ from wmspec.dataset.build.images import decode_image, image_format
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.webpage import json_for_script, webpage
 from wmspec.eval.gallery.records import Record, about, records
-from wmspec.eval.gallery.replies import NONE, Replies
+from wmspec.eval.gallery.replies import NO_REPLIES, GalleryReplies
 
 #: JPEG or WebP quality of pictures inside a page, of 100.
-QUALITY = 88
+WEBP_QUALITY = 88
 #: Number of questions above which a folder stores details in separate files, and number of questions in such a file.
 #: The files are loaded on demand.
-INSIDE, CHUNK = 400, 50
+MAX_INLINE_QUESTIONS, QUESTIONS_PER_FILE = 400, 50
 
 
-def page(dataset: DatasetReader, per_task: int, path: Path, replies: Replies = NONE) -> int:
+def page(dataset: DatasetReader, per_task: int, path: Path, replies: GalleryReplies = NO_REPLIES) -> int:
     """Write one page with compressed pictures inside. Returns the number of questions.
 
     Raises WmsError if the file cannot be written, or if the dataset is damaged.
@@ -32,7 +32,7 @@ def page(dataset: DatasetReader, per_task: int, path: Path, replies: Replies = N
 
     def inside(task: str, content: bytes) -> str:  # noqa: ARG001  signature of `Put`
         out = io.BytesIO()
-        decode_image(content).save(out, "WEBP", quality=QUALITY, method=4)
+        decode_image(content).save(out, "WEBP", quality=WEBP_QUALITY, method=4)
         return f"data:image/webp;base64,{base64.b64encode(out.getvalue()).decode()}"
 
     dataset.intact()
@@ -43,7 +43,13 @@ def page(dataset: DatasetReader, per_task: int, path: Path, replies: Replies = N
     return len(questions)
 
 
-def folder(dataset: DatasetReader, per_task: int, path: Path, replies: Replies = NONE, inside: int = INSIDE) -> int:
+def folder(
+    dataset: DatasetReader,
+    per_task: int,
+    path: Path,
+    replies: GalleryReplies = NO_REPLIES,
+    inside: int = MAX_INLINE_QUESTIONS,
+) -> int:
     """Write a folder with `index.html` and the dataset's pictures. Returns the number of questions.
 
     With more than `inside` questions, details are stored in separate files. Raises WmsError if it cannot be written, or
@@ -62,29 +68,29 @@ def folder(dataset: DatasetReader, per_task: int, path: Path, replies: Replies =
     dataset.intact()
     with with_remedies(path):
         make_folders(path)
-        questions = list(_parted(path, list(records(dataset, per_task, beside, replies)), inside))
+        questions = list(_split_details(path, list(records(dataset, per_task, beside, replies)), inside))
         path.joinpath("index.html").write_text(
             html(about(dataset, replies) | {"questions": questions}), encoding="utf-8"
         )
     return len(questions)
 
 
-def _parted(path: Path, questions: list[Record], inside: int) -> Iterator[Record]:
+def _split_details(path: Path, questions: list[Record], inside: int) -> Iterator[Record]:
     """Yield the records for the page: whole, or with details moved to separate files."""
     if len(questions) <= inside:
         yield from questions
         return
-    for number, begin in enumerate(range(0, len(questions), CHUNK)):
-        chunk = questions[begin : begin + CHUNK]
+    for number, begin in enumerate(range(0, len(questions), QUESTIONS_PER_FILE)):
+        chunk = questions[begin : begin + QUESTIONS_PER_FILE]
         file = f"questions/{number:05d}.js"
         place = path / file
         place.parent.mkdir(exist_ok=True)
         runs = json_for_script({question["id"]: question["runs"] for question in chunk})
         place.write_text(f"wmspecQuestions({runs});\n", encoding="utf-8")
-        yield from (_light(question) | {"file": file} for question in chunk)
+        yield from (_index_fields(question) | {"file": file} for question in chunk)
 
 
-def _light(question: Record) -> Record:
+def _index_fields(question: Record) -> Record:
     """Return the fields that filters, sorting and scores use."""
     texts = list(dict.fromkeys(run["text"] for run in question["runs"]))
     return {k: v for k, v in question.items() if k != "runs"} | {"texts": texts, "true": question["runs"][0]["true"]}

@@ -10,19 +10,19 @@ from wmspec.dataset.build.format_units import format_reading, format_value
 from wmspec.dataset.build.reader import CHANNELS, DatasetReader
 from wmspec.dataset.build.rows import Row
 from wmspec.eval.gallery.paths import IDS, paths
-from wmspec.eval.gallery.replies import NONE, Replies
+from wmspec.eval.gallery.replies import NO_REPLIES, GalleryReplies
 
 Record = dict[str, Any]
 
 #: Stores a picture for the page, under a task's name, and returns its URL.
-Put = Callable[[str, bytes], str]
+StorePicture = Callable[[str, bytes], str]
 
 
 #: Maximum number of rejected instances listed.
-MOST_REJECTED = 2_000
+MAX_REJECTED = 2_000
 
 
-def about(dataset: DatasetReader, replies: Replies = NONE) -> Record:
+def about(dataset: DatasetReader, replies: GalleryReplies = NO_REPLIES) -> Record:
     """Return the page's information on the dataset, its tasks, its rejections, and the models that answered."""
     manifest = dataset.manifest
     rejected = manifest.get("rejected", {}).get("list", ())
@@ -31,7 +31,7 @@ def about(dataset: DatasetReader, replies: Replies = NONE) -> Record:
         "models": list(replies.models),
         "rejected": [
             [r["task"], r["index"], r["question"], r["engine"], r["reason"], r["detail"]]
-            for r in rejected[:MOST_REJECTED]
+            for r in rejected[:MAX_REJECTED]
         ],
         "rejections": len(rejected),
         "name": dataset.folder.resolve().name,
@@ -53,7 +53,9 @@ def about(dataset: DatasetReader, replies: Replies = NONE) -> Record:
     }
 
 
-def records(dataset: DatasetReader, per_task: int, put: Put, replies: Replies = NONE) -> Iterator[Record]:
+def records(
+    dataset: DatasetReader, per_task: int, put: StorePicture, replies: GalleryReplies = NO_REPLIES
+) -> Iterator[Record]:
     """Yield the records of at most `per_task` instances of each task, evenly spaced."""
     for task in dataset.tasks:
         units = dataset.units(task)
@@ -66,7 +68,9 @@ def records(dataset: DatasetReader, per_task: int, put: Put, replies: Replies = 
             yield _record(list(same), units, dataset.engines, put, replies)
 
 
-def _record(rows: list[Row], units: dict[str, str], engines: tuple[str, ...], put: Put, replies: Replies) -> Record:
+def _record(
+    rows: list[Row], units: dict[str, str], engines: tuple[str, ...], put: StorePicture, replies: GalleryReplies
+) -> Record:
     first = rows[0]
     margins = [row["margin"] for row in rows if row["margin"] is not None]
     return {
@@ -124,7 +128,7 @@ def _agreement(rows: list[Row]) -> str:
     return "all agree" if agree else "some differ"
 
 
-def _run(row: Row, put: Put, replies: Replies) -> Record:
+def _run(row: Row, put: StorePicture, replies: GalleryReplies) -> Record:
     """Return one engine's version of a question."""
     looks = zip(row["context"], row["context_camera"], row["context_time"], strict=True)
     return {
@@ -143,7 +147,7 @@ def _run(row: Row, put: Put, replies: Replies) -> Record:
     }
 
 
-def _options(row: Row, put: Put) -> list[Record]:
+def _options(row: Row, put: StorePicture) -> list[Record]:
     shown = [put(row["task"], p["bytes"]) for p in row["option_image"]] or row["option_text"] or []
     key = "src" if row["option_image"] else "text"
     kinds, names, changes = row["option_kind"], row["option_name"], row["option_change"]

@@ -11,11 +11,11 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.eval.models import results
 
 #: Maximum length of a displayed reply (characters).
-LONGEST = 400
+MAX_TEXT_LENGTH = 400
 
 
 @dataclass(frozen=True)
-class Replies:
+class GalleryReplies:
     """All replies by question id; `models` are their authors, in order."""
 
     models: tuple[str, ...]
@@ -29,23 +29,23 @@ class Replies:
                 "parsed": row["parsed"],
                 "right": row["right"],
                 "status": row["status"],
-                "text": row["text"][:LONGEST],
+                "text": row["text"][:MAX_TEXT_LENGTH],
             }
             for row in self.by_id.get(id, ())
         ]
 
 
-NONE = Replies((), {})
+NO_REPLIES = GalleryReplies((), {})
 
 
-def read(paths: Sequence[Path]) -> Replies:
+def read(paths: Sequence[Path]) -> GalleryReplies:
     """Read result files, or folders of them. Raises WmsError if one is invalid, or a folder has none."""
     by_id: dict[str, list[results.Row]] = {}
     for path in _files(paths):
         for row in results.read(path)[0]:
             by_id.setdefault(row["id"], []).append(row)
     models = sorted({row["model"] for rows in by_id.values() for row in rows})
-    return Replies(tuple(models), by_id)
+    return GalleryReplies(tuple(models), by_id)
 
 
 def _files(paths: Sequence[Path]) -> list[Path]:

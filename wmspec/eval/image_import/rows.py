@@ -8,14 +8,14 @@ from collections.abc import Sequence
 import pyarrow as pa
 
 from wmspec.dataset.build.rows import COLUMNS, Row, encode_picture, identity, table_schema
-from wmspec.eval.image_import.pictures import Pictures
+from wmspec.eval.image_import.decode import PictureFolder
 from wmspec.eval.image_import.table import Entry
 
 #: The name of the only engine and camera of an imported dataset.
-CAMERA = "camera"
+CAMERA_ENGINE = "camera"
 
 
-def rows(entries: Sequence[Entry], pictures: Pictures) -> list[Row]:
+def rows(entries: Sequence[Entry], pictures: PictureFolder) -> list[Row]:
     """Return the rows of a task's entries, in order.
 
     Entries of one episode are questions of one instance. Entries of one group are in one block; others have a block
@@ -59,26 +59,26 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _row(entry: Entry, place: tuple[int, int, int], factors: list[str], pictures: Pictures) -> Row:
+def _row(entry: Entry, place: tuple[int, int, int], factors: list[str], pictures: PictureFolder) -> Row:
     index, block, question = place
-    shown, times = _shown(entry, pictures)
+    shown, times = _context_pictures(entry, pictures)
     difference = {"name": entry.quantity, "unit": entry.unit, "value": entry.difference}
     is_open = not entry.options
     levels = {n: float(v) if _is_number(v) else v for n, v in entry.factors.items()}
     return {
         **dict.fromkeys(COLUMNS),
-        "id": identity(entry.task, index, question, CAMERA),
+        "id": identity(entry.task, index, question, CAMERA_ENGINE),
         "task": entry.task,
         "dimension": entry.dimension,
         "index": index,
         "block": block,
         "question": question,
         "question_name": entry.name,
-        "engine": CAMERA,
-        "renderer": CAMERA,
+        "engine": CAMERA_ENGINE,
+        "renderer": CAMERA_ENGINE,
         "text": entry.text,
         "context": shown,
-        "context_camera": [CAMERA] * len(shown),
+        "context_camera": [CAMERA_ENGINE] * len(shown),
         "context_time": times,
         "option_text": None if entry.pictured else list(entry.options),
         "option_image": [encode_picture(pictures.still(n)) for n in entry.options] if entry.pictured else [],
@@ -100,7 +100,7 @@ def _row(entry: Entry, place: tuple[int, int, int], factors: list[str], pictures
     }
 
 
-def _shown(entry: Entry, pictures: Pictures) -> tuple[list[dict[str, bytes | None]], list[float]]:
+def _context_pictures(entry: Entry, pictures: PictureFolder) -> tuple[list[dict[str, bytes | None]], list[float]]:
     if entry.clip:
         pixels, times = pictures.frames(entry.pictures[0], entry.frames)
         return [encode_picture(p) for p in pixels], times

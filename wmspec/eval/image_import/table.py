@@ -13,7 +13,7 @@ from pathlib import Path
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError, suggestion
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes
-from wmspec.eval.image_import.pictures import CLIPS, STILLS, Pictures
+from wmspec.eval.image_import.decode import CLIP_SUFFIXES, STILL_SUFFIXES, PictureFolder
 
 #: The columns and their descriptions; the first four are required.
 COLUMNS = {
@@ -35,10 +35,10 @@ COLUMNS = {
     "source": "where the pictures are from",
     "license": "under which licence they are",
 }
-NEEDED = ("question", "pictures", "options", "answer")
-FACTOR = "factor."
+REQUIRED_COLUMNS = ("question", "pictures", "options", "answer")
+FACTOR_PREFIX = "factor."
 #: Default number of pictures from a clip.
-FRAMES = 4
+DEFAULT_FRAMES = 4
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 _DIMENSION = re.compile(r"[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)*")
@@ -77,7 +77,7 @@ class Entry:
     factors: dict[str, str] = field(default_factory=dict)
 
 
-def read(path: Path, pictures: Pictures) -> tuple[Entry, ...]:
+def read(path: Path, pictures: PictureFolder) -> tuple[Entry, ...]:
     """Return the validated rows of a table (CSV in UTF-8), after opening all pictures that they name.
 
     Raises WmsError with every error: each with its row, its column and a remedy.
@@ -85,7 +85,7 @@ def read(path: Path, pictures: Pictures) -> tuple[Entry, ...]:
     report = Report(WmsError)
     rows = list(_rows(path, report))
     entries = [_Row(path, line, cells, pictures, report).entry() for line, cells in rows]
-    _alone(path, [entry for entry in entries if entry], report)
+    _check_repeats(path, [entry for entry in entries if entry], report)
     if not rows and not report.failed:
         report.include(
             [Diagnostic("the table has no rows", FilePlace(str(path)), "write one question a row below the names")]
@@ -106,7 +106,7 @@ def _rows(path: Path, report: Report) -> Iterator[tuple[int, dict[str, str]]]:
     reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
         head = [name.strip() for name in next(reader, [])]
-        if not _named(path, head, report):
+        if not _check_header(path, head, report):
             return
         line = reader.line_num + 1
         for cells in reader:
@@ -125,10 +125,10 @@ def _rows(path: Path, report: Report) -> Iterator[tuple[int, dict[str, str]]]:
         )
 
 
-def _named(path: Path, head: list[str], report: Report) -> bool:
+def _check_header(path: Path, head: list[str], report: Report) -> bool:
     """Whether all columns are known and all required ones present."""
     place = FilePlace(str(path), 1)
-    for name in NEEDED:
+    for name in REQUIRED_COLUMNS:
         if name not in head:
             close = suggestion(name, [n for n in head if n not in COLUMNS and n])
             remedy = f"call it so; it holds {COLUMNS[name]}" + (f"; {close}" if close.startswith("did") else "")
@@ -136,14 +136,18 @@ def _named(path: Path, head: list[str], report: Report) -> bool:
     for name in sorted({n for n in head if head.count(n) > 1}):
         report.include([Diagnostic(f"there are two columns `{name}`", place, "leave one out")])
     for name in head:
-        known = name in COLUMNS or (name.startswith(FACTOR) and _NAME.fullmatch(name.removeprefix(FACTOR)))
+        known = name in COLUMNS or (
+            name.startswith(FACTOR_PREFIX) and _NAME.fullmatch(name.removeprefix(FACTOR_PREFIX))
+        )
         if not known:
-            remedy = suggestion(name, COLUMNS) or f"known are {', '.join(COLUMNS)}, and {FACTOR}NAME for what varies"
+            remedy = (
+                suggestion(name, COLUMNS) or f"known are {', '.join(COLUMNS)}, and {FACTOR_PREFIX}NAME for what varies"
+            )
             report.include([Diagnostic(f"column `{name}` is not known", place, remedy)])
     return not report.failed
 
 
-def _alone(path: Path, entries: list[Entry], report: Report) -> None:
+def _check_repeats(path: Path, entries: list[Entry], report: Report) -> None:
     """Report rows that repeat an earlier question."""
     first: dict[object, int] = {}
     for entry in entries:
@@ -157,7 +161,7 @@ def _alone(path: Path, entries: list[Entry], report: Report) -> None:
 class _Row:
     """A row being validated."""
 
-    def __init__(self, path: Path, line: int, cells: dict[str, str], pictures: Pictures, report: Report) -> None:
+    def __init__(self, path: Path, line: int, cells: dict[str, str], pictures: PictureFolder, report: Report) -> None:
         self._place = FilePlace(str(path), line)
         self._stem = re.sub(r"[^a-z0-9_]+", "_", path.stem.lower()).strip("_") or "photographs"
         self._line, self._cells, self._pictures, self._report = line, cells, pictures, report
@@ -192,7 +196,7 @@ class _Row:
             quantity=self._quantity(),
             source=self._cell("source"),
             license=self._cell("license"),
-            factors={n.removeprefix(FACTOR): v for n, v in self._cells.items() if n.startswith(FACTOR)},
+            factors={n.removeprefix(FACTOR_PREFIX): v for n, v in self._cells.items() if n.startswith(FACTOR_PREFIX)},
         )
         return made if self._right else None
 
@@ -239,15 +243,17 @@ class _Row:
         names = self._parts("pictures")
         if not names:
             self._wrong("pictures", "it is empty", f"write {COLUMNS['pictures']}")
-        clip = any(Path(name).suffix.lower() in CLIPS for name in names) or any(map(self._pictures.moves, names))
+        clip = any(Path(name).suffix.lower() in CLIP_SUFFIXES for name in names) or any(
+            map(self._pictures.moves, names)
+        )
         if clip and len(names) > 1:
             self._wrong("pictures", "a clip stands alone", "write one clip, or several photographs")
             return names, True
         for name in names:
-            self._open("pictures", name, 1 if clip else None)
+            self._check_readable("pictures", name, 1 if clip else None)
         return names, clip
 
-    def _open(self, column: str, name: str, frames: int | None = None) -> None:
+    def _check_readable(self, column: str, name: str, frames: int | None = None) -> None:
         """Open a photograph, or frames of a clip, to report errors."""
         try:
             if frames is None:
@@ -261,13 +267,13 @@ class _Row:
     def _frames(self, readable: str, clip: bool) -> int:
         """Return the number of pictures from a clip, if it is `readable` (its name, else '')."""
         frames = self._number("frames")
-        number = FRAMES if frames is None else frames
+        number = DEFAULT_FRAMES if frames is None else frames
         if frames is not None and not clip:
             self._wrong("frames", "there is no clip to take them from", "leave it empty")
         elif number != int(number) or not 1 <= number <= 64:
             self._wrong("frames", f"{number:g} is no number of pictures", "write a whole number from 1 to 64")
         elif readable:
-            self._open("frames", readable, int(number))
+            self._check_readable("frames", readable, int(number))
         return int(number)
 
     def _times(self, files: tuple[str, ...], clip: bool) -> tuple[float, ...]:
@@ -285,7 +291,7 @@ class _Row:
 
     def _options(self) -> tuple[tuple[str, ...], bool]:
         options = self._parts("options")
-        files = [o for o in options if Path(o).suffix.lower() in STILLS]
+        files = [o for o in options if Path(o).suffix.lower() in STILL_SUFFIXES]
         if options and len(options) < 2:
             self._wrong(
                 "options", "there is one alone", "write at least two, parted by `;`, or none for an open question"
@@ -298,13 +304,13 @@ class _Row:
             word = next(o for o in options if o not in files)
             self._wrong("options", f"`{word}` is no photograph, but others are", "write either words or files")
         elif files:
-            self._different(options)
+            self._check_different(options)
         return options, bool(files)
 
-    def _different(self, options: tuple[str, ...]) -> None:
+    def _check_different(self, options: tuple[str, ...]) -> None:
         before = self._report.failed
         for name in options:
-            self._open("options", name)
+            self._check_readable("options", name)
         if before or not self._right:
             return
         first: dict[bytes, str] = {}

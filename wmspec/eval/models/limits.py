@@ -58,7 +58,9 @@ class Meter:
         self.flying -= 1
         self._failed = self._failed + 1 if reply.outcome == "error" else 0
         if self._failed >= MAX_CONSECUTIVE_ERRORS:
-            raise FatalModelError(f"{MAX_CONSECUTIVE_ERRORS} requests in a row have failed, the last with: {reply.error}")
+            raise FatalModelError(
+                f"{MAX_CONSECUTIVE_ERRORS} requests in a row have failed, the last with: {reply.error}"
+            )
         if reply.outcome == "error":
             return
         if reply.cost is None and self.limits.cost is not None:

@@ -67,7 +67,7 @@ class Texts(_Model):
                 known = _PLACEHOLDERS.get(name, set())
                 if word not in known:
                     raise ValueError(
-                        f"`{{{word}}}` cannot stand in texts.{name}; {suggestion(word, builtin_prompts)}".rstrip("; ")
+                        f"`{{{word}}}` cannot stand in texts.{name}; {suggestion(word, known)}".rstrip("; ")
                     )
         return self
 

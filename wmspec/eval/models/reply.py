@@ -33,7 +33,21 @@ MAX_REPLY_LENGTH = 65_536
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
 _SHORT_ORDINALS = ("1st", "2nd", "3rd", "4th", "5th", "6th", "7th", "8th")
-_NUMBER_WORDS = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+_NUMBER_WORDS = (
+    "zero",
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+    "eight",
+    "nine",
+    "ten",
+    "eleven",
+    "twelve",
+)
 
 #: SI unit -> singular names of the units of its quantity, and their sizes in the SI unit.
 _SIZES: dict[str, dict[str, float]] = {
@@ -257,7 +271,13 @@ def _quoted_options(reply: str, shown: _ShownOptions) -> set[int]:
     return places
 
 
-_RULES: tuple[Callable[[str, _ShownOptions], set[int]], ...] = (_only_option, _last_announcement, _leading_option, _mentioned_labels, _quoted_options)
+_RULES: tuple[Callable[[str, _ShownOptions], set[int]], ...] = (
+    _only_option,
+    _last_announcement,
+    _leading_option,
+    _mentioned_labels,
+    _quoted_options,
+)
 
 
 # ---------------------------------------------------------------- numbers

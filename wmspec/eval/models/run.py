@@ -107,7 +107,9 @@ def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> RunRes
         missing = sum(key not in have for key in wanted)
         results.write(output, rows, _about(run, asked, rows, missing))
         journal.discard()
-    return RunResult(results.counts(rows), missing, next((row["error"] for row in rows if row["status"] == "error"), ""))
+    return RunResult(
+        results.counts(rows), missing, next((row["error"] for row in rows if row["status"] == "error"), "")
+    )
 
 
 def _existing_replies(output: Path, asked: dict[str, Any]) -> Replies:

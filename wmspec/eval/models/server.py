@@ -41,7 +41,9 @@ def address(base_url: str | None) -> str:
     if parts.scheme not in {"http", "https"} or not parts.hostname:
         raise WmsError("--base-url: expected an address such as http://localhost:8000/v1")
     if parts.username or parts.password or parts.query or parts.fragment:
-        raise WmsError(f"--base-url: an address without user, key or question mark; the key belongs into {KEY_VARIABLE}")
+        raise WmsError(
+            f"--base-url: an address without user, key or question mark; the key belongs into {KEY_VARIABLE}"
+        )
     return url.rstrip("/")
 
 
@@ -59,7 +61,9 @@ class ServerModel:
         self._name, self._server, self._parameters = name, server, parameters
         self._key = os.environ.get(KEY_VARIABLE, "")
         if not self._key and server.address == _OPENAI:
-            raise WmsError(f"the key is missing: set {KEY_VARIABLE} in the environment, or name another server with --base-url")
+            raise WmsError(
+                f"the key is missing: set {KEY_VARIABLE} in the environment, or name another server with --base-url"
+            )
         self._client = openai.OpenAI(
             api_key=self._key or "none",
             base_url=server.address,
@@ -79,7 +83,9 @@ class ServerModel:
             )
             reply = self._read(done)
         except (openai.AuthenticationError, openai.PermissionDeniedError, openai.NotFoundError) as error:
-            raise FatalModelError(f"{self._server.address} refuses `{self._name}`: {self._hidden(str(error))}") from None
+            raise FatalModelError(
+                f"{self._server.address} refuses `{self._name}`: {self._hidden(str(error))}"
+            ) from None
         except openai.OpenAIError as error:
             reply = Reply(outcome="error", error=self._hidden(_cause(error)))
         except (ValueError, TypeError, LookupError, AttributeError) as error:

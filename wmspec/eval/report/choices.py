@@ -144,7 +144,9 @@ def mistakes(replies: Replies) -> tuple[Mistakes, ...]:
     )
 
 
-def _task_mistakes(task: str, system: str, wrong: pd.DataFrame, changed: dict[str, tuple[str, ...]]) -> Iterator[Mistakes]:
+def _task_mistakes(
+    task: str, system: str, wrong: pd.DataFrame, changed: dict[str, tuple[str, ...]]
+) -> Iterator[Mistakes]:
     chosen: dict[str, float] = {}
     offered: dict[str, float] = {}
     for name, place in zip(wrong["id"], wrong["parsed"], strict=True):

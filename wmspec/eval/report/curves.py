@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from wmspec.eval.report.intervals import CONFIDENCE, MIN_CLUSTERS, Floats, resample_sums, cluster_sums
+from wmspec.eval.report.intervals import CONFIDENCE, MIN_CLUSTERS, Floats, cluster_sums, resample_sums
 from wmspec.eval.report.replies import Replies
 
 #: Maximum lapse rate; number of bootstrap draws; minimum number of differences for a curve; number of points shown.
@@ -115,7 +115,9 @@ def _curves(replies: Replies, key: tuple[str, str, str, str], known: pd.DataFram
         if there.any():
             cells = np.full((len(right), len(levels)), np.nan)
             cells[np.arange(len(right)), which] = right
-            yield _curve(key, scale, system, chance, levels, cluster_sums(cells[there], about["cluster"].to_numpy()[there]))
+            yield _curve(
+                key, scale, system, chance, levels, cluster_sums(cells[there], about["cluster"].to_numpy()[there])
+            )
 
 
 def _curve(

@@ -80,14 +80,14 @@ DIMENSIONS: dict[str, frozenset[str]] = {
 class Entanglement:
     """s-RE of a task by one factor: `value`, and with shuffled levels its `mean` and 95 % quantile `bound`.
 
-    `p` is the share of shuffles with at least this value. `paper_dimension` is one of the paper's five, or ''. If `asked`,
+    `p` is the share of shuffles with at least this value. `dimension` is one of the paper's five, or ''. If `asked`,
     the answer or the stimulus difference depends on the factor; then accuracy may depend on it too.
     """
 
     task: str
     question: str
     factor: str
-    paper_dimension: str
+    dimension: str
     asked: bool
     system: str
     levels: int
@@ -182,7 +182,9 @@ def _shuffled_entanglement(codes: NDArray[np.intp], scores: Floats, instance: ND
     """Return s-RE (SHUFFLES, m) with shuffled levels; the rows of an instance in several engines keep one level."""
     _, first, which = np.unique(instance, return_index=True, return_inverse=True)
     generator = seeded_generator("shuffle", *np.atleast_1d(np.asarray(key, dtype=str)))
-    return np.stack([relative_entanglement(generator.permutation(codes[first])[which], scores) for _ in range(SHUFFLES)])
+    return np.stack(
+        [relative_entanglement(generator.permutation(codes[first])[which], scores) for _ in range(SHUFFLES)]
+    )
 
 
 def paper_dimension(factor: str, values: pd.Series[str]) -> str:

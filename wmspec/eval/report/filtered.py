@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from wmspec.eval.report.intervals import Estimate, Floats, estimate, ratio, resample_sums, cluster_sums
+from wmspec.eval.report.intervals import Estimate, Floats, cluster_sums, estimate, ratio, resample_sums
 from wmspec.eval.report.replies import Replies
 
 #: The system whose perception filters the predictions.
@@ -77,7 +77,9 @@ def _perceived(replies: Replies, about: pd.DataFrame) -> pd.DataFrame:
     return right.groupby(_episode(queries)).min()
 
 
-def _filtered_accuracy(key: tuple[str, str, str], right: Floats, seen: Floats, cluster: NDArray[Any]) -> FilteredAccuracy:
+def _filtered_accuracy(
+    key: tuple[str, str, str], right: Floats, seen: Floats, cluster: NDArray[Any]
+) -> FilteredAccuracy:
     values = np.stack([right, np.ones_like(right), right * seen, seen], axis=1)
     parts, _ = cluster_sums(values, cluster)
     drawn = resample_sums((parts,), key)[0]

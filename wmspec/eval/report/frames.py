@@ -79,7 +79,8 @@ def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
         )
     if report.entanglement:
         cells = (
-            (f"{e.task}: {e.factor}", e.system, f"{format_percent(e.value)} ({format_percent(e.mean)})") for e in report.entanglement
+            (f"{e.task}: {e.factor}", e.system, f"{format_percent(e.value)} ({format_percent(e.mean)})")
+            for e in report.entanglement
         )
         made["entanglement"] = (
             "s-RE (%) by task and factor, in brackets when the levels are shuffled.",

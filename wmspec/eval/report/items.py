@@ -128,7 +128,9 @@ def fit_item_response(answers: Floats, guess: Floats) -> tuple[Floats, Floats]:
     kinds, which, count = np.unique(np.column_stack([answers, guess]), axis=0, return_inverse=True, return_counts=True)
     y, c, weight = kinds[:, :-1], kinds[:, -1:], count[:, None].astype(float)
     start = np.concatenate([_standardize(answers.mean(0)), np.zeros(2 * len(kinds))])
-    solution = minimize(_negative_log_posterior, start, (y, c, weight), "L-BFGS-B", jac=True, options={"maxiter": 200, "maxcor": 20})
+    solution = minimize(
+        _negative_log_posterior, start, (y, c, weight), "L-BFGS-B", jac=True, options={"maxiter": 200, "maxcor": 20}
+    )
     systems = answers.shape[1]
     return solution.x[:systems], solution.x[systems : systems + len(kinds)][which.ravel()]
 

@@ -51,7 +51,7 @@ def page(report: Report, figures: dict[str, tuple[SvgFigure, ...]], wide: Wide) 
         tables_of=TABLES_OF,
         wide={name: (caption.replace(DELTA, "Δ"), frame) for name, (caption, frame) in wide.items()},
         least_systems=MIN_SYSTEMS,
-        format_percent=format_percent,
+        percent=format_percent,
         picture=_picture,
         shade=_shade,
     )
@@ -88,7 +88,9 @@ def _summary_sentence(table: Table) -> str:
 
 def _with_interval(estimate: Estimate) -> str:
     text = f"in {format_percent(estimate.value)} %"
-    return text + (f" (95 % interval {format_percent(estimate.low)} to {format_percent(estimate.high)})" if estimate.sure else "")
+    return text + (
+        f" (95 % interval {format_percent(estimate.low)} to {format_percent(estimate.high)})" if estimate.sure else ""
+    )
 
 
 def warnings(report: Report) -> list[str]:

@@ -55,10 +55,10 @@ class Report:
     pairs: tuple[Pair, ...]
     flips: tuple[Flips, ...]
     positions: tuple[Position, ...]
-    mistakes: tuple[Mistakes, ...]
+    mistaken: tuple[Mistakes, ...]
     entanglement: tuple[Entanglement, ...]
     curves: tuple[Curve, ...]
-    filtered_accuracies: tuple[FilteredAccuracy, ...]
+    filtered: tuple[FilteredAccuracy, ...]
     items: Items | None
 
     @property
@@ -97,10 +97,10 @@ def analyse(replies: Replies, dataset: str, progress: Callable[[str, int], None]
         pairs=step("pairs", pairs),
         flips=step("flips", flips),
         positions=step("positions", positions),
-        mistakes=step("mistakes", mistakes),
+        mistaken=step("mistakes", mistakes),
         entanglement=step("entanglement", entanglement),
         curves=step("curves", curves),
-        filtered_accuracies=step("filtered", filtered_accuracies),
+        filtered=step("filtered", filtered_accuracies),
         items=step("items", items),
     )
 

@@ -22,7 +22,8 @@ def write(report: Report, folder: Path) -> Path:
     content = {"report.json": text(report), "report.html": page(report, drawn, printed)}
     content |= {f"figures/{f.name}.svg": f.svg for section in drawn.values() for f in section}
     content |= {
-        f"tables/{name}.csv": frame.to_csv(index=False, lineterminator="\n") for name, frame in long_tables(report).items()
+        f"tables/{name}.csv": frame.to_csv(index=False, lineterminator="\n")
+        for name, frame in long_tables(report).items()
     }
     content |= {f"tables/{name}.tex": latex_table(caption, frame) for name, (caption, frame) in printed.items()}
     if "thresholds" in printed:

@@ -59,7 +59,9 @@ def read(path: Path, study: Study) -> Visit:
     """Read a file of answers. Raises WmsError if it is invalid, or belongs to another study."""
     try:
         if regular_file(path).stat().st_size > MAX_FILE_BYTES:
-            raise WmsError(f"more than {MAX_FILE_BYTES >> 20} MiB: no file of answers is as large", FilePlace(str(path)))
+            raise WmsError(
+                f"more than {MAX_FILE_BYTES >> 20} MiB: no file of answers is as large", FilePlace(str(path))
+            )
         visit = Visit.model_validate_json(path.read_bytes())
     except OSError as error:
         raise WmsError(f"cannot be read: {error.strerror}", FilePlace(str(path))) from None

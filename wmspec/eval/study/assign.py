@@ -50,7 +50,9 @@ def _rotations(items: Sequence[Item], round_: int) -> dict[int, int]:
 def _steps(
     items: Sequence[Item], share: Sequence[int], turned: dict[int, int], every: int, key: tuple[int, ...]
 ) -> Iterator[Step]:
-    practice = {task: list(its) for task, its in groupby(_indices_of_kind(items, "practice"), key=lambda i: items[i].task)}
+    practice = {
+        task: list(its) for task, its in groupby(_indices_of_kind(items, "practice"), key=lambda i: items[i].task)
+    }
     checks, task = iter(_indices_of_kind(items, "check")), ""
     for answered, i in enumerate(share):
         if items[i].task != task:

@@ -21,7 +21,7 @@ from wmspec.eval.models.request import Ask
 from wmspec.eval.study import answers, store
 from wmspec.eval.study.answers import Visit
 from wmspec.eval.study.model import Item, Study, load
-from wmspec.eval.study.store import Store
+from wmspec.eval.study.store import AnswerStore
 
 #: Prefix of a person's name in the column `model`, and the name of the prompt.
 RATER_PREFIX, PROMPT = "human:", "study"
@@ -99,11 +99,11 @@ def collect(folder: Path, files: Sequence[Path], output: Path, least_checks: flo
 
 def _visits(study: Study, folder: Path, files: Sequence[Path]) -> list[Visit]:
     """Return the visits of all sources, one for each session."""
-    served = folder / store.FILE
+    served = folder / store.ANSWERS_FILE
     all_visits: list[Visit] = []
     if served.exists():
         try:
-            opened = Store(served, study)
+            opened = AnswerStore(served, study)
             all_visits += opened.visits()
             opened.close()
         except (sqlite3.Error, ValueError) as error:

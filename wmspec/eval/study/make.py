@@ -16,7 +16,7 @@ from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.models.question import Question, questions
 from wmspec.eval.study import page, store
 from wmspec.eval.study.assign import slots
-from wmspec.eval.study.model import FILE, PAGE, Item, Kind, Study, load, save
+from wmspec.eval.study.model import PAGE_FOLDER, STUDY_FILE, Item, Kind, Study, load, save
 
 #: Words for attention checks.
 _CHECK_WORDS = ("apple", "boat", "candle", "door", "feather", "garden", "hammer", "island")
@@ -46,7 +46,7 @@ def make(dataset: DatasetReader, options: StudyOptions, folder: Path) -> Study:
     Raises WmsError if the dataset lacks a task or engine, or if the folder has answers to another study.
     """
     dataset.intact()
-    pictures = folder / PAGE / "pictures"
+    pictures = folder / PAGE_FOLDER / "pictures"
     chosen = dict(_chosen_questions(dataset, options))
     if "question" not in chosen.values():
         raise WmsError("the dataset has no questions for a study; `wmspec view` shows what it has")
@@ -62,7 +62,7 @@ def make(dataset: DatasetReader, options: StudyOptions, folder: Path) -> Study:
         items=tuple(items),
         slots=slots(items, options.raters, options.per_person, options.check_every, options.seed),
     )
-    if (folder / store.FILE).exists() and (not (folder / FILE).exists() or load(folder) != study):
+    if (folder / store.ANSWERS_FILE).exists() and (not (folder / STUDY_FILE).exists() or load(folder) != study):
         raise WmsError(f"{folder} has answers to another study; choose another folder with -o")
     save(study, folder)
     page.write(study, folder)
@@ -84,13 +84,13 @@ def _chosen_questions(dataset: DatasetReader, options: StudyOptions) -> Iterator
                 ids.setdefault((row["index"], row["question"]), {})[row["engine"]] = row["id"]
         drawn = sorted(ids, key=lambda each: (bits(options.seed, "study", task, each[0]), each))
         turn = {index: i for i, index in enumerate(dict.fromkeys(index for index, _ in drawn))}
-        shown = [_turn(ids[each], turn[each[0]]) for each in drawn]
+        shown = [_pick_engine(ids[each], turn[each[0]]) for each in drawn]
         practice = min(options.practice, len(shown) - 1)
         yield from ((id, "practice") for id in shown[:practice])
         yield from ((id, "question") for id in shown[practice : practice + options.per_task])
 
 
-def _turn(by_engine: dict[str, str], turn: int) -> str:
+def _pick_engine(by_engine: dict[str, str], turn: int) -> str:
     engines = sorted(by_engine)
     return by_engine[engines[turn % len(engines)]]
 
@@ -101,9 +101,9 @@ def _item(question: Question, kind: Kind, pictures: Path) -> Item:
         kind=kind,
         task=question.task,
         text=question.text,
-        context=tuple(_put(png, pictures) for png in question.context),
+        context=tuple(_write_picture(png, pictures) for png in question.context),
         words=tuple(word for word in question.options if word is not None),
-        pictures=tuple(_put(png, pictures) for png in question.pictures),
+        pictures=tuple(_write_picture(png, pictures) for png in question.pictures),
         answer=question.answer,
         number=None if question.options else question.number,
         unit="" if question.options else question.unit,
@@ -116,7 +116,7 @@ def _item(question: Question, kind: Kind, pictures: Path) -> Item:
     )
 
 
-def _put(png: bytes, folder: Path) -> str:
+def _write_picture(png: bytes, folder: Path) -> str:
     """Write a picture under a name that reveals nothing about it."""
     load_image(png, "PNG")
     name = f"{hashlib.sha256(png).hexdigest()[:20]}.png"

@@ -17,7 +17,7 @@ from wmspec.eval.models.question import Question
 from wmspec.eval.models.reply import LETTERS
 
 #: The study's file, the page's folder, and the folder of editable texts.
-FILE, PAGE, TEXTS = "study.json", "page", "texts"
+STUDY_FILE, PAGE_FOLDER, TEXTS_FOLDER = "study.json", "page", "texts"
 
 Kind = Literal["question", "practice", "check"]
 
@@ -134,7 +134,7 @@ def _truth(item: Item) -> list[float] | None:
 
 def load(folder: Path) -> Study:
     """Load the study in a folder. Raises WmsError if there is none, or if its file is damaged."""
-    path = folder / FILE
+    path = folder / STUDY_FILE
     try:
         return Study.model_validate_json(read_bytes(path))
     except OSError:
@@ -147,7 +147,7 @@ def load(folder: Path) -> Study:
 
 def save(study: Study, folder: Path) -> None:
     """Write a study's file. Raises WmsError if it cannot be written."""
-    path = folder / FILE
+    path = folder / STUDY_FILE
     with with_remedies(path):
         part = path.with_suffix(".part")
         part.write_text(study.model_dump_json(exclude_defaults=True) + "\n", encoding="utf-8")

@@ -12,21 +12,21 @@ from wmspec.core.resources import resource
 from wmspec.core.safe_io import regular_file
 from wmspec.dataset.build.files import with_remedies
 from wmspec.dataset.build.webpage import webpage
-from wmspec.eval.study.model import PAGE, TEXTS, Item, Study
+from wmspec.eval.study.model import PAGE_FOLDER, TEXTS_FOLDER, Item, Study
 
 #: Maximum size of a text (bytes).
-_LONGEST = 64 << 10
+_MAX_TEXT_BYTES = 64 << 10
 
 
 def write(study: Study, folder: Path) -> None:
     """Write missing texts, and the page. Raises WmsError if they cannot be written."""
     with with_remedies(folder):
-        (folder / TEXTS).mkdir(exist_ok=True)
+        (folder / TEXTS_FOLDER).mkdir(exist_ok=True)
         for name, text in _texts(study):
-            place = folder / TEXTS / f"{name}.txt"
+            place = folder / TEXTS_FOLDER / f"{name}.txt"
             if not place.exists():
                 place.write_text(text, encoding="utf-8")
-        (folder / PAGE / "index.html").write_text(html(study, folder, served=False), encoding="utf-8")
+        (folder / PAGE_FOLDER / "index.html").write_text(html(study, folder, served=False), encoding="utf-8")
 
 
 def html(study: Study, folder: Path, served: bool) -> str:
@@ -34,13 +34,13 @@ def html(study: Study, folder: Path, served: bool) -> str:
 
     Raises WmsError if one of its texts cannot be read.
     """
-    texts = {name: _read(folder / TEXTS / f"{name}.txt") for name, _ in _texts(study)}
+    texts = {name: _read(folder / TEXTS_FOLDER / f"{name}.txt") for name, _ in _texts(study)}
     return webpage("wmspec.eval.study", data=study.public() | {"served": served, "texts": texts})
 
 
-def unfinished(folder: Path) -> list[Path]:
+def unfinished_texts(folder: Path) -> list[Path]:
     """Return the texts that still contain bracketed placeholders."""
-    return [path for path in sorted((folder / TEXTS).glob("*.txt")) if re.search(r"\[[^\]]{20,}\]", _read(path))]
+    return [path for path in sorted((folder / TEXTS_FOLDER).glob("*.txt")) if re.search(r"\[[^\]]{20,}\]", _read(path))]
 
 
 def _texts(study: Study) -> Iterator[tuple[str, str]]:
@@ -70,9 +70,9 @@ def _instructions(item: Item) -> str:
 
 def _read(path: Path) -> str:
     try:
-        text = regular_file(path).read_bytes()[: _LONGEST + 1]
-        if len(text) > _LONGEST:
-            raise WmsError(f"longer than {_LONGEST >> 10} KiB", FilePlace(str(path)), "shorten it")
+        text = regular_file(path).read_bytes()[: _MAX_TEXT_BYTES + 1]
+        if len(text) > _MAX_TEXT_BYTES:
+            raise WmsError(f"longer than {_MAX_TEXT_BYTES >> 10} KiB", FilePlace(str(path)), "shorten it")
         return text.decode("utf-8")
     except OSError:
         raise WmsError("is missing", FilePlace(str(path)), "`wmspec study make` writes it again") from None

@@ -16,9 +16,9 @@ from wmspec.eval.study.answers import Answer, Person, Visit
 from wmspec.eval.study.model import Study
 
 #: Its name in the study's folder.
-FILE = "answers.sqlite"
+ANSWERS_FILE = "answers.sqlite"
 #: Maximum number of visits, so that a flood cannot fill the disk.
-MOST_VISITS = 20_000
+MAX_VISITS = 20_000
 
 _TABLES = """
 create table if not exists study (fingerprint text primary key);
@@ -33,7 +33,7 @@ create table if not exists answer (
 
 
 @dataclass(frozen=True)
-class Place:
+class Progress:
     """The progress of a visit: its slot, the answered steps, and the completion code."""
 
     slot: int
@@ -41,11 +41,11 @@ class Place:
     code: str | None
 
 
-class Full(Exception):
+class StudyFull(Exception):
     """All slots are taken."""
 
 
-class Store:
+class AnswerStore:
     """The open file; thread-safe."""
 
     def __init__(self, path: Path, study: Study) -> None:
@@ -85,18 +85,18 @@ class Store:
         with self._lock:
             self._file.close()
 
-    def begin(self, person: Person) -> Place:
+    def begin(self, person: Person) -> Progress:
         """Return a participant's progress, with a new slot on the first visit.
 
         Raises Full if all slots are finished.
         """
         with self._write():
             if self._slot(person.session) is None:
-                values = [person.session, person.rater, self._free(), secrets.token_hex(4).upper()]
+                values = [person.session, person.rater, self._free_slot(), secrets.token_hex(4).upper()]
                 self._file.execute("insert into visit values (?, ?, ?, ?, datetime('now'))", values)
-            return self._place(person.session)
+            return self._progress(person.session)
 
-    def keep(self, session: str, answer: Answer) -> Place | None:
+    def keep(self, session: str, answer: Answer) -> Progress | None:
         """Save an answer durably; the first one to a step counts.
 
         Returns None if there is no such visit or step, or if the answer is invalid.
@@ -110,7 +110,7 @@ class Store:
                 "insert into answer values (?, ?, ?, ?, ?, datetime('now')) on conflict do nothing",
                 [session, answer.step, answer.text, answer.seconds, answer.away],
             )
-            return self._place(session)
+            return self._progress(session)
 
     def visits(self) -> list[Visit]:
         """Return all visits with their answers, in order of their beginning."""
@@ -137,7 +137,7 @@ class Store:
         row = self._file.execute("select slot from visit where session = ?", [session]).fetchone()
         return None if row is None else int(row[0])
 
-    def _free(self) -> int:
+    def _free_slot(self) -> int:
         """Return the least taken of the unfinished slots. Raises Full if there is none."""
         taken: dict[int, int] = dict.fromkeys(range(len(self._study.slots)), 0)
         for slot, count in self._file.execute(
@@ -147,12 +147,12 @@ class Store:
                 taken.pop(slot, None)
             elif slot in taken:
                 taken[slot] += 1
-        if not taken or self._file.execute("select count(*) from visit").fetchone()[0] >= MOST_VISITS:
-            raise Full
+        if not taken or self._file.execute("select count(*) from visit").fetchone()[0] >= MAX_VISITS:
+            raise StudyFull
         return min(taken, key=lambda slot: (taken[slot], slot))
 
-    def _place(self, session: str) -> Place:
+    def _progress(self, session: str) -> Progress:
         slot, code = self._file.execute("select slot, code from visit where session = ?", [session]).fetchone()
         done = self._file.execute("select step from answer where session = ? order by step", [session]).fetchall()
         whole = len(done) == len(self._study.slots[slot])
-        return Place(slot, tuple(step for (step,) in done), code if whole else None)
+        return Progress(slot, tuple(step for (step,) in done), code if whole else None)

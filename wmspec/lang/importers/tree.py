@@ -178,7 +178,7 @@ def _check_inertias(walk: _Walk, faults: Faults) -> None:
             faults.add(link.where, what, "correct `inertia`, or remove `inertial` to have it by density")
 
 
-def names(tree: LinkTree) -> Iterator[tuple[str, FilePlace]]:
+def named_elements(tree: LinkTree) -> Iterator[tuple[str, FilePlace]]:
     """Yield the links and joints by name, with their locations."""
     yield from ((placed.link.name, placed.link.where) for placed in tree.links)
     yield from ((joint.name, joint.where) for joint in tree.joints)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
 from wmspec.lang.parse.lexer import Token
-from wmspec.lang.parse.repair_candidates import UNITS, Repair, RepairSite
+from wmspec.lang.parse.repair_candidates import COMMON_UNITS, Repair, RepairSite
 from wmspec.lang.parse.tables import tables
 
 #: Keywords of other languages and their equivalents; the first that fits the place applies.
@@ -119,7 +119,7 @@ def _needless_brackets(place: RepairSite) -> Iterator[Repair]:
 
 def _shared_unit(place: RepairSite) -> Iterator[Repair]:
     """One unit for a tuple: `(1, 2, 3) cm`."""
-    if place.word.text not in UNITS or place.before.type != "RPAR":
+    if place.word.text not in COMMON_UNITS or place.before.type != "RPAR":
         return
     i, end = place.i, place.i + 1
     while (
@@ -204,7 +204,7 @@ def _merge_units(words: Sequence[Token]) -> list[Token]:
     """Return the tokens with numbers and units merged; a colon after a unit had kept them apart."""
     made: list[Token] = []
     for word in words:
-        if made and made[-1].type == "NUMBER" and word.text in UNITS:
+        if made and made[-1].type == "NUMBER" and word.text in COMMON_UNITS:
             made[-1] = made[-1]._replace(type="QUANTITY", text=f"{made[-1].text} {word.text}")
         else:
             made.append(word)

@@ -50,7 +50,7 @@ _INNER_KEYWORDS = {
 }
 _NUMBER = re.compile(r"\d+(\.\d+)?")
 #: Units that follow a number.
-UNITS = ("mm", "cm", "m", "s", "ms", "deg", "kg", "g", "N", "rad")
+COMMON_UNITS = ("mm", "cm", "m", "s", "ms", "deg", "kg", "g", "N", "rad")
 
 
 @dataclass(frozen=True)
@@ -238,7 +238,7 @@ def _number(place: RepairSite) -> Iterator[Repair]:
         message, help = f"`{place.before.text}.{place.after.text}` is no number", "write one decimal point"
         yield Repair(place.i - 1, place.i + 2, (place.after,), message, help, 1.0)
     number = _NUMBER.match(text) if place.word.type == "QUANTITY" else None
-    if number and text[number.end()].isalpha() and place.after.text in UNITS:
+    if number and text[number.end()].isalpha() and place.after.text in COMMON_UNITS:
         made = place.word._replace(text=f"{number[0]} {place.after.text}")
         message = f"`{text}` is no number"
         yield place.instead(made, message=message, help="write digits, and then the unit", cost=1.0, of=2)

@@ -208,7 +208,7 @@ class Part(Node):
 
 
 class Block(Node):
-    """`object name : model { properties parts }`, and the same for cameras, lights, joints, robots and the world.
+    """`object name : model { properties child_nodes }`, and the same for cameras, lights, joints, robots and the world.
 
     The world has no name. `count` is set for `objects name[count] { ... }` and `joints name[count] : model { ... }`.
     `whole` is never written: it names the object of an asset that a link or joint belongs to.
@@ -220,17 +220,17 @@ class Block(Node):
     span: Span
     model: Name | None = None
     count: Expr | None = None
-    parts: tuple[Part, ...] = ()
+    child_nodes: tuple[Part, ...] = ()
     whole: str = ""
 
 
 class Template(Node):
-    """`template name(parameter: default) { properties parts }`: the common part of objects of this model."""
+    """`template name(parameter: default) { properties child_nodes }`: the common part of objects of this model."""
 
     name: Name
     parameters: tuple[Property, ...]
     properties: tuple[Property, ...]
-    parts: tuple[Part, ...]
+    child_nodes: tuple[Part, ...]
     span: Span
 
 
@@ -396,10 +396,10 @@ def _nodes_of_type(node: object, sort: type[N]) -> Iterator[N]:
         one = stack.pop()
         if isinstance(one, sort):
             yield one
-        stack += [part for part in parts(one) if isinstance(part, COMPOSITE_TYPES)][::-1]
+        stack += [part for part in child_nodes(one) if isinstance(part, COMPOSITE_TYPES)][::-1]
 
 
-def parts(node: object) -> Iterator[object]:
+def child_nodes(node: object) -> Iterator[object]:
     """Yield the direct children of a node."""
     if isinstance(node, tuple):
         yield from node

@@ -27,7 +27,9 @@ def form_key(scene: Scene) -> bytes:
 
 def look_key(scene: Scene) -> bytes:
     """Return the hash of what a picture shows, except poses."""
-    return _cached_hash(scene, "look", lambda s: digest(form_key(s), [_cached_hash(b, "paint", _body_colors) for b in s.bodies]))
+    return _cached_hash(
+        scene, "look", lambda s: digest(form_key(s), [_cached_hash(b, "paint", _body_colors) for b in s.bodies])
+    )
 
 
 def shot_key(shot: Shot) -> bytes:
@@ -45,7 +47,12 @@ def _body_physics(body: Body) -> bytes:
 
 
 def _form(scene: Scene) -> bytes:
-    return digest([_cached_hash(body, "form", _body_appearance) for body in scene.bodies], scene.cameras, scene.light, scene.background)
+    return digest(
+        [_cached_hash(body, "form", _body_appearance) for body in scene.bodies],
+        scene.cameras,
+        scene.light,
+        scene.background,
+    )
 
 
 def _body_appearance(body: Body) -> bytes:

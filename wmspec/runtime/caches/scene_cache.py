@@ -127,11 +127,13 @@ class SceneCache:
         looking = [part for part in parts if part.startswith(_CAMERAS)][
             :1
         ]  # else the reader would use a default camera
-        wanted = {_FRAME, *missing, *near, *looking}
-        paths = {path for part in wanted for path in parts.get(part, ())}.union(_ABOVE)
+        needed = {_FRAME, *missing, *near, *looking}
+        paths = {path for part in needed for path in parts.get(part, ())}.union(_ABOVE)
         small = Document({path: prim for path, prim in document.prims.items() if path in paths})
         try:
-            scene = read(without_geometry(compose(small, sources=False), [part for part in robots if part not in missing]))
+            scene = read(
+                without_geometry(compose(small, sources=False), [part for part in robots if part not in missing])
+            )
         except WmsError:
             raise _ReadWhole from None  # which reports all errors
         _require_independent_names(scene.bodies, scene.cameras, document)

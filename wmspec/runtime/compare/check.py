@@ -44,7 +44,9 @@ def check(design: Design, index: int, engines: Sequence[TraceCache], tolerances:
     )
     executed = _Executed(design, instance, scenes, traces)
     verdicts = tuple(v for q in range(len(spec.questions)) for v in executed.verdicts(q, pairs, comparisons))
-    return CheckResult(spec.name, index, instance.factors, instance.nuisances, comparisons, verdicts, (*failures, *failed))
+    return CheckResult(
+        spec.name, index, instance.factors, instance.nuisances, comparisons, verdicts, (*failures, *failed)
+    )
 
 
 def run_name(spec: TaskSpec, q: int, change: Counterfactual) -> str:

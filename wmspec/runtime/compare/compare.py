@@ -23,8 +23,8 @@ def compare(run: str, scene: Scene, a: Trace, b: Trace, tolerances: Tolerances) 
     events = tuple(_events(a, b, allowed.position, tolerances.event))
     rests = tuple(_rests(scene, moving, a, b, allowed.velocity[-1]))
     why = cause(run, scene, (a, b), (gaps, events, rests), tolerances.event)
-    doubtful = regimes(scene, (a, b), tolerances.event)
-    return Comparison(run, (a.engine, b.engine), gaps, events, rests, why, doubtful)
+    entered = regimes(scene, (a, b), tolerances.event)
+    return Comparison(run, (a.engine, b.engine), gaps, events, rests, why, entered)
 
 
 def _gap(body: Body, i: int, a: Trace, b: Trace, allowed: Array, most: float) -> Gap:
@@ -53,7 +53,9 @@ def _events(a: Trace, b: Trace, allowed: Array, event: float) -> Iterator[Event]
         seen = [(t, trace) for t, trace in zip(times, (a, b), strict=True) if t is not None]
         time, trace = min(seen, key=lambda s: s[0])
         i, j = index[pair[0]], index[pair[1]]
-        slack = allowed[sample_index(trace, time), [i, j]].sum() / max(closing_speed(trace, i, j, time), REST_SPEED) + event
+        slack = (
+            allowed[sample_index(trace, time), [i, j]].sum() / max(closing_speed(trace, i, j, time), REST_SPEED) + event
+        )
         latest = max(t for t, _ in seen) if len(seen) == 2 else float(a.time[-1])
         yield Event(*pair, times, bool(latest - time <= slack))
 

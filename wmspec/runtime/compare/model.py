@@ -72,7 +72,7 @@ class Regime:
     where: str
 
     @property
-    def told(self) -> str:
+    def sentence(self) -> str:
         """Both in a sentence."""
         return f"{self.kind}: {self.where}"
 
@@ -116,14 +116,14 @@ class Verdict:
     regimes: tuple[Regime, ...] = ()
 
     @property
-    def asked(self) -> bool:
+    def is_accepted(self) -> bool:
         """Whether at least one engine's gates accept the question."""
         return None in self.rejected
 
     @property
     def disputed(self) -> bool:
         """Whether the question is accepted, and the other engine has another answer."""
-        return self.asked and not self.agree
+        return self.is_accepted and not self.agree
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 
 from wmspec import __version__
 from wmspec.runtime.compare.model import CheckResult
-from wmspec.runtime.compare.summary import unreliable_answers, lines, suspects
+from wmspec.runtime.compare.summary import lines, suspects, unreliable_answers
 from wmspec.runtime.compare.sweep import SweepConfig, pairs
 from wmspec.runtime.compare.verbalize import complaints, failure, parting
 from wmspec.runtime.engines.registry import engine_version
@@ -38,7 +38,7 @@ def record(job: SweepConfig, checked: Sequence[CheckResult], strict: bool) -> di
 
 def _instance(checked: CheckResult, strict: bool) -> dict[str, Any]:
     comparisons = [asdict(c) | {"within": c.within} for c in checked.comparisons]
-    verdicts = [asdict(v) | {"asked": v.asked} for v in checked.verdicts]
+    verdicts = [asdict(v) | {"asked": v.is_accepted} for v in checked.verdicts]
     return {
         **asdict(checked),
         "passes": checked.passes(strict),

@@ -59,14 +59,14 @@ def lines(checked: Sequence[CheckResult], engines: Sequence[Pair]) -> tuple[Task
 
 def _line(task: str, pair: Pair, checked: Sequence[CheckResult]) -> TaskAgreement:
     verdicts = [v for c in checked for v in c.verdicts if v.engines == pair]
-    asked = [v for v in verdicts if v.asked]
+    accepted = [v for v in verdicts if v.is_accepted]
     compared = [k for c in checked for k in c.comparisons if k.engines == pair]
     gaps = sorted(_widest(k) for k in compared) or [0.0]
     late = [abs(e.times[0] - e.times[1]) for k in compared for e in k.events if None not in e.times]  # type: ignore[operator]
     return TaskAgreement(
         task=task,
         engines=pair,
-        answers=Share(sum(v.agree for v in asked), len(asked)),
+        answers=Share(sum(v.agree for v in accepted), len(accepted)),
         before_gates=Share(sum(v.agree for v in verdicts), len(verdicts)),
         episodes=Share(sum(k.within for k in compared), len(compared)),
         median=gaps[len(gaps) // 2],
@@ -94,7 +94,9 @@ def suspects(checked: Sequence[CheckResult]) -> tuple[Suspect, ...]:
     )
 
 
-def _suspects(task: str, what: str, checked: Sequence[CheckResult], wrong: Callable[[CheckResult], bool]) -> list[Suspect]:
+def _suspects(
+    task: str, what: str, checked: Sequence[CheckResult], wrong: Callable[[CheckResult], bool]
+) -> list[Suspect]:
     """Return levels with at least two cases, and twice the rate of the factor's other levels."""
     suspected = []
     for factor in checked[0].factors:
@@ -127,8 +129,8 @@ def unreliable_answers(checked: Sequence[CheckResult]) -> tuple[UnreliableAnswer
         verdicts = [(c.index, v) for c in checked if c.task == task for v in c.verdicts]
         for index, regime in [(index, regime) for index, v in verdicts for regime in v.regimes]:
             resting = sum(any(r.kind == regime.kind for r in v.regimes) for _, v in verdicts)
-            told = UnreliableAnswers(task, regime.kind, Share(resting, len(verdicts)), index, regime.where)
-            rows.setdefault((task, regime.kind), told)
+            row = UnreliableAnswers(task, regime.kind, Share(resting, len(verdicts)), index, regime.where)
+            rows.setdefault((task, regime.kind), row)
     return tuple(rows.values())
 
 

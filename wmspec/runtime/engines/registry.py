@@ -105,10 +105,10 @@ def select_backends(choice: str) -> tuple[str, ...]:
     An empty option selects the default. Raises WmsError for unknown backends.
     """
     if choice != "all":
-        wanted = tuple(dict.fromkeys(n.strip() for n in choice.split(",") if n.strip()))
-        for name in wanted:
+        chosen = tuple(dict.fromkeys(n.strip() for n in choice.split(",") if n.strip()))
+        for name in chosen:
             backend(name)
-        return wanted or (default(),)
+        return chosen or (default(),)
     return tuple(name for name in names() if _works(name)) or _none()
 
 

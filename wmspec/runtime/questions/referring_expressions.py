@@ -41,7 +41,7 @@ def referring_expression(name: str, values: Evaluator) -> str:
 def present_objects(values: Evaluator) -> Iterator[str]:
     """Yield the names of present objects."""
     for thing in values.spec.things:
-        if thing.kind == "object" and values.there(thing.name):
+        if thing.kind == "object" and values.is_present(thing.name):
             yield thing.name
 
 

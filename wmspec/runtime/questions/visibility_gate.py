@@ -25,7 +25,7 @@ def connected_sets(values: Evaluator) -> list[frozenset[str]]:
     sets = {thing.name: thing.set for thing in values.spec.things if thing.kind == "object" and thing.set}
     tied = set[str]()
     for joint in values.spec.things:
-        if joint.kind == "joint" and values.has(joint.name, "to") and values.there(joint.name):
+        if joint.kind == "joint" and values.has(joint.name, "to") and values.is_present(joint.name):
             ends = values.ends(joint.name)
             tied |= {sets[ends[0]]} if ends[0] in sets and sets[ends[0]] == sets.get(ends[1]) else set()
     return [frozenset(name for name, of in sets.items() if of == chain) for chain in sorted(tied)]

@@ -175,12 +175,12 @@ def _require_versions(versions: Mapping[str, str]) -> None:
 
     ray = _ray()
     nodes = {node["NodeID"]: node["NodeManagerHostname"] for node in ray.nodes() if node["Alive"]}
-    asked = {
+    pending = {
         node: _remote(_versions, num_cpus=0, scheduling_strategy=NodeAffinitySchedulingStrategy(node, soft=False))
         for node in nodes
     }
     # Not `ray.get`, which changes the exit code if a signal arrives meanwhile.
-    answers = {node: there.remote(tuple(versions)).future() for node, there in asked.items()}
+    answers = {node: there.remote(tuple(versions)).future() for node, there in pending.items()}
     for node, answer in answers.items():
         try:
             there = answer.result(timeout=STARTUP_TIMEOUT)

@@ -14,12 +14,12 @@ from wmspec.eval.report.figures.style import (
     PALE,
     SvgFigure,
     color,
-    to_svg,
+    draw_interval,
+    format_percent_axis,
     label_rows,
     panels,
-    format_percent_axis,
     signed_points,
-    draw_interval,
+    to_svg,
 )
 from wmspec.eval.report.replies import PEOPLE
 from wmspec.eval.report.report import Report

@@ -17,14 +17,14 @@ from wmspec.eval.report.figures.style import (
     PALE,
     SvgFigure,
     color,
-    to_svg,
-    legend,
-    systems_as_lines,
-    label_rows,
-    panels,
-    format_percent_axis,
-    signed_points,
     draw_interval,
+    format_percent_axis,
+    label_rows,
+    legend,
+    panels,
+    signed_points,
+    systems_as_lines,
+    to_svg,
 )
 from wmspec.eval.report.filtered import OWN_PERCEPTION
 from wmspec.eval.report.replies import BASELINES, PEOPLE

@@ -13,13 +13,13 @@ from wmspec.eval.report.figures.style import (
     PALE,
     SvgFigure,
     color,
-    to_svg,
-    legend,
-    systems_as_lines,
-    label_rows,
-    panels,
-    format_percent_axis,
     draw_interval,
+    format_percent_axis,
+    label_rows,
+    legend,
+    panels,
+    systems_as_lines,
+    to_svg,
 )
 from wmspec.eval.report.report import Report
 

@@ -48,7 +48,7 @@ class ResolvedAction:
         return arguments
 
     @property
-    def strange(self) -> bool:
+    def has_unknown_property(self) -> bool:
         """Whether an argument is unknown to the verb: it may be a misspelled one."""
         return any(not name for name, _ in self.assigned)
 
@@ -115,7 +115,7 @@ def property_(check: Expressions, name: str, member: s.Name) -> Typed:
     if member.id in ("start", "duration"):
         return Typed(expr, A_TIME)
     if member.id not in does.written:
-        if slot.default is None and does.strange:
+        if slot.default is None and does.has_unknown_property:
             raise Failed
         if slot.default is None:
             check.fail("WMS206", f"`{name}` has no {member.id}", member.span, f"add `{member.id}:` to it")

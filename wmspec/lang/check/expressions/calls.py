@@ -8,7 +8,7 @@ from wmspec.core.diagnostics import suggestion
 from wmspec.core.places import Span
 from wmspec.lang.check.expressions.typed import Failed, Typed, common_type, constant, fits
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.ir.evaluate import parts
+from wmspec.lang.check.ir.evaluate import subexpressions
 from wmspec.lang.check.tables.functions import FUNCTION_ALIASES, FUNCTIONS, Function
 from wmspec.lang.check.tables.verbs import VERBS
 from wmspec.lang.check.tables.vocabulary import JOINTS
@@ -164,7 +164,7 @@ def _item(kind: Type) -> Type:
 
 def _check_joint_measure(check: Expressions, name: str, written: s.Argument, joint: Typed) -> None:
     """Report a measure that the joint lacks: hinges have angles, sliders extensions."""
-    for part in parts(joint.expr):
+    for part in subexpressions(joint.expr):
         block = check.scope.names.get(str(part.value)) if isinstance(part, ir.Value) else None
         if not isinstance(block, s.Block) or block.model is None or block.kind != "joint":
             continue

@@ -103,12 +103,12 @@ class Expressions:
 
     def unknown(self, e: s.Name, message: str, help: str, code: str = "WMS201") -> NoReturn:
         """Report an undefined name: each once, and none where declarations may be missing."""
-        doubled = self.scope.doubled and "did you mean" not in help  # one of the duplicates may have this name
+        doubled = self.scope.has_duplicates and "did you mean" not in help  # one of the duplicates may have this name
         if not e.id or not self.scope.whole or doubled or e.id in self._unknown:
             raise Failed
         self._unknown.add(e.id)
         if self.scope.alone and "did you mean" not in help:
-            library, brought = library_declaring(self.scope.strange())
+            library, brought = library_declaring(self.scope.undeclared_names())
             if e.id in brought:
                 self._unknown |= brought
                 self.fail(code, message, e.span, f"write `use {library}` above, which has it")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.lang.check.ir.evaluate import parts
+from wmspec.lang.check.ir.evaluate import subexpressions
 from wmspec.lang.check.ir.ir import Call, Expr, Ref, TaskSpec
 from wmspec.lang.check.tables.functions import FUNCTIONS
 
@@ -22,7 +22,7 @@ def _measures(spec: TaskSpec, expr: Expr) -> set[str]:
     lets = {let.name: let.value for let in spec.lets}
     waiting, seen, measures = [expr], set[str](), set[str]()
     while waiting:
-        for part in parts(waiting.pop()):
+        for part in subexpressions(waiting.pop()):
             if isinstance(part, Call) and part.function in FUNCTIONS and FUNCTIONS[part.function].measured:
                 measures.add(part.function)
             if isinstance(part, Ref) and part.name in lets and part.name not in seen:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from wmspec.core.diagnostics import suggestion
 from wmspec.lang.check.expressions import actions
 from wmspec.lang.check.expressions.names import BLOCKS, may_be_undeclared_name, present
-from wmspec.lang.check.expressions.owners import Owner, owner, parts
+from wmspec.lang.check.expressions.owners import Owner, owner, part_owners
 from wmspec.lang.check.expressions.typed import Failed, Typed, constant
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.tables.functions import FUNCTIONS
@@ -80,7 +80,7 @@ def named(check: Expressions, name: str) -> Owner:
 def _parts(check: Expressions, name: str) -> dict[str, Owner]:
     block = check.scope.names[name]
     assert isinstance(block, s.Block)
-    return {part.name: part for part in parts(block)}
+    return {part.name: part for part in part_owners(block)}
 
 
 def _row(check: Expressions, table: dict[str, PropertySpec], e: s.Member, what: str) -> PropertySpec:
@@ -112,15 +112,15 @@ def _type(check: Expressions, of: Owner, e: s.Member) -> Type:
     """Return the type of a property: that of its value or default."""
     name = e.name
     if name.id not in of.slots:
-        code, message, span, help = of.lacks(name)
+        code, message, span, help = of.unknown_property_error(name)
         check.fail(code, message, span, _measure(check, e, of.type.kind) or help)
     slot = of.slots[name.id]
-    if name.id in of.said:
-        return setting(check, of, of.said[name.id], slot).type
+    if name.id in of.set_properties:
+        return setting(check, of, of.set_properties[name.id], slot).type
     if slot.default is None and name.id not in BY_MATERIAL:
-        if of.strange:
+        if of.has_unknown_property:
             raise Failed
-        check.fail(*of.silent(name))
+        check.fail(*of.missing_value_error(name))
     return slot.types[0]
 
 

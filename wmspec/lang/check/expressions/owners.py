@@ -27,7 +27,7 @@ class Owner:
     type: EntityType
     written: tuple[s.Property, ...]
     span: Span
-    parts: tuple[str, ...] = ()
+    part_owners: tuple[str, ...] = ()
 
     @property
     def slots(self) -> dict[str, PropertySpec]:
@@ -35,7 +35,7 @@ class Owner:
         return allowed_properties(self.type)
 
     @cached_property
-    def said(self) -> dict[str, s.Property]:
+    def set_properties(self) -> dict[str, s.Property]:
         """The written properties by name, of duplicates the first; `on: X at Y` includes `at`."""
         properties: dict[str, s.Property] = {}
         for p in self.written:
@@ -45,11 +45,11 @@ class Owner:
         return properties
 
     @property
-    def strange(self) -> bool:
+    def has_unknown_property(self) -> bool:
         """Whether it has a property that is not allowed: it may be a misspelled one."""
-        return not self.said.keys() <= {*self.slots, "at"}
+        return not self.set_properties.keys() <= {*self.slots, "at"}
 
-    def lacks(self, name: s.Name) -> tuple[str, str, Span, str]:
+    def unknown_property_error(self, name: s.Name) -> tuple[str, str, Span, str]:
         """Return the error about a property that is not allowed: code, message, span and remedy."""
         if reason := exclusion_reason(self.type, name.id):
             return "WMS203", reason, name.span, remedy(self.type, name.id)
@@ -57,7 +57,7 @@ class Owner:
         message = f"{'an' if kind == 'object' else 'a'} {kind} has no property `{name.id}`"
         return "WMS203", message, name.span, _suggest(name.id, [*self.slots, *self.parts])
 
-    def silent(self, name: s.Name) -> tuple[str, str, Span, str, tuple[Note, ...]]:
+    def missing_value_error(self, name: s.Name) -> tuple[str, str, Span, str, tuple[Note, ...]]:
         """Return the error about an allowed property that has no value: code, message, span, remedy and notes."""
         notes = (Note(f"`{self.name}` is declared here", self.span),)
         return "WMS206", f"`{self.name}` has no {name.id}", name.span, f"add `{name.id}:` to it", notes
@@ -78,7 +78,7 @@ def owner(block: s.Block, members: Iterable[str] = ()) -> Owner:
     return Owner(block.name.id, of, block.properties, block.name.span, names)
 
 
-def parts(block: s.Block) -> Iterator[Owner]:
+def part_owners(block: s.Block) -> Iterator[Owner]:
     """Yield the parts of an object as owners."""
     for part in block.parts:
         of = entity_type("part", {p.name.id for p in part.properties})

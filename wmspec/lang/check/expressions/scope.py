@@ -29,7 +29,7 @@ class Scope:
         """Links and joints of each asset: their names in the spec, and the names of their blocks."""
         self.whole = True
         """Whether all declarations were read; if not, unknown names are not reported."""
-        self.doubled = False
+        self.has_duplicates = False
         """Whether two declarations have the same name."""
         self.broken: set[str] = set()
         """Assets with an unusable file, which was reported."""
@@ -61,7 +61,7 @@ class Scope:
             elif first.name.span.source is not statement.name.span.source:
                 remedy += ", or the library a name of its own: `use LIBRARY as NAME`"
             self._report.add("WMS202", f"`{name}` is declared twice", statement.name.span, remedy, notes)
-            self.doubled = True
+            self.has_duplicates = True
             return
         if isinstance(statement, s.Block) and statement.kind == "light" and (suns := self.blocks("light")):
             what = f"`{name}` is a second light, and there is one sun"
@@ -97,7 +97,7 @@ class Scope:
         assets = ((a, name, block) for a, named in self.assets.items() for name, block in named.items() if block != a)
         return sets | {block: f"{of.get(a, a)}.{name}" for a, name, block in assets}
 
-    def strange(self) -> set[str]:
+    def undeclared_names(self) -> set[str]:
         """Return the names without a declaration."""
         written = {n.id for n in s.names(self._statements)}
         return written.difference(self.names, BUILTIN, FUNCTIONS, VERBS)

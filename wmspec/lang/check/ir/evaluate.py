@@ -115,7 +115,7 @@ _EVALUATORS: dict[type, Callable[[Any, Environment], Any]] = {
 }
 
 
-def parts(expr: Expr) -> Iterator[Expr]:
+def subexpressions(expr: Expr) -> Iterator[Expr]:
     """Yield an expression and all its subexpressions."""
     stack: list[Expr] = [expr]
     while stack:

@@ -90,10 +90,10 @@ class Assets:
     def _names(self, tree: LinkTree, named: s.Text) -> dict[str, str]:
         """Return the identifiers of the links and joints, each with its name in the file."""
         from wmspec.lang.importers.blocks import to_identifier
-        from wmspec.lang.importers.tree import names
+        from wmspec.lang.importers.tree import named_elements
 
         by_plain: dict[str, str] = {}
-        for name, where in names(tree):
+        for name, where in named_elements(tree):
             taken = by_plain.get(to_identifier(name))
             if taken is not None or to_identifier(name) in PROPERTIES["object"]:
                 whose = f"`{taken}`" if taken is not None else "a property of objects"

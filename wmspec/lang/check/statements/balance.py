@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.ir.evaluate import parts
+from wmspec.lang.check.ir.evaluate import subexpressions
 from wmspec.lang.check.statements.question_kinds import has_countable_answers
 
 
@@ -24,7 +24,7 @@ def _uncountable_reason(question: ir.Question) -> tuple[str, str] | None:
     if not has_countable_answers(question) or question.options is None:
         what = f"`{question.name}` has no list of answers that could come equally often"
         return what, "balance a question that is answered with one of its `options`, or with yes or no"
-    if any(isinstance(part, ir.Ref | ir.Property | ir.Call) for part in parts(question.options)):
+    if any(isinstance(part, ir.Ref | ir.Property | ir.Call) for part in subexpressions(question.options)):
         what = f"the options of `{question.name}` differ from instance to instance, so they cannot be counted"
         return what, "list the same for all: `options [0, 1, 2]`"
     return None

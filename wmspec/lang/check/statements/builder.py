@@ -25,7 +25,7 @@ from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
 from wmspec.lang.check.tables.vocabulary import JOINTS, TOLERANCES, PropertySpec
 
 #: Location of nodes without source text.
-HERE = Location(file="<python>", line=1, column=1, start=0, end=0)
+PYTHON_LOCATION = Location(file="<python>", line=1, column=1, start=0, end=0)
 
 Part = ir.Factor | ir.Let | ir.Require | ir.Entity | ir.Observation | ir.Question
 _NODES = (ir.Value, ir.Ref, ir.Property, ir.Operation, ir.Call, ir.Items)
@@ -47,7 +47,7 @@ def expression(value: Any) -> ir.Expr:
 def factor(name: str, values: Iterable[float | bool | str | Sequence[float]], unit: str = "") -> ir.Factor:
     """Return a factor with these values, all of one type; `unit` is their SI unit, such as `m/s`."""
     choices = tuple(_constant(v) for v in values)
-    return ir.Factor(name=name, domain=ir.Choices(values=choices), nuisance=False, unit=unit, place=HERE)
+    return ir.Factor(name=name, domain=ir.Choices(values=choices), nuisance=False, unit=unit, place=PYTHON_LOCATION)
 
 
 def _constant(value: float | bool | str | Sequence[float]) -> ir.Scalar | tuple[float, ...]:
@@ -58,12 +58,12 @@ def _constant(value: float | bool | str | Sequence[float]) -> ir.Scalar | tuple[
 
 def nuisance(name: str, low: float, high: float, unit: str = "") -> ir.Factor:
     """Return a nuisance drawn uniformly from an interval."""
-    return ir.Factor(name=name, domain=ir.Interval(low=low, high=high), nuisance=True, unit=unit, place=HERE)
+    return ir.Factor(name=name, domain=ir.Interval(low=low, high=high), nuisance=True, unit=unit, place=PYTHON_LOCATION)
 
 
 def let(name: str, value: Any) -> ir.Let:
     """Return a named value."""
-    return ir.Let(name=name, value=expression(value), place=HERE)
+    return ir.Let(name=name, value=expression(value), place=PYTHON_LOCATION)
 
 
 def thing(
@@ -120,12 +120,12 @@ def action(
     if duration is not None:
         properties["duration"] = _setting(duration)
     of = by.name if by is not None else ""
-    return ir.Entity(kind="action", name=name, verb=verb, of=of, properties=properties, place=HERE)
+    return ir.Entity(kind="action", name=name, verb=verb, of=of, properties=properties, place=PYTHON_LOCATION)
 
 
 def observe(camera: str, times: Sequence[Any], channels: tuple[ir.Channel, ...] = ("rgb",)) -> ir.Observation:
     """Return an observation: a camera, times (s), and the recorded channels."""
-    return ir.Observation(camera=camera, times=expression(list(times)), channels=channels, place=HERE)
+    return ir.Observation(camera=camera, times=expression(list(times)), channels=channels, place=PYTHON_LOCATION)
 
 
 def task(
@@ -174,7 +174,7 @@ def task(
 
 
 def _setting(value: Any) -> ir.Setting:
-    return ir.Setting(value=expression(value), place=HERE)
+    return ir.Setting(value=expression(value), place=PYTHON_LOCATION)
 
 
 def _thing(name: str, of: EntityType, properties: dict[str, Any], *, model: str = "", set: str = "") -> ir.Entity:
@@ -185,7 +185,7 @@ def _thing(name: str, of: EntityType, properties: dict[str, Any], *, model: str 
             raise WmsError(f"of {whose}: {reason}")
     filled = _filled(allowed_properties(of), properties, whose)
     kind = cast(ir.EntityKind, of.kind)
-    return ir.Entity(kind=kind, name=name, model=model, set=set, properties=filled, place=HERE)
+    return ir.Entity(kind=kind, name=name, model=model, set=set, properties=filled, place=PYTHON_LOCATION)
 
 
 def _part(whole: ir.Entity, name: str, given: Mapping[str, Any]) -> ir.Entity:
@@ -193,7 +193,7 @@ def _part(whole: ir.Entity, name: str, given: Mapping[str, Any]) -> ir.Entity:
     properties = _filled(allowed_properties(entity_type("part", given)), given, f"the part `{name}`")
     for look in inherited_appearance(given, whole.properties):
         properties[look] = _setting(ir.Property(owner=ir.Value(value=whole.name), name=look))
-    return ir.Entity(kind="part", name=name, of=whole.name, properties=properties, place=HERE)
+    return ir.Entity(kind="part", name=name, of=whole.name, properties=properties, place=PYTHON_LOCATION)
 
 
 def _below(member: ir.Entity, index: int, count: ir.Expr) -> ir.Entity:

@@ -155,5 +155,5 @@ class Counterfactuals:
             return name, prop.id, actions.slot_of(self.check, name, prop)
         of = named(self.check, name)
         if prop.id not in of.slots:
-            self.check.fail(*of.lacks(prop))
+            self.check.fail(*of.unknown_property_error(prop))
         return name, prop.id, of.slots[prop.id]

@@ -10,7 +10,7 @@ from wmspec.lang.check.expressions.domains import Level, WrittenDomain, conditio
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import ZERO, Failed, constant
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.ir.evaluate import parts
+from wmspec.lang.check.ir.evaluate import subexpressions
 from wmspec.lang.check.tables.vocabulary import DESIGNS
 from wmspec.lang.check.types.types import A_NUMBER, TRUTH, Quantity, Type, Vector
 from wmspec.lang.parse import syntax as s
@@ -18,7 +18,7 @@ from wmspec.lang.parse import syntax as s
 #: Maximum number of instances.
 MAX_INSTANCES = 10_000_000
 #: Keys of a design in groups: crossed factors, rotating factors, and the question with balanced answers.
-GROUPED = ("cross", "turn", "balance")
+GROUP_KEYS = ("cross", "turn", "balance")
 
 
 class Factors:
@@ -73,7 +73,7 @@ class Factors:
         if not written.conditional:
             return ir.Choices(values=tuple(o.value for o in written.options), names=labels(written))
         values, when = zip(*conditions(self.check, written), strict=True)
-        if any(part == ir.Ref(name=name) for condition in when for part in parts(condition)):
+        if any(part == ir.Ref(name=name) for condition in when for part in subexpressions(condition)):
             self.check.fail("WMS209", f"the values of `{name}` depend on itself", span, "let them depend on others")
         return ir.Choices(values=values, when=when, names=labels(written))
 
@@ -126,7 +126,7 @@ class Factors:
         plan, place = cast(ir.PlanKind, kind), Location.of(design.span)
         if kind == "groups":
             named = self._grouped(design)
-            cross, turn, balance = (named.get(key, ()) for key in GROUPED)
+            cross, turn, balance = (named.get(key, ()) for key in GROUP_KEYS)
             return ir.Plan(kind=plan, count=count, cross=cross, turn=turn, balance="".join(balance), place=place)
         return ir.Plan(kind=plan, count=count, baseline=self._baseline(design), place=place)
 
@@ -135,8 +135,8 @@ class Factors:
         named: dict[str, tuple[str, ...]] = {}
         taken: dict[str, Span] = {}
         for p in design.baseline:
-            if p.name.id not in GROUPED:
-                remedy = suggestion(p.name.id, GROUPED)
+            if p.name.id not in GROUP_KEYS:
+                remedy = suggestion(p.name.id, GROUP_KEYS)
                 self.check.fail("WMS203", f"groups have no `{p.name.id}`", p.name.span, remedy)
             if p.name.id in named:
                 self.check.fail("WMS202", f"`{p.name.id}` is set twice", p.name.span, "put the names in one list")

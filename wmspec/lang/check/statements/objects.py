@@ -12,7 +12,7 @@ from wmspec.lang.check.expressions.actions import DURATION, START, ResolvedActio
 from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.members import setting
-from wmspec.lang.check.expressions.owners import Owner, owner, parts
+from wmspec.lang.check.expressions.owners import Owner, owner, part_owners
 from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.library.files import possible_texts, resolve_path
@@ -54,7 +54,7 @@ class Entities:
         )
         if block.kind == "joint":
             self._check_joined(whole, block)
-        return whole, *(self._part(whole, part) for part in parts(block))
+        return whole, *(self._part(whole, part) for part in part_owners(block))
 
     def _check_kind(self, block: s.Block) -> None:
         """Report a model or parts on a kind of block that has none."""
@@ -91,7 +91,7 @@ class Entities:
     def _part(self, whole: ir.Entity, of: Owner) -> ir.Entity:
         """Return a part; it inherits unset appearance properties from its object."""
         properties = self._properties(of)
-        for name in inherited_appearance(of.said, whole.properties):
+        for name in inherited_appearance(of.set_properties, whole.properties):
             value = ir.Property(owner=ir.Value(value=whole.name), name=name)
             properties[name] = ir.Setting(value=value, place=Location.of(of.span))
         place = Location.of(of.span)
@@ -116,7 +116,7 @@ class Entities:
         for name, slot in of.slots.items():
             if name not in spans and slot.default is not None:
                 properties[name] = ir.Setting(value=default_value(slot), place=here)
-            elif name not in spans and not slot.optional and not of.strange:
+            elif name not in spans and not slot.optional and not of.has_unknown_property:
                 message = f"the {of.type.kind} `{of.name}` needs `{name}`: {slot.meaning}"
                 self.report.add("WMS206", message, of.span)
         self._report_ineffective(of, properties)
@@ -127,26 +127,29 @@ class Entities:
         if (
             of.type.kind == "object"
             and not of.type.asset
-            and "file" not in of.said
-            and {"mass", "density"} <= of.said.keys()
+            and "file" not in of.set_properties
+            and {"mass", "density"} <= of.set_properties.keys()
         ):
-            notes = (Note("its mass is set here", of.said["mass"].span),)
+            notes = (Note("its mass is set here", of.set_properties["mass"].span),)
             message = "`density` has no effect next to `mass`"
-            self.report.add("WMS203", message, of.said["density"].name.span, "remove one of them", notes)
+            self.report.add("WMS203", message, of.set_properties["density"].name.span, "remove one of them", notes)
         shape = properties["shape"].value if "shape" in properties else None
         for name in MEASURES:
-            if name in of.said and isinstance(shape, ir.Value) and not SHAPES[str(shape.value)].accepts(name):
+            if name in of.set_properties and isinstance(shape, ir.Value) and not SHAPES[str(shape.value)].accepts(name):
                 takes = [f"`{m}:`" for m in MEASURES if SHAPES[str(shape.value)].accepts(m)]
                 takes = takes[:1] if takes[:1] == ["`size:`"] else takes
                 remedy = f"set its size with {either(takes[:3])}"
-                self.report.add("WMS203", f"a {shape.value} has no `{name}`", of.said[name].name.span, remedy)
+                self.report.add("WMS203", f"a {shape.value} has no `{name}`", of.set_properties[name].name.span, remedy)
 
     def _written(self, of: Owner, p: s.Property) -> dict[str, ir.Setting]:
         """Return a written property, and its `at` if any."""
         if p.name.id not in of.slots:
-            if p.name.id in PROPERTIES[of.type.kind] and not of.said.keys() <= PROPERTIES[of.type.kind].keys():
+            if (
+                p.name.id in PROPERTIES[of.type.kind]
+                and not of.set_properties.keys() <= PROPERTIES[of.type.kind].keys()
+            ):
                 raise Failed  # the required property may be misspelled
-            self.check.fail(*of.lacks(p.name))
+            self.check.fail(*of.unknown_property_error(p.name))
         if p.at is not None and p.name.id not in ("on", "inside"):
             remedy = "write `at: (x, y, z)`"
             self.check.fail("WMS101", "`at` follows `on:` and `inside:` only", p.at.span, remedy)
@@ -172,7 +175,7 @@ class Entities:
             before = _ARTICLE.match(noun)
             noun = noun[before.end() :] if before else noun
             color, _, rest = noun.partition(" ")
-            noun = rest.strip() if rest and color in COLORS and "color" in of.said else noun
+            noun = rest.strip() if rest and color in COLORS and "color" in of.set_properties else noun
             if not noun:
                 self.check.fail("WMS304", f"`{p.name.id}` contains no name", text.span, 'write a noun, as in `"crate"`')
             if noun != text.value:
@@ -200,7 +203,7 @@ class Entities:
                     continue
             elif slot.default is not None:
                 properties[name] = ir.Setting(value=default_value(slot), place=Location.of(action.name.span))
-            elif not slot.optional and not does.strange:
+            elif not slot.optional and not does.has_unknown_property:
                 self.report.add("WMS205", f"`{does.name}` needs `{name}`: {slot.meaning}", does.call.span)
         if does.name == "drive" and not does.robot:
             self._check_drive(action, does)
@@ -237,7 +240,7 @@ class Entities:
         block = self.scope.names.get(str(joint.value)) if isinstance(joint, ir.Value) else None
         if not isinstance(block, s.Block):
             return
-        if "stiffness" not in owner(block).said:
+        if "stiffness" not in owner(block).set_properties:
             message = f"nothing drives `{block.name.id}`: it has no stiffness"
             notes = (Note(f"`{block.name.id}` is declared here", block.name.span),)
             self.report.add("WMS206", message, does.call.span, "add `stiffness:` to the joint", notes)

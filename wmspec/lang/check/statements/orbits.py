@@ -13,13 +13,13 @@ from wmspec.core.places import Location, Span
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.ir.evaluate import parts
+from wmspec.lang.check.ir.evaluate import subexpressions
 from wmspec.lang.check.tables.vocabulary import DESIGNS
 from wmspec.lang.check.types import units
 from wmspec.lang.parse import syntax as s
 
 #: Number of options of a closed set.
-FEWEST, MOST = 2, 8
+MIN_OPTIONS, MAX_OPTIONS = 2, 8
 
 
 class Orbits:
@@ -53,10 +53,10 @@ class Orbits:
                 self.check.fail("WMS202", f"`{name}` is named twice", item.span, "name it once")
             varied[name] = self._varied(name, item.span)
         sizes = [len(self._values(name)) for name in varied]
-        if not FEWEST <= prod(sizes) <= MOST:
+        if not MIN_OPTIONS <= prod(sizes) <= MAX_OPTIONS:
             many = " x ".join(map(str, sizes))
             what = f"this orbit has {many}{f' = {prod(sizes)}' if len(sizes) > 1 else ''} options"
-            remedy = f"a question has {FEWEST} to {MOST}: name other factors, or give them other values"
+            remedy = f"a question has {MIN_OPTIONS} to {MAX_OPTIONS}: name other factors, or give them other values"
             self.check.fail("WMS508", what, clause.value.span, remedy)
         return tuple(varied.values()), tuple(self._siblings(tuple(varied), Location.of(clause.span)))
 
@@ -167,7 +167,7 @@ class Orbits:
         """Return the factors that a value depends on, directly or through `let`s."""
         refs, waiting = set[str](), [expr]
         while waiting:
-            for part in parts(waiting.pop()):
+            for part in subexpressions(waiting.pop()):
                 if isinstance(part, ir.Ref) and part.name not in refs:
                     refs.add(part.name)
                     if part.name in self.lets:

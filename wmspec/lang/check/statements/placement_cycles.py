@@ -59,4 +59,6 @@ def _report(check: Expressions, circle: list[str], needs: dict[str, dict[str, st
 
 def _span(check: Expressions, name: str, prop: str) -> Span:
     of = named(check, name)
-    return of.said[prop].value.span if prop in of.said else of.span  # a duplicate may lack the property
+    return (
+        of.set_properties[prop].value.span if prop in of.set_properties else of.span
+    )  # a duplicate may lack the property

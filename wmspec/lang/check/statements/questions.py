@@ -60,7 +60,7 @@ _YES_NO = ir.Items(items=(ir.Value(value=True), ir.Value(value=False)))
 
 
 @dataclass(frozen=True)
-class Distinct:
+class DistinctClause:
     """Required difference between options: length (m), angle (rad), and kind of outcome."""
 
     length: ir.Expr | None = None
@@ -279,7 +279,7 @@ class Questions:
             self.check.fail("WMS502", "there are no kinds here", written.span, "write `kinds { NAME: CONDITION ... }`")
         return tuple(outcomes.values())
 
-    def _distinct(self, clauses: list[s.Clause], kinds: tuple[s.Kinds, ...]) -> Distinct:
+    def _distinct(self, clauses: list[s.Clause], kinds: tuple[s.Kinds, ...]) -> DistinctClause:
         """Check `distinct by 5 cm or 20 deg` and `distinct by kind`: at most one of each."""
         first: dict[bool, s.Clause] = {}
         for clause in clauses:
@@ -292,7 +292,7 @@ class Questions:
             self.report.add("WMS502", "the outcomes of this question have no kinds", first[True].value.span, remedy)
         quantities = self._check_each(self.bounds, [first[False]] if False in first else [])
         length, turn = quantities[0] if quantities else (None, None)
-        return Distinct(length, turn, True in first)
+        return DistinctClause(length, turn, True in first)
 
     def _by_kind(self, clause: s.Clause) -> bool:
         return isinstance(clause.value, s.Name) and clause.value.id == KIND and KIND not in self.check.scope.names

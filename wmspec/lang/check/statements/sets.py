@@ -11,7 +11,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import constant
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.ir.evaluate import evaluate, parts
+from wmspec.lang.check.ir.evaluate import evaluate, subexpressions
 from wmspec.lang.check.library.substitute import Substitute, TooLarge
 from wmspec.lang.check.statements.factors import Factors
 from wmspec.lang.check.tables.vocabulary import SETS
@@ -19,7 +19,7 @@ from wmspec.lang.check.types.types import A_NUMBER
 from wmspec.lang.parse import syntax as s
 
 #: Maximum number of members, and of factor combinations tried to find the largest count.
-MOST_MEMBERS, MOST_TRIED = 500, 10_000
+MAX_MEMBERS, MAX_COMBINATIONS = 500, 10_000
 
 
 class Sets:
@@ -65,17 +65,17 @@ class Sets:
         if min(numbers) < 0:
             message = f"a set has no fewer than 0 members, and this can be {min(numbers):g}"
             self.check.fail("WMS304", message, written.span, "make it whole numbers from 0 on")
-        if not 1 <= max(numbers) <= MOST_MEMBERS:
+        if not 1 <= max(numbers) <= MAX_MEMBERS:
             message = f"this set can have {max(numbers):g} members"
-            self.check.fail("WMS304", message, written.span, f"make that a number from 1 to {MOST_MEMBERS}")
+            self.check.fail("WMS304", message, written.span, f"make that a number from 1 to {MAX_MEMBERS}")
         return int(max(numbers))
 
     def _numbers(self, written: s.Expr, count: ir.Expr) -> Iterator[float]:
         lets: dict[str, ir.Expr] = {}
         domains: dict[str, tuple[Any, ...]] = {}
         self._needs(written, count, lets, domains)
-        if prod(len(d) for d in domains.values()) > MOST_TRIED:
-            message = f"this number depends on too many factors; {MOST_TRIED:,} combinations is the maximum"
+        if prod(len(d) for d in domains.values()) > MAX_COMBINATIONS:
+            message = f"this number depends on too many factors; {MAX_COMBINATIONS:,} combinations is the maximum"
             self.check.fail("WMS304", message, written.span, "make it a factor of its own")
         for row in product(*domains.values()):
             try:
@@ -87,7 +87,7 @@ class Sets:
         self, written: s.Expr, expr: ir.Expr, lets: dict[str, ir.Expr], domains: dict[str, tuple[Any, ...]]
     ) -> None:
         """Collect the `let`s and factors that a count depends on."""
-        for part in parts(expr):
+        for part in subexpressions(expr):
             if isinstance(part, ir.Property | ir.Call) or part == ir.Ref(name="end"):
                 message = "the number of a set can depend on factors, `let`s and numbers only"
                 self.check.fail("WMS304", message, written.span)

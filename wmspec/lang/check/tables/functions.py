@@ -53,8 +53,8 @@ class Function:
     moments: int = 1
 
 
-_TIE: dict[str, Type] = {"tie": A_NUMBER}
-_SEEN: dict[str, Type] = {"seen_from": VIEWER}
+_TIE_OPTION: dict[str, Type] = {"tie": A_NUMBER}
+_VIEWER_OPTION: dict[str, Type] = {"seen_from": VIEWER}
 _AT: dict[str, Type] = {"at": A_TIME}
 _DURING: dict[str, Type] = {"from": A_TIME, "to": A_TIME}
 _OBJECTS = List(OBJECT)
@@ -65,10 +65,10 @@ FUNCTIONS: dict[str, Function] = {
     # places
     "toward": Function("the heading from the acting object to another", (OBJECT,), AN_ANGLE),
     "opposite": Function("the heading the other way", (AN_ANGLE,), AN_ANGLE),
-    "left_of": Function("the place at a distance to the left of an object's middle, seen from the front or from a viewer", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
-    "right_of": Function("the place at a distance to the right of an object's middle, seen from the front or from a viewer", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
-    "in_front_of": Function("the place at a distance in front of an object's middle, or nearer to a viewer", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
-    "behind": Function("the place at a distance behind an object's middle, or further from a viewer", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
+    "left_of": Function("the place at a distance to the left of an object's middle, seen from the front or from a viewer", (OBJECT, A_LENGTH), PLACE, options=_VIEWER_OPTION),
+    "right_of": Function("the place at a distance to the right of an object's middle, seen from the front or from a viewer", (OBJECT, A_LENGTH), PLACE, options=_VIEWER_OPTION),
+    "in_front_of": Function("the place at a distance in front of an object's middle, or nearer to a viewer", (OBJECT, A_LENGTH), PLACE, options=_VIEWER_OPTION),
+    "behind": Function("the place at a distance behind an object's middle, or further from a viewer", (OBJECT, A_LENGTH), PLACE, options=_VIEWER_OPTION),
     "polar": Function("the place at a distance and heading from an object's middle", (OBJECT, A_LENGTH, AN_ANGLE), PLACE),
     "between": Function("the place half way between two objects", (OBJECT, OBJECT), PLACE),
     # colours
@@ -90,22 +90,22 @@ FUNCTIONS: dict[str, Function] = {
     "any": Function("whether at least one of them is true", (_TRUTHS,), TRUTH),
     "all": Function("whether all of them are true", (_TRUTHS,), TRUTH),
     "volume": Function("how much room an object takes", (OBJECT,), Quantity(VOLUME)),
-    "largest": Function("the one with the largest volume", (_OBJECTS,), OBJECT, options=_TIE),
-    "smallest": Function("the one with the smallest volume", (_OBJECTS,), OBJECT, options=_TIE),
+    "largest": Function("the one with the largest volume", (_OBJECTS,), OBJECT, options=_TIE_OPTION),
+    "smallest": Function("the one with the smallest volume", (_OBJECTS,), OBJECT, options=_TIE_OPTION),
     "luminance": Function("how light an object's colour is, 0 to 1", (OBJECT,), A_NUMBER),
-    "darkest": Function("the one with the darkest colour", (_OBJECTS,), OBJECT, options=_TIE),
-    "lightest": Function("the one with the lightest colour", (_OBJECTS,), OBJECT, options=_TIE),
+    "darkest": Function("the one with the darkest colour", (_OBJECTS,), OBJECT, options=_TIE_OPTION),
+    "lightest": Function("the one with the lightest colour", (_OBJECTS,), OBJECT, options=_TIE_OPTION),
     "fits": Function("whether an object fits into the hollow of a compound one, without turning it", (OBJECT, OBJECT), TRUTH),
     # motion while observed
     "speed": Function("distance travelled while observed, over that time; or how fast it is at a time", (OBJECT,), Quantity(SPEED), "wmspec.runtime.questions.motion:speed", {**_DURING, **_AT}, moments=2),
-    "fastest": Function("the one with the largest speed", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:fastest", _TIE, chooses=True, moments=2),
-    "slowest": Function("the one with the smallest speed", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:slowest", _TIE, chooses=True, moments=2),
+    "fastest": Function("the one with the largest speed", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:fastest", _TIE_OPTION, chooses=True, moments=2),
+    "slowest": Function("the one with the smallest speed", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:slowest", _TIE_OPTION, chooses=True, moments=2),
     "moved": Function("whether it moved while observed", (OBJECT,), TRUTH, "wmspec.runtime.questions.motion:moved", _DURING, moments=2),
     "mover": Function("the one that travelled furthest", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:mover", chooses=True, moments=2),
     "onset": Function("when it first moved", (OBJECT,), A_TIME, "wmspec.runtime.questions.motion:onset", moments=3),
     "moving_time": Function("how long it moved, from first to last", (OBJECT,), A_TIME, "wmspec.runtime.questions.motion:moving_time", moments=3),
     "first": Function("the one that moved first", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:first", {"tie": A_TIME}, chooses=True, moments=3),
-    "longest": Function("the one that moved for the longest time", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:longest", _TIE, chooses=True, moments=3),
+    "longest": Function("the one that moved for the longest time", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:longest", _TIE_OPTION, chooses=True, moments=3),
     "heading": Function("where it went: the heading from where it was first seen to where it was last, above -180 and up to 180 deg; a whole turn makes no difference to it; or the way that it moves at a time", (OBJECT,), AN_ANGLE, "wmspec.runtime.questions.motion:heading", _AT, moments=2),
     "heads_to": Function("which of the others it went most directly towards", (OBJECT, _OBJECTS), OBJECT, "wmspec.runtime.questions.motion:heads_to", moments=2),
     "trajectory": Function("the form of its path", (OBJECT,), PATH, "wmspec.runtime.questions.motion:trajectory", moments=3),
@@ -113,7 +113,7 @@ FUNCTIONS: dict[str, Function] = {
     "position": Function("where its middle is at the end, or at a time", (OBJECT,), POINT3, "wmspec.runtime.questions.outcome:position", _AT),
     "displacement": Function("how far it is at the end, or at a time, from where it began", (OBJECT,), A_LENGTH, "wmspec.runtime.questions.outcome:displacement", _AT, moments=2),
     "distance": Function("between the middles of two objects, at the end or at a time", (OBJECT, OBJECT), A_LENGTH, "wmspec.runtime.questions.outcome:distance", _AT),
-    "relation": Function("where the first is from the second when last seen, or at a time, as the pictures show it or as a viewer sees it", (OBJECT, OBJECT), RELATION, "wmspec.runtime.questions.choices:relation", {**_AT, **_SEEN}, chooses=True),
+    "relation": Function("where the first is from the second when last seen, or at a time, as the pictures show it or as a viewer sees it", (OBJECT, OBJECT), RELATION, "wmspec.runtime.questions.choices:relation", {**_AT, **_VIEWER_OPTION}, chooses=True),
     "at_rest": Function("whether it stands still at the end, or at a time", (OBJECT,), TRUTH, "wmspec.runtime.questions.outcome:at_rest", _AT, moments=2),
     "toppled": Function("whether it is more than half way tipped over at the end, or at a time", (OBJECT,), TRUTH, "wmspec.runtime.questions.outcome:toppled", _AT),
     "height": Function("how high its middle is at the end, or at a time", (OBJECT,), A_LENGTH, "wmspec.runtime.questions.outcome:height", _AT),

@@ -34,7 +34,7 @@ class EntityType:
     """
 
     kind: str
-    said: frozenset[str]
+    set_properties: frozenset[str]
     model: str = ""
     parts: bool = False
     asset: bool = False
@@ -53,11 +53,11 @@ def exclusion_reason(of: EntityType, name: str) -> str:
     if of.kind in ("object", "part"):
         if of.parts and name in (*_FORM, *_MESH):
             return f"an object that is made of parts has no `{name}` of its own"
-        if "file" in of.said and name in _FORM:
+        if "file" in of.set_properties and name in _FORM:
             return f"{'an object' if of.kind == 'object' else 'a part'} that is a mesh from a file has no `{name}`"
-        if name == "inside" and "on" in of.said:
+        if name == "inside" and "on" in of.set_properties:
             return "an object rests on something or inside it, not both"
-        if name in _REQUIREMENTS and _REQUIREMENTS[name][0] not in of.said:
+        if name in _REQUIREMENTS and _REQUIREMENTS[name][0] not in of.set_properties:
             other, what = _REQUIREMENTS[name]
             return f"`{name}` is for {what}, and there is no `{other}`"
     if of.kind == "joint" and of.model not in ("hinge", "slider") and name in _DRIVEN:
@@ -73,7 +73,7 @@ def exclusion_reason(of: EntityType, name: str) -> str:
 
 def remedy(of: EntityType, name: str) -> str:
     """Return the remedy for a disallowed property."""
-    lonely = of.kind in ("object", "part") and name in _REQUIREMENTS and _REQUIREMENTS[name][0] not in of.said
+    lonely = of.kind in ("object", "part") and name in _REQUIREMENTS and _REQUIREMENTS[name][0] not in of.set_properties
     return f"add `{_REQUIREMENTS[name][0]}:` or remove this" if lonely and not of.parts else "remove it"
 
 
@@ -88,7 +88,7 @@ def allowed_properties(of: EntityType) -> dict[str, PropertySpec]:
 def _fitted(of: EntityType, name: str, slot: PropertySpec) -> PropertySpec:
     if of.kind == "joint" and AN_ANGLE in slot.types:
         return replace(slot, types=(AN_ANGLE if of.model == "hinge" else A_LENGTH,))
-    if of.kind == "joint" and name == "stiffness" and "target" in of.said:
+    if of.kind == "joint" and name == "stiffness" and "target" in of.set_properties:
         return replace(slot, default=None)  # a target without stiffness has no effect
     if of.kind == "robot" and of.model == "arm" and name == "model":
         return replace(slot, optional=False)

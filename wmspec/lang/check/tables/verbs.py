@@ -40,7 +40,7 @@ class Verb:
     staged: str = ""
     carries: bool = False
     holds: bool = False
-    whatever: bool = False
+    allows_carried: bool = False
 
 
 _DIRECTION = PropertySpec(
@@ -130,12 +130,12 @@ VERBS: dict[str, Verb] = {
     "paint": Verb(
         "gives all of the object another colour",
         {"object": PropertySpec((OBJECT,), "what is painted"), "color": PropertySpec((COLOR,), "which colour")},
-        lasts=False, author="wmspec.compile.stage.actions:paint", whatever=True,
+        lasts=False, author="wmspec.compile.stage.actions:paint", allows_carried=True,
     ),
     "vanish": Verb(
         "takes the object away: from then on nothing touches or shows it",
         {"object": PropertySpec((OBJECT,), "what vanishes")},
-        lasts=False, author="wmspec.compile.stage.actions:vanish", whatever=True,
+        lasts=False, author="wmspec.compile.stage.actions:vanish", allows_carried=True,
     ),
 }  # fmt: skip
 

@@ -143,7 +143,7 @@ class UnknownUnit(Exception):
 
 
 #: Foreign units and spellings: factor and equivalent unit.
-FOREIGN: dict[str, tuple[float, str]] = {
+FOREIGN_UNITS: dict[str, tuple[float, str]] = {
     **dict.fromkeys(("inch", "inches"), (2.54, "cm")),
     **dict.fromkeys(("ft", "foot", "feet"), (30.48, "cm")),
     **dict.fromkeys(("yd", "yard", "yards"), (91.44, "cm")),
@@ -181,8 +181,8 @@ FOREIGN: dict[str, tuple[float, str]] = {
 
 def remedy(unknown: str, text: str, expected: Iterable[Dimension]) -> str:
     """Return the remedy for an unknown unit in a text such as `8 inch`; among equals, an expected dimension wins."""
-    if unknown in FOREIGN:
-        scale, unit = FOREIGN[unknown]
+    if unknown in FOREIGN_UNITS:
+        scale, unit = FOREIGN_UNITS[unknown]
         match = re.fullmatch(r"([\d.]+(?:[eE][+-]?\d+)?)\s*(.+)", text)
         if match and match[2] == unknown:
             return f"write `{float(match[1]) * scale:.6g} {unit}`"

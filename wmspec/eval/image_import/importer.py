@@ -17,16 +17,16 @@ from wmspec.dataset.build.croissant import TaskMetadata, metadata
 from wmspec.dataset.build.rows import table
 from wmspec.dataset.build.schema import SHARD, manifest_fault
 from wmspec.dataset.build.shards import parquet
-from wmspec.eval.image_import.pictures import Pictures
-from wmspec.eval.image_import.rows import CAMERA, rows, schema
+from wmspec.eval.image_import.decode import PictureFolder
+from wmspec.eval.image_import.rows import CAMERA_ENGINE, rows, schema
 from wmspec.eval.image_import.table import Entry, read
 
 #: Mark in the manifest of an imported dataset, which may be replaced by another import.
-MADE_BY = "recast"
+PROVENANCE = "recast"
 
 
 @dataclass(frozen=True)
-class Recast:
+class ImportResult:
     """The result of an import: questions by task, unused pictures, and the number of rows without a licence."""
 
     questions: dict[str, int]
@@ -34,19 +34,19 @@ class Recast:
     unlicensed: int
 
 
-def recast(path: Path, folder: Path, output: Path, size: int) -> Recast:
+def import_images(path: Path, folder: Path, output: Path, size: int) -> ImportResult:
     """Import a table as a dataset. Nothing is written unless the whole table is valid.
 
     Raises WmsError with all errors, or if the folder holds something else or cannot be written.
     """
     if not folder.is_dir():
         raise WmsError(f"{folder} is no folder; give the one with the pictures as --images")
-    pictures = Pictures(folder, size)
+    pictures = PictureFolder(folder, size)
     entries = read(path, pictures)
     tasks: dict[str, list[Entry]] = {}
     for entry in entries:
         tasks.setdefault(entry.task, []).append(entry)
-    _one_dimension(path, tasks)
+    _check_dimensions(path, tasks)
     _clear(output)
     shards = {_path(name): _shard(of_one, pictures) for name, of_one in tasks.items()}
     with files.with_remedies(output):
@@ -58,10 +58,10 @@ def recast(path: Path, folder: Path, output: Path, size: int) -> Recast:
     files.write(output, files.MANIFEST, files.pretty_json(_manifest(path, tasks, shards, size)))
     (output / files.PROGRESS).rmdir()
     unlicensed = sum(not entry.license for entry in entries)
-    return Recast({name: len(of_one) for name, of_one in tasks.items()}, pictures.unused, unlicensed)
+    return ImportResult({name: len(of_one) for name, of_one in tasks.items()}, pictures.unused, unlicensed)
 
 
-def _one_dimension(path: Path, tasks: dict[str, list[Entry]]) -> None:
+def _check_dimensions(path: Path, tasks: dict[str, list[Entry]]) -> None:
     """Report an error if the rows of a task name several dimensions."""
     for name, entries in tasks.items():
         other = next((e for e in entries if e.dimension != entries[0].dimension), None)
@@ -78,7 +78,7 @@ def _path(task: str) -> str:
     return f"data/{task}/test-00000-of-00001.parquet"
 
 
-def _shard(entries: list[Entry], pictures: Pictures) -> bytes:
+def _shard(entries: list[Entry], pictures: PictureFolder) -> bytes:
     return parquet(table(rows(entries, pictures), schema(entries)))
 
 
@@ -92,7 +92,7 @@ def _clear(output: Path) -> None:
         manifest: Any = json.loads(read_bytes(output / files.MANIFEST))
     except (OSError, ValueError, RecursionError):
         manifest = None
-    if manifest_fault(manifest) or manifest.get("made by") != MADE_BY:
+    if manifest_fault(manifest) or manifest.get("made by") != PROVENANCE:
         raise WmsError(f"{output} holds files that `wmspec import-images` did not write; choose another folder with -o")
     with files.with_remedies(output):
         (output / files.MANIFEST).unlink()
@@ -108,11 +108,11 @@ def _clear(output: Path) -> None:
 def _manifest(path: Path, tasks: dict[str, list[Entry]], shards: dict[str, bytes], size: int) -> dict[str, Any]:
     return {
         "format": 1,
-        "made by": MADE_BY,
+        "made by": PROVENANCE,
         "table": {"name": path.name, "sha256": files.digest(path)},
         "versions": {"wmspec": __version__},
         "seed": 0,
-        "engines": [CAMERA],
+        "engines": [CAMERA_ENGINE],
         "size": [size, size],
         "consensus": "none",
         "tasks": {name: _task(of_one) for name, of_one in tasks.items()},
@@ -133,7 +133,7 @@ def _task(entries: list[Entry]) -> dict[str, Any]:
         "license": ", ".join(sorted({e.license for e in entries if e.license})),
         "source": "; ".join(sorted({e.source for e in entries if e.source})),
         "instances": len({e.episode or e.line for e in entries}),
-        "rows": {CAMERA: len(entries)},
+        "rows": {CAMERA_ENGINE: len(entries)},
         "rejected": {},
     }
 

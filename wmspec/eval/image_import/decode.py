@@ -18,18 +18,18 @@ from wmspec.core.limits import PIXELS
 from wmspec.core.safe_io import is_within
 
 #: File suffixes of pictures and clips. Animated pictures (GIF, WebP, PNG) count as clips too.
-STILLS = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".gif")
-CLIPS = (".mp4", ".mov", ".webm", ".mkv", ".avi")
+STILL_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".gif")
+CLIP_SUFFIXES = (".mp4", ".mov", ".webm", ".mkv", ".avi")
 #: Permitted formats of Pillow and FFmpeg; others are refused whatever the content looks like.
 _STILL_FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")
 _CLIP_FORMATS = ["-protocol_whitelist", "file", "-format_whitelist", "mov,matroska,webm,avi"]
 #: Minimum side of a picture (px).
-LEAST = 16
+MIN_SIDE = 16
 
 Pixels = NDArray[np.uint8]
 
 
-class Pictures:
+class PictureFolder:
     """The pictures of a folder, scaled down to sides of at most `size` (px)."""
 
     def __init__(self, folder: Path, size: int) -> None:
@@ -40,15 +40,19 @@ class Pictures:
     @property
     def unused(self) -> tuple[str, ...]:
         """The names of pictures and clips that were never requested."""
-        return tuple(n for n, p in self._names.items() if n not in self.used and p.suffix.lower() in (*STILLS, *CLIPS))
+        return tuple(
+            n
+            for n, p in self._names.items()
+            if n not in self.used and p.suffix.lower() in (*STILL_SUFFIXES, *CLIP_SUFFIXES)
+        )
 
     def moves(self, name: str) -> bool:
         """Whether a file is a picture with several frames."""
         path = self._names.get(name)
-        if path is None or path.suffix.lower() not in STILLS or not is_within(self._folder, path):
+        if path is None or path.suffix.lower() not in STILL_SUFFIXES or not is_within(self._folder, path):
             return False
         try:
-            with _explained(name), _opened(path) as picture:
+            with _with_remedies(name), _open_image(path) as picture:
                 return bool(getattr(picture, "n_frames", 1) > 1 and picture.format != "TIFF")
         except WmsError:
             return False
@@ -60,8 +64,8 @@ class Pictures:
 
     def still(self, name: str) -> Pixels:
         """Return a photograph (h, w, 3). Raises WmsError if it is missing or unreadable."""
-        path = self._path(name, STILLS)
-        with _explained(name), _opened(path) as picture:
+        path = self._path(name, STILL_SUFFIXES)
+        with _with_remedies(name), _open_image(path) as picture:
             pixels = self._ready(picture, name)
         return pixels
 
@@ -70,8 +74,8 @@ class Pictures:
 
         Raises WmsError if the clip is missing or unreadable, has fewer frames, or if the decoder is not installed.
         """
-        path = self._path(name, (*STILLS, *CLIPS))
-        if path.suffix.lower() in STILLS:
+        path = self._path(name, (*STILL_SUFFIXES, *CLIP_SUFFIXES))
+        if path.suffix.lower() in STILL_SUFFIXES:
             return self._animated(path, name, count)
         return self._film(path, name, count)
 
@@ -100,22 +104,24 @@ class Pictures:
 
     def _ready(self, picture: Image.Image, name: str) -> Pixels:
         """Return the pixels of a picture (h, w, 3): upright, in sRGB, on white, at most the maximum size."""
-        if min(picture.size) < LEAST:
+        if min(picture.size) < MIN_SIDE:
             wide, high = picture.size
-            raise WmsError(f"`{name}` has {wide} × {high} pixels", help=f"give a picture of at least {LEAST} × {LEAST}")
+            raise WmsError(
+                f"`{name}` has {wide} × {high} pixels", help=f"give a picture of at least {MIN_SIDE} × {MIN_SIDE}"
+            )
         picture.draft("RGB", (2 * self._size, 2 * self._size))  # decodes JPEGs at reduced size, which is faster
         profile = picture.info.get("icc_profile")
         upright = ImageOps.exif_transpose(picture)
-        colored = _opaque(upright)
+        colored = _flatten(upright)
         if profile and upright.mode in ("RGB", "RGBA"):
-            colored = _in_srgb(colored, profile)
+            colored = _to_srgb(colored, profile)
         colored.thumbnail((self._size, self._size), Image.Resampling.LANCZOS)
         return np.asarray(colored, np.uint8)
 
     def _animated(self, path: Path, name: str, count: int) -> tuple[list[Pixels], list[float]]:
-        with _explained(name), _opened(path) as picture:
+        with _with_remedies(name), _open_image(path) as picture:
             total = int(getattr(picture, "n_frames", 1))
-            wanted = set(_evenly(name, total, count))
+            wanted = set(_even_indices(name, total, count))
             pixels, times, now = [], [], 0.0
             for number in range(total):
                 picture.seek(number)
@@ -139,7 +145,7 @@ class Pictures:
             if wide * high > PIXELS.most:
                 raise _too_large(name)
             total, _ = imageio_ffmpeg.count_frames_and_secs(str(path))
-            wanted = set(_evenly(name, total, count))
+            wanted = set(_even_indices(name, total, count))
             frames = ((n, Image.frombytes("RGB", (wide, high), frame)) for n, frame in enumerate(reader) if n in wanted)
             shown = [
                 (n, self._ready(picture, name)) for n, picture in frames
@@ -149,14 +155,14 @@ class Pictures:
             raise WmsError(f"`{name}` cannot be read", help="save the clip again, as .mp4") from None
 
 
-def _evenly(name: str, total: int, count: int) -> Iterator[int]:
+def _even_indices(name: str, total: int, count: int) -> Iterator[int]:
     if total < count:
         raise WmsError(f"`{name}` has {total} pictures, {count} are wanted", help=f"write at most {total} in `frames`")
     yield from (round(i) for i in np.linspace(0, total - 1, count))
 
 
-def _opened(path: Path) -> Image.Image:
-    """Open a picture without decoding it. Raises OSError and others, see `_explained`."""
+def _open_image(path: Path) -> Image.Image:
+    """Open a picture without decoding it. Raises OSError and others, see `_with_remedies`."""
     picture = Image.open(path, "r", _STILL_FORMATS)
     if picture.width * picture.height > PIXELS.most:
         raise Image.DecompressionBombError
@@ -168,7 +174,7 @@ def _too_large(name: str) -> WmsError:
 
 
 @contextmanager
-def _explained(name: str) -> Iterator[None]:
+def _with_remedies(name: str) -> Iterator[None]:
     """Turn errors of decoding into a WmsError."""
     try:
         with warnings.catch_warnings():
@@ -180,7 +186,7 @@ def _explained(name: str) -> Iterator[None]:
         raise WmsError(f"`{name}` cannot be read: it is damaged, or no picture", help="save it again") from None
 
 
-def _opaque(picture: Image.Image) -> Image.Image:
+def _flatten(picture: Image.Image) -> Image.Image:
     """Return a picture in RGB, on white where transparent; 16-bit greys become 8-bit ones."""
     if picture.mode.startswith("I"):
         grey = np.asarray(picture, np.float64)
@@ -191,7 +197,7 @@ def _opaque(picture: Image.Image) -> Image.Image:
     return picture.convert("RGB")
 
 
-def _in_srgb(picture: Image.Image, profile: bytes) -> Image.Image:
+def _to_srgb(picture: Image.Image, profile: bytes) -> Image.Image:
     """Return a picture in sRGB; an unreadable profile is ignored."""
     try:
         source = ImageCms.ImageCmsProfile(io.BytesIO(profile))
