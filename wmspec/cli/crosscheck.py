@@ -130,9 +130,9 @@ def _print(agreement: Agreement) -> None:
     for s in agreement.suspects:
         where = f"where {s.factor} is {_short(s.value)}"
         click.echo(f"  {s.task}: {s.what} in {s.with_it} instances {where}, in {s.without} elsewhere")
-    if agreement.doubtful:
+    if agreement.unreliable_answers:
         click.echo("\nanswers that depend on motion that engines simulate wrongly:")
-    for d in agreement.doubtful:
+    for d in agreement.unreliable_answers:
         click.echo(f"  {d.task}: {d.answers}, as {d.kind}; in instance {d.instance}, {d.where}")
     click.echo(f"\n{len(agreement.instances) - len(failed)} of {len(agreement.instances)} instances pass")
 

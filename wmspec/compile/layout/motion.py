@@ -96,7 +96,7 @@ def timed_path(
     name = action.name
     form, length, width = values.property(name, "path"), values.number(name, "length"), values.number(name, "width")
     points = paths.named_path(form, length, width) if isinstance(form, str) else values.points(name, "path")
-    turned = paths.turned(points, heading_of(values.direction(name)))
+    turned = paths.rotated_points(points, heading_of(values.direction(name)))
     points, turns = paths.aligned_points(turned) if values.flag(action.name, "facing") else (turned, ())
     line, moments = paths.timed_points(points, values.number(action.name, "duration"))
     if len(line) < 2 or moments[-1] <= 0:

@@ -60,9 +60,7 @@ def aligned_points(points: Sequence[Vector]) -> tuple[tuple[Vector, ...], tuple[
         else:
             line += [_toward(here, before, CORNER_SHARE), _toward(here, after, CORNER_SHARE)]
             turns += [first, second]
-    if (
-        len(leads) > 1 and abs(leads[1] - leads[0]) <= MIN_CORNER_ANGLE
-    ):  # a curve also turns along its first and last leg
+    if len(leads) > 1 and abs(leads[1] - leads[0]) <= MIN_CORNER_ANGLE:  # curves turn from end to end
         turns[0] -= (leads[1] - leads[0]) / 2
     last = (leads[-1] - leads[-2]) / 2 if len(leads) > 1 and abs(leads[-1] - leads[-2]) <= MIN_CORNER_ANGLE else 0.0
     return (*line, kept[-1]), tuple(turn - turns[0] for turn in (*turns, leads[-1] + last))
@@ -126,9 +124,7 @@ def _arc(length: float, width: float) -> tuple[Vector, ...]:
 
 
 def _around(middle: Vector, radius: float, start: float, stop: float) -> tuple[Vector, ...]:
-    count = 2 * max(
-        4, math.ceil(CIRCLE_SEGMENTS / 2 * abs(stop - start) / (2 * math.pi))
-    )  # even: the midpoint is a vertex
+    count = 2 * max(4, math.ceil(CIRCLE_SEGMENTS / 2 * abs(stop - start) / (2 * math.pi)))  # even
     angles = (start + (stop - start) * i / count for i in range(count + 1))
     points = (add(middle, scale(radius, (math.cos(a), math.sin(a), 0.0))) for a in angles)
     first, *rest = points

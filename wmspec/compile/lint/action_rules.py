@@ -28,7 +28,8 @@ def _beyond(scene: LintScene, owner: str, joint: str, place: Location) -> Iterat
     if (limit := exceeded_limit(values, joint, target)) is not None:
         end, model = limit, values.spec.thing(joint).model
         most = format_coordinate(values.number(joint, end), model)
-        what = f"the target of `{owner}` is {format_coordinate(target, model)}, beyond the limit of `{joint}`, {most}, {scene.where}"
+        at = format_coordinate(target, model)
+        what = f"the target of `{owner}` is {at}, beyond the limit of `{joint}`, {most}, {scene.where}"
         yield Breach(what, place, f"stay within the limits, or set another `{end}:`", about=(owner, "target"))
 
 

@@ -107,7 +107,8 @@ def late_action(scene: LintScene) -> Iterator[Breach]:
             start = values.number(action.name, "start")
             if start > end - 1e-9:
                 lasts = f"the episode lasts {units.format_quantity(end, units.TIME)} {scene.where}"
-                what = f"`{action.name}` never happens: it begins at {units.format_quantity(start, units.TIME)}, and {lasts}"
+                begins = units.format_quantity(start, units.TIME)
+                what = f"`{action.name}` never happens: it begins at {begins}, and {lasts}"
                 remedy = "let it begin earlier, or set a longer `horizon`"
                 yield Breach(what, values.source_location(action.name, "start"), remedy, about=action.name)
 

@@ -89,7 +89,7 @@ def _rolling(action: Entity, target: str, speed: float, values: Evaluator) -> Ve
     made = pieces(values, target)
     if values.parts(target) or made[0].solid.symmetry != "ball":
         raise ImpossibleValue(f"`{target}` is not a sphere, so it cannot set off rolling", action.place)
-    angle = motion.angle(values.direction(action.name))
+    angle = motion.heading_of(values.direction(action.name))
     rate = speed / (made[0].solid.reach(UP))
     return (0.0 - math.sin(angle) * rate, math.cos(angle) * rate, 0.0)
 

@@ -208,7 +208,7 @@ class Part(Node):
 
 
 class Block(Node):
-    """`object name : model { properties child_nodes }`, and the same for cameras, lights, joints, robots and the world.
+    """`object name : model { properties parts }`, and the same for cameras, lights, joints, robots and the world.
 
     The world has no name. `count` is set for `objects name[count] { ... }` and `joints name[count] : model { ... }`.
     `whole` is never written: it names the object of an asset that a link or joint belongs to.
@@ -220,17 +220,17 @@ class Block(Node):
     span: Span
     model: Name | None = None
     count: Expr | None = None
-    child_nodes: tuple[Part, ...] = ()
+    parts: tuple[Part, ...] = ()
     whole: str = ""
 
 
 class Template(Node):
-    """`template name(parameter: default) { properties child_nodes }`: the common part of objects of this model."""
+    """`template name(parameter: default) { properties parts }`: the common part of objects of this model."""
 
     name: Name
     parameters: tuple[Property, ...]
     properties: tuple[Property, ...]
-    child_nodes: tuple[Part, ...]
+    parts: tuple[Part, ...]
     span: Span
 
 

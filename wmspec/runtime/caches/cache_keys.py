@@ -27,9 +27,11 @@ def form_key(scene: Scene) -> bytes:
 
 def look_key(scene: Scene) -> bytes:
     """Return the hash of what a picture shows, except poses."""
-    return _cached_hash(
-        scene, "look", lambda s: digest(form_key(s), [_cached_hash(b, "paint", _body_colors) for b in s.bodies])
-    )
+    return _cached_hash(scene, "look", _look)
+
+
+def _look(scene: Scene) -> bytes:
+    return digest(form_key(scene), [_cached_hash(body, "paint", _body_colors) for body in scene.bodies])
 
 
 def shot_key(shot: Shot) -> bytes:

@@ -214,7 +214,7 @@ def _bytes_of(document: Document, paths: Iterable[str]) -> bytes:
 
 
 def _reached(document: Document, parts: _Parts, part: str, robots: Sequence[str]) -> list[str]:
-    """Return the other parts that a part refers to, transitively, in order. `robots` with assets refer to each other."""
+    """Return the parts that a part refers to, transitively, in order. `robots` with assets refer to each other."""
     reached, waiting = [part], [part]
     while waiting:
         for path in parts[waiting.pop()]:

@@ -157,7 +157,7 @@ def _renders(engine: str) -> RenderCache:
 
 
 def _cause(comparisons: Sequence[Comparison]) -> Cause | None:
-    """Return the cause of a different answer: the truth's divergence, else that of the most divergent counterfactual."""
+    """Return the cause of a different answer: the truth's, else that of the most divergent counterfactual."""
     parted = [c for c in comparisons if c.cause is not None]
     worst = max(
         parted,

@@ -101,5 +101,6 @@ def _hint(body: Body, other: Body, material: Friction, impacts: int) -> str:
             "ball, or look earlier"
         )
     if material.dynamic > MAX_SMOOTH_FRICTION:
-        return f"balls that rub climb on each other: lower the friction of both to {MAX_SMOOTH_FRICTION:g}, or look earlier"
+        remedy = f"lower the friction of both to {MAX_SMOOTH_FRICTION:g}, or look earlier"
+        return f"balls that rub climb on each other: {remedy}"
     return "the engines differ in how this pair bounces and rubs: look earlier, or ask for less precision"

@@ -38,8 +38,8 @@ MAX_RETRIES = 10
 class PoolConfig:
     """Worker processes, and the timeout (s) of a job.
 
-    Without workers, jobs run in this process, where a hanging job cannot be stopped. `worker_factory` creates a worker that is
-    not a process of this machine.
+    Without workers, jobs run in this process, where a hanging job cannot be stopped. `worker_factory` creates a
+    worker that is not a process of this machine.
     """
 
     workers: int

@@ -27,7 +27,7 @@ class Owner:
     type: EntityType
     written: tuple[s.Property, ...]
     span: Span
-    part_owners: tuple[str, ...] = ()
+    parts: tuple[str, ...] = ()
 
     @property
     def slots(self) -> dict[str, PropertySpec]:
