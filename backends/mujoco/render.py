@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.diagnostics import GraphicsError
+from wmspec.memoize import LRU
 from wmspec.scene.boxes import Edges
 from wmspec.scene.camera import find, seeing
 from wmspec.scene.color import texture, whole
@@ -23,7 +24,7 @@ from wmspec.scene.texcoords import texcoords
 from wmspec.scene.window import Moving, Window, full
 from wmspec.shapes import Shape
 
-from .backdrop import Backdrop, Backdrops, Layer, key
+from .backdrop import REMEMBERED, Backdrop, Layer, key
 from .cast import Cast
 
 with silence():
@@ -45,7 +46,7 @@ WIDEST = 0.8
 
 GL_RGBA = 0x1908
 
-_BACKDROPS = Backdrops()
+_BACKDROPS: LRU[bytes, Backdrop] = LRU(REMEMBERED)
 
 
 class Renderer:
@@ -104,7 +105,7 @@ class Renderer:
         if rides or not self._still.bodies or not region.same(self._still.region(eye, shot)):
             return None
         known = key(self._scene, self._still.bodies, eye, shot, self._size)
-        backdrop = _BACKDROPS.of(known, lambda: self._backdrop(eye, region, shot))
+        backdrop = _BACKDROPS.get(known, lambda: self._backdrop(eye, region, shot))
         window = self._moving.window(backdrop.lit, eye, shot, self._size, _texel(region))
         if window.share > WIDEST:
             return None

@@ -20,9 +20,9 @@ from wmspec.execute.render_cache import RenderCache
 from wmspec.execute.scene_cache import SceneCache
 from wmspec.execute.trace_cache import TraceCache
 from wmspec.layout.values import Values
+from wmspec.memoize import cached_on
 from wmspec.scene.appearance import shown_at, vanished
 from wmspec.scene.bounds import bounds, middle, own_middle
-from wmspec.scene.kept import kept
 from wmspec.scene.model import Array, Body, Frame, Geom, Pose, Scene, Shot, Trace
 from wmspec.scene.overlap import overlap
 from wmspec.scene.transform import compose as placed
@@ -119,7 +119,7 @@ def overlaps(scene: Scene) -> Iterator[tuple[str, str, float]]:
     """The bodies, one of them able to move, that lie more than 1 mm (m) deep in one another at the start."""
     apart = {frozenset(pair) for pair in scene.filtered}
     apart |= {frozenset((j.first, j.second)) for j in scene.joints if j.first is not None and not j.collides}
-    pieces = [(body, *piece) for body in scene.bodies for piece in kept(body, _touched)]
+    pieces = [(body, *piece) for body in scene.bodies for piece in cached_on(body, _touched)]
     for (a, one, at, _), (b, other, there, _) in _near(pieces):
         if frozenset((a.name, b.name)) not in apart:
             depth = overlap(one.shape, at, other.shape, there, DEEP)

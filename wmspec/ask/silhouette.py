@@ -8,9 +8,9 @@ from itertools import product
 import numpy as np
 from PIL import Image, ImageDraw
 
+from wmspec.memoize import cached_on
 from wmspec.scene.bounds import upright
 from wmspec.scene.camera import find, project
-from wmspec.scene.kept import kept
 from wmspec.scene.model import Array, Body, Camera, Pose, Scene
 from wmspec.scene.transform import apply, compose, identity
 from wmspec.shapes import Shape
@@ -63,7 +63,7 @@ def box(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], size: tupl
     None where a part of it may be behind the camera.
     """
     camera, pose = placed(scene, *look), look[1][index]
-    points, depth = project(camera, apply(pose, kept(scene.bodies[index], _corners)), *size)
+    points, depth = project(camera, apply(pose, cached_on(scene.bodies[index], _corners)), *size)
     return np.stack([points.min(axis=0), points.max(axis=0)]) if (depth > camera.near).all() else None
 
 

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from wmspec.ask.difference import ciede2000, lab, lab_of_bytes
 from wmspec.ask.observed import Observed
-from wmspec.ask.patch import known, patch
+from wmspec.ask.patch import patch
 from wmspec.ask.silhouette import Silhouette, box, silhouette
 from wmspec.ask.views import View
+from wmspec.memoize import cached_on
 from wmspec.scene.model import Frame
 
 #: What lies so many pixels around a body is what it stands out from, in a picture of 256 x 256.
@@ -78,7 +79,7 @@ def hidden_at_most(observed: Observed, index: int, view: View) -> float:
 
 def outstanding(frame: Frame, index: int) -> float:
     """How much the mean colour of a body differs (CIEDE2000) from the pixels next to it, on average; 0 if unseen."""
-    return known(frame, index, _outstanding)
+    return cached_on(frame, _outstanding, index)
 
 
 def _outstanding(frame: Frame, index: int) -> float:

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wmspec.scene.kept import kept
+from wmspec.memoize import cached_on
 from wmspec.scene.model import Array, Body, Inertia, Pose
 from wmspec.scene.transform import apply, compose, identity, inverse
 
@@ -18,12 +18,12 @@ _ROUND_OFF = 1e-12  # m, or of a unit quaternion
 
 def mount(body: Body) -> Pose:
     """The body's own frame, seen from its centre-of-mass frame (the same one, unless it is dynamic)."""
-    return kept(body, _mount)
+    return cached_on(body, _mount)
 
 
 def com_frame(body: Body) -> Body:
     """The same body, described in its centre-of-mass frame."""
-    return body if body.inertia is None else kept(body, _com_frame)
+    return body if body.inertia is None else cached_on(body, _com_frame)
 
 
 def _mount(body: Body) -> Pose:

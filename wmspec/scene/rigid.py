@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wmspec.memoize import cached_on
 from wmspec.scene.articulations import Gear, Tie, Tree, jointed, ties, trees
 from wmspec.scene.com_frame import com_frame, placed
 from wmspec.scene.contact import apart, colliders
 from wmspec.scene.coordinates import gears
 from wmspec.scene.episode import Episode, Vector
-from wmspec.scene.kept import kept
 from wmspec.scene.model import Body, Geom, Scene
 from wmspec.scene.numbers import floats, numbers
 from wmspec.scene.transform import identity
@@ -79,7 +79,7 @@ def rigids(scene: Scene) -> tuple[Rigid, ...]:
     """The scene's bodies, in order."""
     tied = jointed(scene)
     return tuple(
-        _rigid(com_frame(body), tied=True) if body.name in tied else kept(body, _loose) for body in scene.bodies
+        _rigid(com_frame(body), tied=True) if body.name in tied else cached_on(body, _loose) for body in scene.bodies
     )
 
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.memoize import cached_on
 from wmspec.scene.boxes import shown
 from wmspec.scene.camera import look_at
-from wmspec.scene.kept import kept
 from wmspec.scene.model import Array, Body, Camera, Scene, Shot
 from wmspec.scene.transform import rotation
 from wmspec.shapes.facets import tessellate
@@ -47,7 +47,7 @@ class Casters:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._radius = np.array([kept(body, _radius) for body in scene.bodies])
+        self._radius = np.array([cached_on(body, _radius) for body in scene.bodies])
         self._axes = rotation(look_at(-scene.light.direction, np.zeros(3)).orientation)
 
         self._moves = np.array([body.motion != "static" for body in scene.bodies], dtype=bool)

@@ -9,11 +9,11 @@ import numpy as np
 
 from wmspec.diagnostics import Diagnostic, Report, StageError
 from wmspec.limits import POSES, SECONDS
+from wmspec.memoize import cached_on
 from wmspec.places import PrimPlace
 from wmspec.scene.action_rules import problems as action_problems
 from wmspec.scene.action_rules import sequence
 from wmspec.scene.joints import problems as joint_problems
-from wmspec.scene.kept import kept
 from wmspec.scene.model import Body, Geom, Scene
 
 _UNIT = 1e-6  # how far a quaternion's length may be from 1
@@ -24,7 +24,7 @@ def validate(scene: Scene) -> None:
     report = Report(StageError)
     report.include(_whole(scene))
     for body in scene.bodies:
-        report.include(kept(body, _faults))
+        report.include(cached_on(body, _faults))
     motions = {body.name: body.motion for body in scene.bodies}
     joints = {joint.name: joint for joint in scene.joints}
     for action in scene.actions:

@@ -22,9 +22,9 @@ from wmspec.check.evaluate import evaluate
 from wmspec.check.ir import Counterfactual, Level, Outcome, Question, QuestionKind, Varied
 from wmspec.design.about import named
 from wmspec.execute.keys import look_key
+from wmspec.memoize import cached_on
 from wmspec.scene.appearance import shown_at
 from wmspec.scene.digest import digest
-from wmspec.scene.kept import kept
 from wmspec.scene.model import Body, Frame, Pose, Scene
 from wmspec.scene.turn import axis, visibly_turned
 
@@ -261,7 +261,7 @@ def appearance(scene: Scene) -> str:
     """
     static = [body for body in scene.bodies if body.motion == "static"]
     fixed = [(b.name, b.pose.position.tobytes(), b.pose.orientation.tobytes()) for b in static]
-    looks = look_key(replace(scene, bodies=tuple(kept(body, _without_rounding) for body in scene.bodies)))
+    looks = look_key(replace(scene, bodies=tuple(cached_on(body, _without_rounding) for body in scene.bodies)))
     return digest(looks, fixed).hex()
 
 
