@@ -1,1 +1,1 @@
-"""The engines: one package each, of equal shape. Each needs only `wmspec.scene` and `wmspec.diagnostics`."""
+"""The engines: one package each, of equal shape. Each needs only `wmspec.sim.scene` and `wmspec.core.diagnostics`."""

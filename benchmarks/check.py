@@ -22,10 +22,10 @@ from pathlib import Path
 from statistics import median
 
 from wmspec.api.loading import spec_files
-from wmspec.check.task import check
-from wmspec.design.design import Design
-from wmspec.diagnostics import Report
-from wmspec.parse.load import catalogue_folders
+from wmspec.compile.design.design import Design
+from wmspec.core.diagnostics import Report
+from wmspec.lang.check.statements.task import check
+from wmspec.lang.parse.load import catalogue_folders
 
 MOST_SECONDS = 0.3
 LEAST_RATE = 20_000

@@ -16,11 +16,11 @@ from pathlib import Path
 os.environ.setdefault("LP_NUM_THREADS", "0")
 
 from wmspec.api.making import planned
-from wmspec.execute.pool import Effort
-from wmspec.write.generate import job_of
-from wmspec.write.plan import Plan, Task
-from wmspec.write.units import units
-from wmspec.write.worker import Job, Sharing, work
+from wmspec.dataset.build.generate import job_of
+from wmspec.dataset.build.plan import Plan, Task
+from wmspec.dataset.build.units import units
+from wmspec.dataset.build.worker import Job, Sharing, work
+from wmspec.runtime.workers.pool import Effort
 
 #: Of a unit so many pieces are made.
 PIECES = 16

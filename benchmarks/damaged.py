@@ -29,19 +29,19 @@ from tests.dataset.made import make, plan
 from tests.trust.made import resaved, rewritten, signed, wmspec
 from wmspec.api.episode import load_episode, open_stage, run
 from wmspec.api.loading import load
-from wmspec.check.task import check_program
-from wmspec.diagnostics import Report, WmsError
-from wmspec.evaluate import results
-from wmspec.execute import archive
-from wmspec.gallery.gallery import folder as gallery_folder
-from wmspec.lint.dry_run import dry_run
-from wmspec.parse.load import load_source
-from wmspec.places import Source
-from wmspec.recast.recast import recast
-from wmspec.report import replies
-from wmspec.scene.model import Trace
-from wmspec.usd import read
-from wmspec.write.reader import DatasetReader
+from wmspec.compile.lint.dry_run import dry_run
+from wmspec.core.diagnostics import Report, WmsError
+from wmspec.core.places import Source
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.gallery.gallery import folder as gallery_folder
+from wmspec.eval.image_import.recast import recast
+from wmspec.eval.models import results
+from wmspec.eval.report import replies
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.load import load_source
+from wmspec.runtime.engines import archive
+from wmspec.sim.scene.model import Trace
+from wmspec.sim.usd import read
 
 ROOT = Path(__file__).parent.parent
 MESHES = ("obj", "stl", "ply", "off", "glb", "gltf", "dae")

@@ -53,9 +53,9 @@ COMPILE = """
 import sys
 from pathlib import Path
 from wmspec.cli.common import one_task
-from wmspec.design.design import Design
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
 task = one_task(Path(sys.argv[1]))
 compose(document(task, Design(task, 0)[0])).Flatten().Export(sys.argv[2])
 """
@@ -66,12 +66,12 @@ from dataclasses import replace
 import numpy as np
 from pxr import Usd
 try:
-    import wmspec.usd.schema
-    from wmspec.usd import read
+    import wmspec.sim.usd.schema
+    from wmspec.sim.usd import read
 except ImportError:
-    import wmspec.scene.schema
-    from wmspec.scene.read import read
-from wmspec.scene.model import Shot
+    import wmspec.sim.scene.schema
+    from wmspec.sim.scene.read import read
+from wmspec.sim.scene.model import Shot
 
 backend, size = importlib.import_module(f"wmspec.backends.{sys.argv[1]}"), int(sys.argv[2])
 scenes = [read(Usd.Stage.Open(path)) for path in sys.argv[3:]]

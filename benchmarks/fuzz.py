@@ -30,13 +30,13 @@ from pathlib import Path
 from types import FrameType
 
 from benchmarks.inputs import ROOT, text_of
-from wmspec.check.task import check_program
-from wmspec.diagnostics import Report, SpecError, WmsError
-from wmspec.execute.pool import Effort, Lost, in_order
-from wmspec.lint.dry_run import dry_run
-from wmspec.parse.format import format_spec
-from wmspec.parse.load import load_source
-from wmspec.places import Source
+from wmspec.compile.lint.dry_run import dry_run
+from wmspec.core.diagnostics import Report, SpecError, WmsError
+from wmspec.core.places import Source
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.format import format_spec
+from wmspec.lang.parse.load import load_source
+from wmspec.runtime.workers.pool import Effort, Lost, in_order
 
 #: Processor seconds that an input may take.
 MOST_SECONDS = 2.0

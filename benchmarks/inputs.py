@@ -16,14 +16,14 @@ from typing import Any
 
 from lark.grammar import NonTerminal, Rule, Symbol
 
-from wmspec.diagnostics import Report
-from wmspec.parse import syntax as s
-from wmspec.parse.codes import CODES
-from wmspec.parse.load import library_folder
-from wmspec.parse.pages import page
-from wmspec.parse.parser import parse, words
-from wmspec.parse.tables import grammar, lark_parser
-from wmspec.places import Source, Span
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source, Span
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.codes import CODES
+from wmspec.lang.parse.load import library_folder
+from wmspec.lang.parse.pages import page
+from wmspec.lang.parse.parser import parse, words
+from wmspec.lang.parse.tables import grammar, lark_parser
 
 ROOT = Path(__file__).parent.parent
 ODD: list[str] = [*'{}()[]":,-*#é\U0001f600\x00\r\t', '"""', "..", "at", "if", "then", "else", "with", "after"]

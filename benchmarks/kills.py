@@ -38,11 +38,11 @@ from tests.dataset.made import plan
 from tests.evaluate.loopback import loopback
 from tests.evaluate.made import in_words
 from tests.study.visitor import Process, letter, post
-from wmspec.study import store
-from wmspec.study.make import Options, make
-from wmspec.study.model import load
-from wmspec.study.store import Store
-from wmspec.write.reader import DatasetReader
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.study import store
+from wmspec.eval.study.make import Options, make
+from wmspec.eval.study.model import load
+from wmspec.eval.study.store import Store
 
 ROOT = Path(__file__).parent.parent
 SPEC = ROOT / "tests/endtoend/specs/speed_tabletop.wms"

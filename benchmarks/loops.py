@@ -25,12 +25,12 @@ from wmspec.backends.pybullet.world import World as PyBullet
 from wmspec.backends.sapien import physics as in_sapien
 from wmspec.backends.sapien.render import bodies, eye
 from wmspec.backends.sapien.world import World as Sapien
-from wmspec.scene.camera import projection_matrix, view_matrix
-from wmspec.scene.episode import play, told
-from wmspec.scene.model import Scene
-from wmspec.scene.texcoords import texcoords
-from wmspec.scene.transform import compose
-from wmspec.write.rows import encoded
+from wmspec.dataset.build.rows import encoded
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.scene.model.transform import compose
+from wmspec.sim.scene.physics.episode import play, told
+from wmspec.sim.scene.render.camera import projection_matrix, view_matrix
+from wmspec.sim.scene.render.texcoords import texcoords
 
 #: Executes episodes, and draws as many pictures of each, of this size.
 Loop = Callable[[list[tuple[Scene, int]], int], None]

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
-from wmspec.execute.backends import backend, names
-from wmspec.scene.camera import look_at
-from wmspec.scene.model import Body, Camera, Geom, Light, Pose, Scene, Shot, Surface
-from wmspec.scene.transform import identity
-from wmspec.shapes import Box, Cylinder, Sphere
+from wmspec.runtime.engines.registry import backend, names
+from wmspec.sim.scene.model import Body, Camera, Geom, Light, Pose, Scene, Shot, Surface
+from wmspec.sim.scene.model.transform import identity
+from wmspec.sim.scene.render.camera import look_at
+from wmspec.sim.shapes import Box, Cylinder, Sphere
 
 SIZE, WARM = 64, 20
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])

@@ -22,16 +22,16 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from wmspec.check.task import check_program
-from wmspec.check.units import UNITS
-from wmspec.check.vocabulary import WORDS
-from wmspec.diagnostics import Diagnostic, Report, WmsError
-from wmspec.lint.dry_run import dry_run
-from wmspec.parse.load import library_folder, load_source
-from wmspec.parse.parser import words
-from wmspec.parse.tables import tables
-from wmspec.parse.words import Token
-from wmspec.places import Source, Span
+from wmspec.compile.lint.dry_run import dry_run
+from wmspec.core.diagnostics import Diagnostic, Report, WmsError
+from wmspec.core.places import Source, Span
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.check.tables.vocabulary import WORDS
+from wmspec.lang.check.types.units import UNITS
+from wmspec.lang.parse.lexer import Token
+from wmspec.lang.parse.load import library_folder, load_source
+from wmspec.lang.parse.parser import words
+from wmspec.lang.parse.tables import tables
 
 ROOT = Path(__file__).parent.parent
 OPENING, CLOSING = {"LPAR": "(", "LSQB": "[", "LBRACE": "{"}, {"RPAR": ")", "RSQB": "]", "RBRACE": "}"}

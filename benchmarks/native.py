@@ -20,15 +20,15 @@ os.environ.setdefault("MUJOCO_GL", "egl")
 from benchmarks.cost import cost
 from benchmarks.loops import LOOPS
 from wmspec.api.making import planned
-from wmspec.ask.ask import ask
-from wmspec.ask.runs import EnginePair
-from wmspec.design.design import Design
-from wmspec.execute.keys import look_key, physics_key, shot_key
-from wmspec.execute.pool import Effort
-from wmspec.execute.render_cache import RenderCache
-from wmspec.execute.trace_cache import TraceCache
-from wmspec.scene.model import Frame, Scene, Shot, Trace
-from wmspec.write.generate import job_of
+from wmspec.compile.design.design import Design
+from wmspec.dataset.build.generate import job_of
+from wmspec.runtime.caches.cache_keys import look_key, physics_key, shot_key
+from wmspec.runtime.caches.render_cache import RenderCache
+from wmspec.runtime.caches.trace_cache import TraceCache
+from wmspec.runtime.questions.ask import ask
+from wmspec.runtime.questions.runs import EnginePair
+from wmspec.runtime.workers.pool import Effort
+from wmspec.sim.scene.model import Frame, Scene, Shot, Trace
 
 
 class Traces(TraceCache):

@@ -20,11 +20,11 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.scene.camera import look_at, projection_matrix, view_matrix
-from wmspec.scene.model import Body, Camera, Geom, Light, Motion, Pose, Scene, Shot, Surface
-from wmspec.scene.silence import silence
-from wmspec.scene.transform import identity, multiply, quaternion
-from wmspec.shapes import Box, Cylinder, Shape, Sphere
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.model import Body, Camera, Geom, Light, Motion, Pose, Scene, Shot, Surface
+from wmspec.sim.scene.model.transform import identity, multiply, quaternion
+from wmspec.sim.scene.render.camera import look_at, projection_matrix, view_matrix
+from wmspec.sim.shapes import Box, Cylinder, Shape, Sphere
 
 SUN = np.array([0.35, 0.45, -1.0]) / np.linalg.norm([0.35, 0.45, -1.0])
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])

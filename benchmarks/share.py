@@ -21,22 +21,22 @@ os.environ.setdefault("MUJOCO_GL", "egl")
 import mujoco
 import numpy as np
 
-from wmspec.ask.robustness import NUDGE
-from wmspec.ask.runs import EnginePair, Run, execute, nudged
 from wmspec.backends.mujoco.mjcf import mjcf
 from wmspec.backends.mujoco.physics import prepare
-from wmspec.check.record import to_json
-from wmspec.check.task import check_program
-from wmspec.design.design import Design
-from wmspec.diagnostics import Report
-from wmspec.execute.render_cache import RenderCache
-from wmspec.execute.trace_cache import TraceCache
-from wmspec.parse.load import load_source
-from wmspec.places import Source
-from wmspec.scene.model import Scene
-from wmspec.write.rows import png
-from wmspec.write.units import units
-from wmspec.write.worker import Job, Sharing, work
+from wmspec.compile.design.design import Design
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source
+from wmspec.dataset.build.rows import png
+from wmspec.dataset.build.units import units
+from wmspec.dataset.build.worker import Job, Sharing, work
+from wmspec.lang.check.ir.record import to_json
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.load import load_source
+from wmspec.runtime.caches.render_cache import RenderCache
+from wmspec.runtime.caches.trace_cache import TraceCache
+from wmspec.runtime.questions.robustness import NUDGE
+from wmspec.runtime.questions.runs import EnginePair, Run, execute, nudged
+from wmspec.sim.scene.model import Scene
 
 TASK = """
 use room

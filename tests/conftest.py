@@ -11,7 +11,7 @@ from hypothesis import settings
 
 from tests.browser import browser
 from tests.engines import ENGINES
-from wmspec.execute.backends import default
+from wmspec.runtime.engines.registry import default
 
 __all__ = ["browser"]  # here alone: a process has one browser, however many folders look at pages
 

@@ -6,8 +6,8 @@ from importlib.util import find_spec
 
 import pytest
 
-from wmspec.execute.backends import backend, info, names
-from wmspec.scene.backend import Backend
+from wmspec.runtime.engines.registry import backend, info, names
+from wmspec.sim.scene.backend import Backend
 
 ENGINES = names()
 

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from tools.reference import table
-from wmspec.compare.model import Cause, Verdict
-from wmspec.compare.verbalize import dispute
+from wmspec.runtime.compare.model import Cause, Verdict
+from wmspec.runtime.compare.verbalize import dispute
 
 PAGE = Path(__file__).parent.parent / "docs/crosscheck.md"
 MARK = "<!-- measured -->\n"

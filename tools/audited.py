@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from tools.reference import table
-from wmspec.audit.cases import task_of
+from wmspec.dataset.audit.cases import task_of
 
 PAGE = Path(__file__).parent.parent / "docs/audit.md"
 MARK = "<!-- audited -->\n"

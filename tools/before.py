@@ -31,9 +31,9 @@ import sys
 from pathlib import Path
 try:
     from wmspec.cli.common import one_task
-    from wmspec.design.design import Design
-    from wmspec.stage.episode import document
-    from wmspec.stage.layers import compose
+    from wmspec.compile.design.design import Design
+    from wmspec.compile.stage.episode import document
+    from wmspec.compile.stage.layers import compose
 
     def tasks(path):
         task = one_task(path)
@@ -60,13 +60,13 @@ import sys
 from pathlib import Path
 import numpy as np
 from pxr import Usd
-from wmspec.execute.backends import backend
+from wmspec.runtime.engines.registry import backend
 try:
-    import wmspec.usd.schema
-    from wmspec.usd import read
+    import wmspec.sim.usd.schema
+    from wmspec.sim.usd import read
 except ImportError:
-    import wmspec.scene.schema
-    from wmspec.scene.read import read
+    import wmspec.sim.scene.schema
+    from wmspec.sim.scene.read import read
 
 out, engines = Path(sys.argv[1]), sys.argv[2].split(",")
 for path in map(Path, sys.argv[3:]):

@@ -9,8 +9,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from wmspec.execute.backends import info, names
-from wmspec.scene.capability import NEARLY, table
+from wmspec.runtime.engines.registry import info, names
+from wmspec.sim.scene.capability import NEARLY, table
 
 PAGE = Path(__file__).parent.parent / "docs/stage.md"
 START, STOP = "<!-- capabilities -->\n", "<!-- /capabilities -->\n"

@@ -21,11 +21,11 @@ from tools.reference import table
 from wmspec.api.drawing import renderer_of
 from wmspec.api.episode import executor
 from wmspec.api.task import Task
-from wmspec.ask.model import Reject
-from wmspec.ask.runs import EnginePair, execute
-from wmspec.ask.views import views_of
-from wmspec.design.about import named
-from wmspec.scene.model import Array
+from wmspec.compile.design.about import named
+from wmspec.runtime.questions.model import Reject
+from wmspec.runtime.questions.runs import EnginePair, execute
+from wmspec.runtime.questions.views import views_of
+from wmspec.sim.scene.model import Array
 
 HEADS = ("task", "together", "wide each", "quarters", "cut")
 

@@ -10,8 +10,8 @@ import json
 import sys
 from pathlib import Path
 
-from wmspec.check.units import UNITS
 from wmspec.editor.words import constants, functions, joining, statements
+from wmspec.lang.check.types.units import UNITS
 
 EDITORS = Path(__file__).parent.parent / "editors"
 NUMBER = r"(?<![\w.])\d+(\.\d+)?([eE][+-]?\d+)?"

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.materials import SIZE, TEXTURES
+from wmspec.sim.materials import SIZE, TEXTURES
 
 Grey = NDArray[np.float64]
 """(SIZE, SIZE) sRGB values 0..1, or any field of this shape."""

@@ -11,18 +11,18 @@ from pathlib import Path
 
 from PIL import Image
 
-from wmspec.check.task import check
-from wmspec.design.design import Design
-from wmspec.diagnostics import Report
-from wmspec.execute.backends import default
-from wmspec.execute.render_cache import RenderCache
-from wmspec.materials import MATERIALS
-from wmspec.scene.model import Look, Shot
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
-from wmspec.usd import read
-from wmspec.write import typeset
-from wmspec.write.typeset import Style
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
+from wmspec.core.diagnostics import Report
+from wmspec.dataset.build import typeset
+from wmspec.dataset.build.typeset import Style
+from wmspec.lang.check.statements.task import check
+from wmspec.runtime.caches.render_cache import RenderCache
+from wmspec.runtime.engines.registry import default
+from wmspec.sim.materials import MATERIALS
+from wmspec.sim.scene.model import Look, Shot
+from wmspec.sim.usd import read
 
 OUTPUT = Path(__file__).parent.parent / "docs/images/materials.jpg"
 SIDE = 190

@@ -11,7 +11,7 @@ from pathlib import Path
 from tests.engines import ENGINES
 from tests.physics.oracles.table import ORACLES, Oracle
 from tools.reference import table
-from wmspec.execute.backends import engine_version
+from wmspec.runtime.engines.registry import engine_version
 
 PAGE = Path(__file__).parent.parent / "docs/oracles.md"
 MARK = "<!-- measured -->\n"

@@ -9,8 +9,8 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
 from wmspec.cli import main
-from wmspec.parse.codes import CODES
-from wmspec.parse.pages import page
+from wmspec.lang.parse.codes import CODES
+from wmspec.lang.parse.pages import page
 
 WIDTH = 80  # characters of a line of help
 

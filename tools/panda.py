@@ -1,4 +1,4 @@
-"""Makes `wmspec/robots/panda/panda.usdc` of the meshes of the Franka Panda that come with PyBullet (Apache-2.0).
+"""Makes `wmspec/compile/robots/panda/panda.usdc` of the meshes of the Franka Panda that come with PyBullet (Apache-2.0).
 
 Run it from the root: `python -m tools.panda`; it needs `pybullet` and `fast-simplification`. The meshes are joined by
 colour and decimated; the last link and the hand are one body. The joints are disabled: the links move as actions say,
@@ -16,12 +16,12 @@ import pybullet_data
 import trimesh
 from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade
 
-from wmspec.robots.arm import Array, shift
-from wmspec.robots.franka import PANDA
-from wmspec.robots.links import articulate, body, finger, material, mesh_prim, pad
+from wmspec.compile.robots.arm import Array, shift
+from wmspec.compile.robots.franka import PANDA
+from wmspec.compile.robots.links import articulate, body, finger, material, mesh_prim, pad
 
 SOURCE = Path(pybullet_data.getDataPath()) / "franka_panda"
-TARGET = Path("wmspec/robots/panda")
+TARGET = Path("wmspec/compile/robots/panda")
 KEPT = 0.12  # of the triangles
 ROUGH = 300  # triangles: below that nothing is taken away
 #: Of each joint, N m/rad and N m s/rad; of the fingers N/m and N s/m.

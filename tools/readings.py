@@ -19,14 +19,14 @@ from pathlib import Path
 from typing import Any
 
 from tools.reference import table
-from wmspec.audit.statistics import clopper_pearson
-from wmspec.draws import bits
-from wmspec.write import typeset
-from wmspec.write.pictures import opened
-from wmspec.write.reader import DatasetReader
-from wmspec.write.rows import Row
-from wmspec.write.sheet import LETTERS
-from wmspec.write.typeset import PALE, Picture, Style
+from wmspec.core.rng import bits
+from wmspec.dataset.audit.statistics import clopper_pearson
+from wmspec.dataset.build import typeset
+from wmspec.dataset.build.pictures import opened
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.build.rows import Row
+from wmspec.dataset.build.sheet import LETTERS
+from wmspec.dataset.build.typeset import PALE, Picture, Style
 
 #: The width of a sheet (px), its margin, what is between two pictures, and how many questions a sheet has.
 WIDTH, MARGIN, GAP, ROOM, A_SHEET = 1600, 30, 8, 3, 3

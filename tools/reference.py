@@ -10,13 +10,11 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from wmspec.check.calls import signature
-from wmspec.check.functions import FUNCTIONS
-from wmspec.check.property_schema import LOOKS, slots, thing_type
-from wmspec.check.types import either
-from wmspec.check.units import EXAMPLES, UNITS
-from wmspec.check.verbs import ROBOTS, VERBS, Verb
-from wmspec.check.vocabulary import (
+from wmspec.lang.check.expressions.calls import signature
+from wmspec.lang.check.tables.functions import FUNCTIONS
+from wmspec.lang.check.tables.property_schema import LOOKS, slots, thing_type
+from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
+from wmspec.lang.check.tables.vocabulary import (
     CONDITIONAL,
     JOINTS,
     PLANS,
@@ -30,8 +28,10 @@ from wmspec.check.vocabulary import (
     Form,
     Slot,
 )
-from wmspec.materials import MATERIALS
-from wmspec.parse.codes import CODES
+from wmspec.lang.check.types.types import either
+from wmspec.lang.check.types.units import EXAMPLES, UNITS
+from wmspec.lang.parse.codes import CODES
+from wmspec.sim.materials import MATERIALS
 
 PAGE = Path(__file__).parent.parent / "docs/language.md"
 MARK = "<!-- reference -->\n"

@@ -22,7 +22,7 @@ from typing import Any
 import wmspec
 from tests.engines import ENGINES
 from tools.reference import table
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 ROOT = Path(__file__).parent.parent
 LIST, PAGE = ROOT / "tools/stages.toml", ROOT / "docs/anyone.md"

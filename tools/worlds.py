@@ -24,21 +24,21 @@ import numpy as np
 from PIL import Image
 
 import wmspec
-from wmspec.check.task import check
-from wmspec.design.design import Design
-from wmspec.diagnostics import Report
-from wmspec.execute.backends import default, names
-from wmspec.execute.render_cache import RenderCache
-from wmspec.parse.load import library_folder, read_source
-from wmspec.parse.parser import parse
-from wmspec.parse.syntax import Template
-from wmspec.scene.bounds import upright
-from wmspec.scene.model import Frame, Look, Scene, Shot
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
-from wmspec.usd import read
-from wmspec.write import typeset
-from wmspec.write.typeset import Style
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
+from wmspec.core.diagnostics import Report
+from wmspec.dataset.build import typeset
+from wmspec.dataset.build.typeset import Style
+from wmspec.lang.check.statements.task import check
+from wmspec.lang.parse.load import library_folder, read_source
+from wmspec.lang.parse.parser import parse
+from wmspec.lang.parse.syntax import Template
+from wmspec.runtime.caches.render_cache import RenderCache
+from wmspec.runtime.engines.registry import default, names
+from wmspec.sim.scene.model import Frame, Look, Scene, Shot
+from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.usd import read
 
 IMAGES = Path(__file__).parent.parent / "docs/images"
 LIBRARIES = ("kitchenware", "food", "toys", "household", "furniture")

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from wmspec.scene.model import Renderer, Scene, Trace
+from wmspec.sim.scene.model import Renderer, Scene, Trace
 
-from .about import INFO as info
+from .info import INFO as info
 
 __all__ = ["execute", "info", "native", "renderer"]
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.memoize import cached_on
-from wmspec.scene.digest import digest
-from wmspec.scene.model import Body, Camera, Scene, Shot
-from wmspec.scene.window import Lit, Window
+from wmspec.core.memoize import cached_on
+from wmspec.sim.scene.model import Body, Camera, Scene, Shot
+from wmspec.sim.scene.model.digest import digest
+from wmspec.sim.scene.render.window import Lit, Window
 
 REMEMBERED = 24
 """The most backdrops that are remembered. Each takes 12 bytes a pixel: 0.8 MB at 256 by 256."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from wmspec.scene.articulations import Gear, Link, Tie
-from wmspec.scene.model import Scene
-from wmspec.scene.rigid import Assembly, Piece, Rigid
-from wmspec.scene.script import script
+from wmspec.sim.scene.joints.articulations import Gear, Link, Tie
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
+from wmspec.sim.scene.script import script
 
-from .beside import CLEAR, beside, between
+from .clearance import CLEAR, beside, between
 from .mjcf import mjcf
 from .physics import prepare
 from .world import HEAVY, World, rates

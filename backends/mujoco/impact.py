@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wmspec.scene.model import Array, Friction
+from wmspec.sim.scene.model import Array, Friction
 
 IMPEDANCE = 0.9999
 LOWEST = 0.04  # a critically damped impact still has about this restitution

@@ -7,9 +7,9 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from wmspec.scene.articulations import Link
-from wmspec.scene.model import Friction, Scene
-from wmspec.scene.transform import rotate
+from wmspec.sim.scene.joints.articulations import Link
+from wmspec.sim.scene.model import Friction, Scene
+from wmspec.sim.scene.model.transform import rotate
 
 from .impact import IMPEDANCE, solref
 from .text import text

@@ -9,14 +9,14 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from wmspec.scene.articulations import WORLD, Tree
-from wmspec.scene.com_frame import com_frame, mount, placed
-from wmspec.scene.contact import mix, touchable
-from wmspec.scene.episode import TOUCH, Episode, Kick, Vector
-from wmspec.scene.model import Array, Body, Camera, Friction, Geom, Light, Pose, Scene
-from wmspec.scene.rigid import Assembly
-from wmspec.scene.speed import gyroscopic
-from wmspec.scene.transform import compose, conjugate, inverse, rotate
+from wmspec.sim.scene.joints.articulations import WORLD, Tree
+from wmspec.sim.scene.joints.com_frame import com_frame, mount, placed
+from wmspec.sim.scene.model import Array, Body, Camera, Friction, Geom, Light, Pose, Scene
+from wmspec.sim.scene.model.transform import compose, conjugate, inverse, rotate
+from wmspec.sim.scene.physics.contact import mix, touchable
+from wmspec.sim.scene.physics.episode import TOUCH, Episode, Kick, Vector
+from wmspec.sim.scene.physics.rigid import Assembly
+from wmspec.sim.scene.physics.speed import gyroscopic
 
 from .impact import IMPEDANCE, solref, solreffriction
 from .joints import actuator, control, hang

@@ -7,25 +7,25 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from wmspec.diagnostics import EngineError, WmsError
-from wmspec.scene.articulations import trees
-from wmspec.scene.capability import require
-from wmspec.scene.contact import mix, touchable
-from wmspec.scene.drives import enough
-from wmspec.scene.episode import Episode, Recording, play, told
-from wmspec.scene.hard import FINEST
-from wmspec.scene.model import Scene, Trace
-from wmspec.scene.readback import readback
-from wmspec.scene.rigid import Assembly, assembly
-from wmspec.scene.silence import silence
-from wmspec.scene.speed import steps
-from wmspec.scene.timeline import episode
-from wmspec.scene.to_trace import trace
-from wmspec.scene.validate import validate
+from wmspec.core.diagnostics import EngineError, WmsError
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.capability import require
+from wmspec.sim.scene.joints.articulations import trees
+from wmspec.sim.scene.joints.drives import enough
+from wmspec.sim.scene.model import Scene, Trace
+from wmspec.sim.scene.physics.contact import mix, touchable
+from wmspec.sim.scene.physics.episode import Episode, Recording, play, told
+from wmspec.sim.scene.physics.readback import readback
+from wmspec.sim.scene.physics.rigid import Assembly, assembly
+from wmspec.sim.scene.physics.speed import steps
+from wmspec.sim.scene.physics.timeline import episode
+from wmspec.sim.scene.physics.to_trace import trace
+from wmspec.sim.scene.regime_thresholds import FINEST
+from wmspec.sim.scene.validate import validate
 
 from . import rollout
-from .about import GIVES, INFO, STEPS_PER_SECOND
 from .impact import solref
+from .info import GIVES, INFO, STEPS_PER_SECOND
 from .joints import FAR
 from .mjcf import mjcf
 from .world import World

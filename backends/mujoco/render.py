@@ -10,22 +10,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.diagnostics import GraphicsError
-from wmspec.memoize import LRU
-from wmspec.scene.boxes import Edges
-from wmspec.scene.camera import find, seeing
-from wmspec.scene.color import texture, whole
-from wmspec.scene.contact_shadow import ContactShadows
-from wmspec.scene.model import Camera, Frame, Geom, Scene, Shot
-from wmspec.scene.picture import check
-from wmspec.scene.shadow import SHADE, Region
-from wmspec.scene.silence import silence
-from wmspec.scene.texcoords import texcoords
-from wmspec.scene.window import Moving, Window, full
-from wmspec.shapes import Shape
+from wmspec.core.diagnostics import GraphicsError
+from wmspec.core.native_output import silence
+from wmspec.core.memoize import LRU
+from wmspec.sim.scene.model import Camera, Frame, Geom, Scene, Shot
+from wmspec.sim.scene.render.boxes import Edges
+from wmspec.sim.scene.render.camera import find, seeing
+from wmspec.sim.scene.render.color import texture, whole
+from wmspec.sim.scene.render.contact_shadow import ContactShadows
+from wmspec.sim.scene.render.picture import check
+from wmspec.sim.scene.render.shadow import SHADE, Region
+from wmspec.sim.scene.render.texcoords import texcoords
+from wmspec.sim.scene.render.window import Moving, Window, full
+from wmspec.sim.shapes import Shape
 
 from .backdrop import REMEMBERED, Backdrop, Layer, key
-from .cast import Cast
+from .body_subset import Cast
 
 with silence():
     import mujoco

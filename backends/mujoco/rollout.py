@@ -1,4 +1,4 @@
-"""The loop of `wmspec.scene.episode` where nothing happens in between: MuJoCo makes all steps up to the next event.
+"""The loop of `wmspec.sim.scene.physics.episode` where nothing happens in between: MuJoCo makes all steps up to the next event.
 
 The states are those that the loop makes step by step, to the bit. What touches is told by a contact sensor for each
 pair of pieces that may touch, since the contacts of the steps in between are gone. What moves as it is told is put in
@@ -17,11 +17,11 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.scene.contact import touchable
-from wmspec.scene.episode import MEET, Episode, Recording, begin, beginnings, expected, mounted
-from wmspec.scene.model import Scene
-from wmspec.scene.silence import silence
-from wmspec.scene.transform import rotate
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.scene.model.transform import rotate
+from wmspec.sim.scene.physics.contact import touchable
+from wmspec.sim.scene.physics.episode import MEET, Episode, Recording, begin, beginnings, expected, mounted
 
 from .world import World
 

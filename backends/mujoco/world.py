@@ -1,4 +1,4 @@
-"""The scene in MuJoCo: what the loop in `wmspec.scene.episode` does, in MuJoCo's words."""
+"""The scene in MuJoCo: what the loop in `wmspec.sim.scene.physics.episode` does, in MuJoCo's words."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.scene.articulations import Link
-from wmspec.scene.episode import MEET, Grip
-from wmspec.scene.rigid import Assembly, Rigid
-from wmspec.scene.silence import silence
-from wmspec.scene.transform import conjugate, rotate
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.joints.articulations import Link
+from wmspec.sim.scene.model.transform import conjugate, rotate
+from wmspec.sim.scene.physics.episode import MEET, Grip
+from wmspec.sim.scene.physics.rigid import Assembly, Rigid
 
-from .beside import beside
+from .clearance import beside
 
 with silence():
     import mujoco

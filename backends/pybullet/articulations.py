@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from wmspec.scene.articulations import Link
-from wmspec.scene.rigid import Rigid
-from wmspec.scene.silence import silence
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.joints.articulations import Link
+from wmspec.sim.scene.physics.rigid import Rigid
 
 from .shapes import HERE, inside, xyzw
 

@@ -16,10 +16,10 @@ import numpy as np
 import PIL.Image
 from numpy.typing import NDArray
 
-from wmspec.scene.color import texture
-from wmspec.scene.model import Array, Geom
-from wmspec.scene.silence import silence
-from wmspec.shapes.facets import Facets
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.model import Array, Geom
+from wmspec.sim.scene.render.color import texture
+from wmspec.sim.shapes.facets import Facets
 
 with silence():
     import pybullet

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from wmspec.scene.model import Array
-from wmspec.shapes.facets import Facets
+from wmspec.sim.scene.model import Array
+from wmspec.sim.shapes.facets import Facets
 
 _rows: dict[str, list[list[float]]] = {"vertices": [], "normals": [], "uvs": []}
 

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from wmspec.scene.capability import require
-from wmspec.scene.drives import enough
-from wmspec.scene.episode import Episode, Recording, play, told
-from wmspec.scene.model import Scene, Trace
-from wmspec.scene.readback import readback
-from wmspec.scene.rigid import Assembly, assembly
-from wmspec.scene.silence import silence
-from wmspec.scene.timeline import episode
-from wmspec.scene.to_trace import trace
-from wmspec.scene.validate import validate
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.capability import require
+from wmspec.sim.scene.joints.drives import enough
+from wmspec.sim.scene.model import Scene, Trace
+from wmspec.sim.scene.physics.episode import Episode, Recording, play, told
+from wmspec.sim.scene.physics.readback import readback
+from wmspec.sim.scene.physics.rigid import Assembly, assembly
+from wmspec.sim.scene.physics.timeline import episode
+from wmspec.sim.scene.physics.to_trace import trace
+from wmspec.sim.scene.validate import validate
 
-from .about import INFO
-from .feet import footed
-from .margin import within_margins
+from .collision_margin import within_margins
+from .cylinders import footed
+from .info import INFO
 from .world import World
 
 with silence():

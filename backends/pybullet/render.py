@@ -9,24 +9,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.diagnostics import WmsError
-from wmspec.scene.camera import projection_matrix, seeing, view_matrix
-from wmspec.scene.color import whole
-from wmspec.scene.contact_shadow import ContactShadows
-from wmspec.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
-from wmspec.scene.near_plane import NearPlane
-from wmspec.scene.picture import Image, check, halve, quantize
-from wmspec.scene.shadow import SHADE, Casters
-from wmspec.scene.silence import silence
-from wmspec.scene.texcoords import texcoords
-from wmspec.scene.transform import apply, compose, inverse
-from wmspec.shapes.facets import Facets
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
+from wmspec.sim.scene.model.transform import apply, compose, inverse
+from wmspec.sim.scene.render.camera import projection_matrix, seeing, view_matrix
+from wmspec.sim.scene.render.color import whole
+from wmspec.sim.scene.render.contact_shadow import ContactShadows
+from wmspec.sim.scene.render.near_plane import NearPlane
+from wmspec.sim.scene.render.picture import Image, check, halve, quantize
+from wmspec.sim.scene.render.shadow import SHADE, Casters
+from wmspec.sim.scene.render.texcoords import texcoords
+from wmspec.sim.shapes.facets import Facets
 
+from .hull_planes import sides
 from .images import Images, Pattern
 from .layer import Layer
 from .lists import lists
 from .shadow import Sun
-from .sides import sides
 
 with silence():
     import pybullet

@@ -11,11 +11,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.scene.camera import look_at, rays
-from wmspec.scene.model import Array, Camera
-from wmspec.scene.picture import Image
-from wmspec.scene.shadow import Region
-from wmspec.scene.transform import rotation
+from wmspec.sim.scene.model import Array, Camera
+from wmspec.sim.scene.model.transform import rotation
+from wmspec.sim.scene.render.camera import look_at, rays
+from wmspec.sim.scene.render.picture import Image
+from wmspec.sim.scene.render.shadow import Region
 
 ANGLE = math.radians(1.0)
 """The sun's map is seen under this angle from far away: its rays are nearly parallel."""

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.scene.episode import Vector
-from wmspec.scene.rigid import Piece
-from wmspec.scene.silence import silence
-from wmspec.scene.transform import conjugate, multiply, rotate
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.model.transform import conjugate, multiply, rotate
+from wmspec.sim.scene.physics.episode import Vector
+from wmspec.sim.scene.physics.rigid import Piece
 
 with silence():
     import pybullet

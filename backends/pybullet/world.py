@@ -1,4 +1,4 @@
-"""The scene in PyBullet: what the loop in `wmspec.scene.episode` does, in PyBullet's words."""
+"""The scene in PyBullet: what the loop in `wmspec.sim.scene.physics.episode` does, in PyBullet's words."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.scene.articulations import Gear, Link, Tie
-from wmspec.scene.episode import MEET, TOUCH, Grip
-from wmspec.scene.rigid import Assembly, Piece, Rigid
-from wmspec.scene.silence import silence
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.joints.articulations import Gear, Link, Tie
+from wmspec.sim.scene.physics.episode import MEET, TOUCH, Grip
+from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
 
 from .articulations import branches, put
 from .shapes import HERE, shape, xyzw

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from wmspec.scene.articulations import Gear, Link, Tie, ascent
-from wmspec.scene.model import Scene
-from wmspec.scene.rigid import Assembly, Piece, Rigid
-from wmspec.scene.script import script
+from wmspec.sim.scene.joints.articulations import Gear, Link, Tie, ascent
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
+from wmspec.sim.scene.script import script
 
 from . import joints, shapes, world
 from .physics import landing, prepare

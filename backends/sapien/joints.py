@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.scene.articulations import Gear, Link, ascent
-from wmspec.scene.rigid import Assembly
-from wmspec.scene.silence import silence
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.joints.articulations import Gear, Link, ascent
+from wmspec.sim.scene.physics.rigid import Assembly
 
 with silence():
     import sapien

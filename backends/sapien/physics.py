@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from wmspec.diagnostics import StageError
-from wmspec.places import PrimPlace
-from wmspec.scene.capability import require
-from wmspec.scene.episode import Episode, Recording, play, told
-from wmspec.scene.landings import landings
-from wmspec.scene.model import Scene, Trace
-from wmspec.scene.readback import readback
-from wmspec.scene.rigid import Assembly, assembly
-from wmspec.scene.timeline import episode
-from wmspec.scene.to_trace import trace
-from wmspec.scene.validate import validate
+from wmspec.core.diagnostics import StageError
+from wmspec.core.places import PrimPlace
+from wmspec.sim.scene.capability import require
+from wmspec.sim.scene.model import Scene, Trace
+from wmspec.sim.scene.physics.episode import Episode, Recording, play, told
+from wmspec.sim.scene.physics.initial_drops import landings
+from wmspec.sim.scene.physics.readback import readback
+from wmspec.sim.scene.physics.rigid import Assembly, assembly
+from wmspec.sim.scene.physics.timeline import episode
+from wmspec.sim.scene.physics.to_trace import trace
+from wmspec.sim.scene.validate import validate
 
-from .about import INFO
-from .barrels import barrels
+from .cylinders import barrels
+from .info import INFO
 from .joints import ignored, once_limited
 from .shapes import BITS, lanes, mean
 from .world import World

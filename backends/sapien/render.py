@@ -18,18 +18,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.diagnostics import GraphicsError
-from wmspec.scene.camera import seeing
-from wmspec.scene.color import texture, to_bytes
-from wmspec.scene.contact_shadow import ContactShadows
-from wmspec.scene.model import Body, Camera, Frame, Geom, Pose, Scene, Shot
-from wmspec.scene.near_plane import NearPlane
-from wmspec.scene.picture import check, over
-from wmspec.scene.shadow import SHADE, Casters
-from wmspec.scene.silence import silence
-from wmspec.scene.texcoords import texcoords
-from wmspec.scene.transform import identity, multiply, quaternion, rotation
-from wmspec.shapes.facets import Facets, join
+from wmspec.core.diagnostics import GraphicsError
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.model import Body, Camera, Frame, Geom, Pose, Scene, Shot
+from wmspec.sim.scene.model.transform import identity, multiply, quaternion, rotation
+from wmspec.sim.scene.render.camera import seeing
+from wmspec.sim.scene.render.color import texture, to_bytes
+from wmspec.sim.scene.render.contact_shadow import ContactShadows
+from wmspec.sim.scene.render.near_plane import NearPlane
+from wmspec.sim.scene.render.picture import check, over
+from wmspec.sim.scene.render.shadow import SHADE, Casters
+from wmspec.sim.scene.render.texcoords import texcoords
+from wmspec.sim.shapes.facets import Facets, join
 
 with silence():
     import sapien

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.scene.episode import Vector
-from wmspec.scene.rigid import Piece, Rigid
-from wmspec.scene.silence import silence
-from wmspec.scene.transform import multiply
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.model.transform import multiply
+from wmspec.sim.scene.physics.episode import Vector
+from wmspec.sim.scene.physics.rigid import Piece, Rigid
 
 from .joints import frame
 

@@ -1,4 +1,4 @@
-"""The scene in SAPIEN: what the loop in `wmspec.scene.episode` does, in the words of SAPIEN's PhysX."""
+"""The scene in SAPIEN: what the loop in `wmspec.sim.scene.physics.episode` does, in the words of SAPIEN's PhysX."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.scene.articulations import Link, Tie
-from wmspec.scene.episode import Grip
-from wmspec.scene.rigid import Assembly, Rigid
-from wmspec.scene.silence import silence
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.joints.articulations import Link, Tie
+from wmspec.sim.scene.physics.episode import Grip
+from wmspec.sim.scene.physics.rigid import Assembly, Rigid
 
 from .joints import ball, branches, connect, couple, frame, ignored
 from .shapes import groups, lanes, mean, shape

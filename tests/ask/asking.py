@@ -6,12 +6,12 @@ from functools import cache
 
 from tests.engines import installed
 from tests.language.specs import task_from
-from wmspec.ask.ask import ask
-from wmspec.ask.model import QuestionRow, Rejected
-from wmspec.ask.runs import EnginePair, Run, execute
-from wmspec.design.design import Design
-from wmspec.execute.render_cache import RenderCache
-from wmspec.execute.trace_cache import TraceCache
+from wmspec.compile.design.design import Design
+from wmspec.runtime.caches.render_cache import RenderCache
+from wmspec.runtime.caches.trace_cache import TraceCache
+from wmspec.runtime.questions.ask import ask
+from wmspec.runtime.questions.model import QuestionRow, Rejected
+from wmspec.runtime.questions.runs import EnginePair, Run, execute
 
 SCENE = """
 use tabletop

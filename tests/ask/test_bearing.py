@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.ask.asking import one, refused
-from wmspec.ask.bearing import ROUNDING, Bearing
-from wmspec.ask.kinds.labels import same
-from wmspec.ask.kinds.numbers import NumberAnswer, Numbers
-from wmspec.ask.verbalize import say
-from wmspec.layout.functions import FUNCTIONS
+from wmspec.compile.layout.functions import FUNCTIONS
+from wmspec.runtime.questions.bearing import ROUNDING, Bearing
+from wmspec.runtime.questions.kinds.labels import same
+from wmspec.runtime.questions.kinds.numbers import NumberAnswer, Numbers
+from wmspec.runtime.questions.verbalize import say
 
 ANGLES = st.floats(-50, 50)
 

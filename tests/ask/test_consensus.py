@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from tests.dataset.made import asked, pictures
-from wmspec.ask.consensus import Consensus, agree, consensus, picked
-from wmspec.ask.kinds.labels import LabelAnswer
-from wmspec.ask.kinds.numbers import NumberAnswer
-from wmspec.ask.kinds.pictures import PictureAnswer
-from wmspec.ask.model import Number, Option, QuestionRow, Rejected
+from wmspec.runtime.questions.consensus import Consensus, agree, consensus, picked
+from wmspec.runtime.questions.kinds.labels import LabelAnswer
+from wmspec.runtime.questions.kinds.numbers import NumberAnswer
+from wmspec.runtime.questions.kinds.pictures import PictureAnswer
+from wmspec.runtime.questions.model import Number, Option, QuestionRow, Rejected
 
 ENGINES = ("mujoco", "pybullet", "sapien")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wmspec.ask.difference import ciede2000, lab, lab_of_bytes
+from wmspec.runtime.questions.difference import ciede2000, lab, lab_of_bytes
 
 #: Table 1 of the paper, the pairs that try hue wrap-around, grays and the rotation term.
 PAIRS = [

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from wmspec.ask import observed, outcome, robustness, runs, trajectory
-from wmspec.ask import visibility_gate as gate
-from wmspec.ask.kinds import pictures
-from wmspec.ask.model import Reason
-from wmspec.check.functions import FUNCTIONS
-from wmspec.write.card import REASONS
+from wmspec.dataset.build.card import REASONS
+from wmspec.lang.check.tables.functions import FUNCTIONS
+from wmspec.runtime.questions import observed, outcome, robustness, runs, trajectory
+from wmspec.runtime.questions import visibility_gate as gate
+from wmspec.runtime.questions.kinds import pictures
+from wmspec.runtime.questions.model import Reason
 
 PAGE = (Path(__file__).parents[2] / "docs/questions.md").read_text()
 

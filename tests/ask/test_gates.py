@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.ask.asking import asked, one, refused
-from wmspec.ask.model import QuestionRow
+from wmspec.runtime.questions.model import QuestionRow
 
 RACE = """
   factor pace in [{paces}] cm/s

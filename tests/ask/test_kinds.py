@@ -11,20 +11,20 @@ import pytest
 import wmspec
 from tests.ask.asking import SCENE, asked, one, pair, refused
 from tests.language.specs import task_from
-from wmspec.ask.ask import ask
-from wmspec.ask.consensus import consensus
-from wmspec.ask.kinds import KINDS
-from wmspec.ask.model import TRUTH, QuestionRow
-from wmspec.check.ir import QuestionKind
-from wmspec.check.question_kinds import QUESTION_RULES
-from wmspec.compare.check import check
-from wmspec.compare.tolerance import Tolerances
-from wmspec.design.design import Design
-from wmspec.execute.trace_cache import TraceCache
+from wmspec.compile.design.design import Design
+from wmspec.lang.check.ir.ir import QuestionKind
+from wmspec.lang.check.statements.question_kinds import QUESTION_RULES
+from wmspec.runtime.caches.trace_cache import TraceCache
+from wmspec.runtime.compare.check import check
+from wmspec.runtime.compare.tolerance import Tolerances
+from wmspec.runtime.questions.ask import ask
+from wmspec.runtime.questions.consensus import consensus
+from wmspec.runtime.questions.kinds import KINDS
+from wmspec.runtime.questions.model import TRUTH, QuestionRow
 
 SOURCES = Path(wmspec.__file__).parent
 #: Where a kind may be named: in its own module, where kinds are told apart, and in the type that names them all.
-KNOWING = ("ask/kinds/", "check/question_kinds.py", "check/ir.py")
+KNOWING = ("runtime/questions/kinds/", "lang/check/statements/question_kinds.py", "lang/check/ir/ir.py")
 
 
 def test_the_language_and_the_questions_know_the_same_kinds() -> None:

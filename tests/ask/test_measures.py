@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 
 from tests.physics.scenes import body, scene, turn
-from wmspec.ask.measure import Measured
-from wmspec.ask.observed import Observed
-from wmspec.check.evaluate import evaluate
-from wmspec.check.functions import FUNCTIONS
-from wmspec.check.ir import Call, Items, Operation, Option, Value
-from wmspec.check.make import observe, task, thing
-from wmspec.diagnostics import WmsError
-from wmspec.layout.values import Values
-from wmspec.scene.model import Body, Contact, Geom, Pose, Trace
-from wmspec.shapes import Box, Sphere
+from wmspec.compile.layout.values import Values
+from wmspec.core.diagnostics import WmsError
+from wmspec.lang.check.ir.evaluate import evaluate
+from wmspec.lang.check.ir.ir import Call, Items, Operation, Option, Value
+from wmspec.lang.check.statements.builder import observe, task, thing
+from wmspec.lang.check.tables.functions import FUNCTIONS
+from wmspec.runtime.questions.measure import Measured
+from wmspec.runtime.questions.observed import Observed
+from wmspec.sim.scene.model import Body, Contact, Geom, Pose, Trace
+from wmspec.sim.shapes import Box, Sphere
 
 RATE = 240
 T = np.arange(2 * RATE + 1) / RATE

@@ -10,10 +10,10 @@ import pytest
 from tests.ask.asking import pair
 from tests.engines import ENGINES
 from tests.language.specs import task_from
-from wmspec.ask.asking import Asking
-from wmspec.ask.runs import execute
-from wmspec.check.evaluate import evaluate
-from wmspec.design.design import Design
+from wmspec.compile.design.design import Design
+from wmspec.lang.check.ir.evaluate import evaluate
+from wmspec.runtime.questions.question_context import Asking
+from wmspec.runtime.questions.runs import execute
 
 G = 9.81
 #: A rod of 30 cm that hangs by its end falls from level; what is asked are plain quantities, so nothing is drawn.

@@ -11,12 +11,12 @@ import pytest
 
 from tests.ask.asking import SCENE, pair
 from tests.language.specs import task_from
-from wmspec.ask.ask import ask, closed_slot
-from wmspec.ask.closed import ask_whole, kept_whole
-from wmspec.ask.kinds import KINDS
-from wmspec.ask.kinds.pictures import PictureAnswer
-from wmspec.ask.model import QuestionRow, Rejected
-from wmspec.design.design import Design
+from wmspec.compile.design.design import Design
+from wmspec.runtime.questions.ask import ask, closed_slot
+from wmspec.runtime.questions.closed_sets import ask_whole, kept_whole
+from wmspec.runtime.questions.kinds import KINDS
+from wmspec.runtime.questions.kinds.pictures import PictureAnswer
+from wmspec.runtime.questions.model import QuestionRow, Rejected
 
 PUSHED = """
   factor load in [30 g called "light", 400 g called "heavy"]

@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wmspec.ask.runs import DEEP, _near, _touched
-from wmspec.scene.bounds import bounds
-from wmspec.scene.model import Body, Geom, Pose
-from wmspec.scene.overlap import overlap
-from wmspec.scene.transform import apply, compose
-from wmspec.shapes import Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
-from wmspec.shapes.facets import tessellate
+from wmspec.runtime.questions.runs import DEEP, _near, _touched
+from wmspec.sim.scene.model import Body, Geom, Pose
+from wmspec.sim.scene.model.bounds import bounds
+from wmspec.sim.scene.model.transform import apply, compose
+from wmspec.sim.scene.physics.overlap import overlap
+from wmspec.sim.shapes import Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
+from wmspec.sim.shapes.facets import tessellate
 
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 LEAST = 0.001

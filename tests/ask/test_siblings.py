@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 import wmspec
-from wmspec.ask.runs import values_of
-from wmspec.execute.scene_cache import SceneCache
-from wmspec.resources import resource
-from wmspec.stage.episode import built
+from wmspec.compile.stage.episode import built
+from wmspec.core.resources import resource
+from wmspec.runtime.caches.scene_cache import SceneCache
+from wmspec.runtime.questions.runs import values_of
 
 TASKS = ("perception/space/positioning", "prediction/mechanistic/collide", "prediction/mechanistic/arm_push")
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmspec.ask.trajectory import form
-from wmspec.layout.paths import named, turned, walked
+from wmspec.compile.layout.paths import named, turned, walked
+from wmspec.runtime.questions.trajectory import form
 
 FORMS = ("straight", "arc", "zigzag", "circle", "back_and_forth", "square", "triangle")
 

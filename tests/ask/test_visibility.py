@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tests.ask.asking import one, pair, refused, run
-from wmspec.ask import visibility
-from wmspec.ask.observed import Observed
+from wmspec.runtime.questions import visibility
+from wmspec.runtime.questions.observed import Observed
 
 LOOK = ("front", 0.0)
 OBJECT = "object {name} {{ shape: {shape}  size: 10 cm  color: {color}  on: table at ({at}) }}"

@@ -6,9 +6,9 @@ import pytest
 
 from tests.ask.asking import SCENE
 from tests.language.specs import task_from
-from wmspec.ask.describe import Ambiguous, described, together
-from wmspec.ask.verbalize import question_text, say, say_option, written
-from wmspec.layout.values import Values
+from wmspec.compile.layout.values import Values
+from wmspec.runtime.questions.referring_expressions import Ambiguous, described, together
+from wmspec.runtime.questions.verbalize import question_text, say, say_option, written
 
 TASK = """{objects}
   object other {{ shape: cone  color: green  on: table at (0, 20 cm) }}

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.check.ir import TaskSpec
-from wmspec.check.task import check
-from wmspec.design.design import Design
-from wmspec.diagnostics import Report
-from wmspec.scene.model import Array, Body, Scene
-from wmspec.scene.transform import rotation
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
-from wmspec.usd import read
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
+from wmspec.core.diagnostics import Report
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.statements.task import check
+from wmspec.sim.scene.model import Array, Body, Scene
+from wmspec.sim.scene.model.transform import rotation
+from wmspec.sim.usd import read
 
 HERE = Path(__file__).parent
 CABINET = HERE.parents[1] / "docs/cabinet.urdf"

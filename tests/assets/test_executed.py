@@ -15,8 +15,8 @@ import pytest
 from tests.assets.specs import CABINET, here, named, scene, spec
 from tests.assets.test_usd_meshes import written
 from tests.engines import ENGINES, installed
-from wmspec.scene.bounds import upright
-from wmspec.scene.model import Array, Pose, Scene, Trace
+from wmspec.sim.scene.model import Array, Pose, Scene, Trace
+from wmspec.sim.scene.model.bounds import upright
 
 #: What tests/assets/pendulum.urdf says: mass (kg), from the pivot to the centre of mass (m), moment about that (kg m²).
 MASS, ARM, MOMENT = 0.8, 0.3, 0.02

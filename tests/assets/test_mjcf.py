@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from tests.assets.specs import HERE, named, scene, spec, tensor
-from wmspec.scene.model import Scene
-from wmspec.scene.transform import rotation
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.scene.model.transform import rotation
 
 mujoco = pytest.importorskip("mujoco")
 LINKS = ("boom", "trolley", "hook", "plate")

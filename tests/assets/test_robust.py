@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from tests.assets.specs import CABINET, HERE
 from tests.work import calls
-from wmspec.check.task import check_program
-from wmspec.diagnostics import Report, WmsError
-from wmspec.lint.dry_run import dry_run
-from wmspec.parse.load import load_source
-from wmspec.places import Source
+from wmspec.compile.lint.dry_run import dry_run
+from wmspec.core.diagnostics import Report, WmsError
+from wmspec.core.places import Source
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.load import load_source
 
 TEXTS = [file.read_text() for file in (CABINET, HERE / "pendulum.urdf", HERE / "arm.urdf", HERE / "crane.xml")]
 FRAGMENTS = st.sampled_from(
@@ -119,11 +119,11 @@ def test_a_long_chain_is_no_problem(tmp_path: Path) -> None:
 
 def test_other_specs_do_not_wait_for_what_reads_assets() -> None:
     code = (
-        "import sys; from pathlib import Path; from wmspec.check.task import check\n"
-        "from wmspec.diagnostics import Report\n"
+        "import sys; from pathlib import Path; from wmspec.lang.check.statements.task import check\n"
+        "from wmspec.core.diagnostics import Report\n"
         f"check(Path({str(HERE.parent / 'corpus/good.wms')!r}), Report())\n"
-        "readers = [m for m in sys.modules if m.startswith(('wmspec.importers.', 'numpy', 'xml', 'pxr'))]\n"
-        "print(sorted({*readers} - {'wmspec.importers.prim_names'}))"
+        "readers = [m for m in sys.modules if m.startswith(('wmspec.lang.importers.', 'numpy', 'xml', 'pxr'))]\n"
+        "print(sorted({*readers} - {'wmspec.lang.importers.prim_names'}))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -9,10 +9,10 @@ import pytest
 import trimesh
 
 from tests.assets.specs import HERE, named, scene, spec
-from wmspec.scene.bounds import upright
-from wmspec.scene.model import Body
-from wmspec.scene.transform import apply
-from wmspec.shapes import Mesh
+from wmspec.sim.scene.model import Body
+from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.transform import apply
+from wmspec.sim.shapes import Mesh
 
 SCALES = [(1.0, 1.0, 1.0), (0.1, 0.2, 0.3), (1.0, -1.0, 1.0), (-0.5, 2.0, -1.0), (-1.0, -1.0, -1.0)]
 URDF = """<robot name="r"><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>

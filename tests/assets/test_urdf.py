@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from tests.assets.specs import checked, here, named, scene, spec, tensor
-from wmspec.scene.model import Scene
-from wmspec.scene.transform import rotation
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.scene.model.transform import rotation
 
 ARM = """object arm {{
   file: "arm.urdf"  at: (0, 0, 0)  fixed: {0}

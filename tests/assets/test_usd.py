@@ -11,13 +11,13 @@ from pxr import Usd
 
 from tests.assets.specs import HERE, here, named, scene, spec, tensor
 from tests.engines import ENGINES, installed
-from wmspec.design.design import Design
-from wmspec.scene.bounds import upright
-from wmspec.scene.model import Body, Scene
-from wmspec.scene.transform import apply, compose, rotation
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose as composed
-from wmspec.usd import read
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose as composed
+from wmspec.sim.scene.model import Body, Scene
+from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.transform import apply, compose, rotation
+from wmspec.sim.usd import read
 
 OBJECT = 'object balance {{ file: "balance.usda"  at: (0, 0, 0)  {0} }}'
 #: The bodies of tests/assets/balance.usda by what they are in a spec.

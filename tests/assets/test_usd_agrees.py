@@ -16,16 +16,16 @@ from tests.assets.specs import HERE, checked, scene, spec, tensor
 from tests.engines import ENGINES, installed
 from tests.language.specs import ROOT, task_of
 from tests.stage.stages import HEADER, lines
-from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
-from wmspec.scene.articulations import coordinate, relative
-from wmspec.scene.bounds import upright
-from wmspec.scene.model import Array, Body, Geom, Joint, Scene, Trace
-from wmspec.scene.transform import apply, compose, inverse, multiply, rotate, rotation
-from wmspec.shapes import SHAPES
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose as composed
-from wmspec.usd import read
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose as composed
+from wmspec.core.diagnostics import WmsError
+from wmspec.sim.scene.joints.articulations import coordinate, relative
+from wmspec.sim.scene.model import Array, Body, Geom, Joint, Scene, Trace
+from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.transform import apply, compose, inverse, multiply, rotate, rotation
+from wmspec.sim.shapes import SHAPES
+from wmspec.sim.usd import read
 
 RIGID = '(prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI", "MaterialBindingAPI"{}])'
 STILL = '(prepend apiSchemas = ["PhysicsCollisionAPI", "MaterialBindingAPI"{}])'

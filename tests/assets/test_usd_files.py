@@ -11,7 +11,7 @@ from pxr import Usd, UsdGeom
 from tests.assets.specs import checked
 from tests.assets.test_usd_meshes import ANGLE, QUADS, body, quads, solid, ways, written
 from tests.work import calls
-from wmspec.scene.bounds import upright
+from wmspec.sim.scene.model.bounds import upright
 
 # ---------------------------------------------------------------- without any physics
 

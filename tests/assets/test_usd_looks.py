@@ -11,9 +11,9 @@ from pxr import Sdf, Usd, UsdShade, UsdUtils
 
 from tests.assets.specs import checked, named, scene, spec
 from tests.assets.test_usd_meshes import QUADS, SIDES
-from wmspec.diagnostics import WmsError
-from wmspec.scene.model import Geom
-from wmspec.shapes import Mesh
+from wmspec.core.diagnostics import WmsError
+from wmspec.sim.scene.model import Geom
+from wmspec.sim.shapes import Mesh
 
 CORNERS = ", ".join(str(i) for side in SIDES for i in side)
 HEAD = '#usda 1.0\n(\nmetersPerUnit = 0.01\nupAxis = "Z"\n)'

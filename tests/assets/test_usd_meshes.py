@@ -10,10 +10,10 @@ import pytest
 import trimesh
 
 from tests.assets.specs import checked, named, scene, spec, tensor
-from wmspec.scene.bounds import upright
-from wmspec.scene.model import Body
-from wmspec.scene.transform import apply
-from wmspec.shapes import Box, Mesh
+from wmspec.sim.scene.model import Body
+from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.transform import apply
+from wmspec.sim.shapes import Box, Mesh
 
 #: A cube of edge 2 as quads, a pentagon of two of its sides' corners nowhere: each side out.
 QUADS = """point3f[] points = [(-1,-1,-1),(1,-1,-1),(1,1,-1),(-1,1,-1),(-1,-1,1),(1,-1,1),(1,1,1),(-1,1,1),(9,9,9)]
@@ -149,8 +149,8 @@ WAYS = ("convexHull", "convexDecomposition", "boundingCube", "boundingSphere")
 
 def ways(folder: Path, text: str) -> list[str]:
     """How the meshes of the object `a` are touched, as the stage says."""
-    from wmspec.design.design import Design
-    from wmspec.stage.episode import document
+    from wmspec.compile.design.design import Design
+    from wmspec.compile.stage.episode import document
 
     task = spec(text, folder)
     prims = document(task, Design(task)[0]).prims

@@ -11,18 +11,18 @@ from typing import Any
 import numpy as np
 
 from tests.dataset.made import pictures
-from wmspec.ask.ask import groups
-from wmspec.ask.kinds.labels import LabelAnswer
-from wmspec.ask.kinds.numbers import NumberAnswer
-from wmspec.ask.model import Change, Option, Picture, QuestionRow
-from wmspec.check.ir import TaskSpec
-from wmspec.check.task import check
-from wmspec.design.design import Design
-from wmspec.diagnostics import Report
-from wmspec.draws import permuted
-from wmspec.write.dataset import Dataset
-from wmspec.write.plan import Plan, Task
-from wmspec.write.rows import encode
+from wmspec.compile.design.design import Design
+from wmspec.core.diagnostics import Report
+from wmspec.core.rng import permuted
+from wmspec.dataset.build.dataset import Dataset
+from wmspec.dataset.build.plan import Plan, Task
+from wmspec.dataset.build.rows import encode
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.statements.task import check
+from wmspec.runtime.questions.ask import groups
+from wmspec.runtime.questions.kinds.labels import LabelAnswer
+from wmspec.runtime.questions.kinds.numbers import NumberAnswer
+from wmspec.runtime.questions.model import Change, Option, Picture, QuestionRow
 
 SIDE = 48
 SPECS = Path(__file__).parent / "specs"

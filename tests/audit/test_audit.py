@@ -14,11 +14,11 @@ import pytest
 from tests.audit.made import Ask, make, make_all, picture, race, roll
 from tests.dataset.made import make as pictured
 from tests.dataset.made import plan
-from wmspec.ask.model import Number, Picture, QuestionRow, Strength
-from wmspec.audit.audit import audit
-from wmspec.audit.model import Audit, Finding
-from wmspec.diagnostics import WmsError
-from wmspec.write.files import digest
+from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.audit.audit import audit
+from wmspec.dataset.audit.model import Audit, Finding
+from wmspec.dataset.build.files import digest
+from wmspec.runtime.questions.model import Number, Picture, QuestionRow, Strength
 
 Make = Callable[..., Audit]
 
@@ -168,7 +168,7 @@ def test_a_favoured_place_fails_and_the_deciding_factor_is_told(audited: Make) -
 def copied(contrary: bool, noise: int = 0, darker: int = 0) -> Ask:
     """The question of instance 40 is asked again as one other instance, two rows of its pixels so much `darker`."""
     from tests.audit.made import blank, spec
-    from wmspec.design.design import Design
+    from wmspec.compile.design.design import Design
 
     def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
         if asked.index != 41:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import wmspec
-from wmspec.audit.audit import audit
+from wmspec.dataset.audit.audit import audit
 
 DATA = Path(__file__).parent / "data"
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.audit import state
-from wmspec.audit.cases import Case
+from wmspec.dataset.audit import state
+from wmspec.dataset.audit.cases import Case
 
 
 def thing(picture: int, name: str, look: str, across: float) -> dict[str, Any]:

@@ -14,10 +14,10 @@ from scipy import stats
 from sklearn.ensemble import RandomForestClassifier
 from sklearn.model_selection import cross_val_predict
 
-from wmspec.audit import power
-from wmspec.audit.classify import LEAF, NUMBERS, SEED, TREES, Asked, Seen, held_out, held_out_twice
-from wmspec.audit.rivals import Rivals
-from wmspec.audit.statistics import clopper_pearson, dependence, detectable, goodness, holm, independence
+from wmspec.dataset.audit import power
+from wmspec.dataset.audit.classify import LEAF, NUMBERS, SEED, TREES, Asked, Seen, held_out, held_out_twice
+from wmspec.dataset.audit.probe_selection import Rivals
+from wmspec.dataset.audit.statistics import clopper_pearson, dependence, detectable, goodness, holm, independence
 
 
 def test_a_large_table_has_the_chi_square_of_scipy() -> None:

@@ -9,20 +9,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.language.specs import task_of
-from wmspec.compare.allow import impacts
-from wmspec.compare.compare import compare
-from wmspec.compare.model import Comparison
-from wmspec.compare.tolerance import Tolerances, tolerances
-from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
-from wmspec.execute.backends import backend
-from wmspec.scene.model import Body, Geom, Pose, Scene, Trace
-from wmspec.scene.transform import identity
-from wmspec.scene.turn import turned
-from wmspec.shapes import Box, Cylinder, Shape, Sphere
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
-from wmspec.usd import read
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
+from wmspec.core.diagnostics import WmsError
+from wmspec.runtime.compare.allow import impacts
+from wmspec.runtime.compare.compare import compare
+from wmspec.runtime.compare.model import Comparison
+from wmspec.runtime.compare.tolerance import Tolerances, tolerances
+from wmspec.runtime.engines.registry import backend
+from wmspec.sim.scene.model import Body, Geom, Pose, Scene, Trace
+from wmspec.sim.scene.model.transform import identity
+from wmspec.sim.scene.render.turn import turned
+from wmspec.sim.shapes import Box, Cylinder, Shape, Sphere
+from wmspec.sim.usd import read
 
 HERE = Path(__file__).parent
 LIMITS = Tolerances()

@@ -10,14 +10,14 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from tests.language.specs import task_from
-from wmspec.check.ir import QuestionKind
-from wmspec.compare.check import check
-from wmspec.compare.model import Checked, Verdict
-from wmspec.compare.summary import Share, doubtful, lines, suspects
-from wmspec.compare.tolerance import Tolerances
-from wmspec.compare.verbalize import dispute
-from wmspec.design.design import Design
-from wmspec.execute.trace_cache import TraceCache
+from wmspec.compile.design.design import Design
+from wmspec.lang.check.ir.ir import QuestionKind
+from wmspec.runtime.caches.trace_cache import TraceCache
+from wmspec.runtime.compare.check import check
+from wmspec.runtime.compare.model import Checked, Verdict
+from wmspec.runtime.compare.summary import Share, doubtful, lines, suspects
+from wmspec.runtime.compare.tolerance import Tolerances
+from wmspec.runtime.compare.verbalize import dispute
 
 HERE = Path(__file__).parent
 PAIR = ("mujoco", "sapien")

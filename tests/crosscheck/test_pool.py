@@ -8,9 +8,9 @@ import time
 
 import pytest
 
-from wmspec.diagnostics import GraphicsError, WmsError
-from wmspec.execute import pool
-from wmspec.execute.pool import Effort, Helper, Lost, in_order
+from wmspec.core.diagnostics import GraphicsError, WmsError
+from wmspec.runtime.workers import pool
+from wmspec.runtime.workers.pool import Effort, Helper, Lost, in_order
 
 
 def square(i: int) -> int:
@@ -109,7 +109,7 @@ def test_a_pool_that_is_closed_stops_its_work() -> None:
 
 INTERRUPTED = """
 import signal, threading, time
-from wmspec.execute.pool import Effort, by_units
+from wmspec.runtime.workers.pool import Effort, by_units
 
 notify = threading.Condition.notify
 

@@ -10,9 +10,9 @@ from pxr import Usd
 
 import wmspec
 from tests.engines import installed
-from wmspec.compare.regimes import entered
-from wmspec.conform.build import ball, body, box, cylinder, floor, joint, prism, stage
-from wmspec.usd import read
+from wmspec.runtime.compare.regimes import entered
+from wmspec.runtime.conformance.build import ball, body, box, cylinder, floor, joint, prism, stage
+from wmspec.sim.usd import read
 
 CUBE = box(0.2, 0.2, 0.2)
 

@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
-from wmspec.ask.ask import groups
-from wmspec.ask.kinds.labels import LabelAnswer
-from wmspec.ask.kinds.pictures import PictureAnswer
-from wmspec.ask.model import Change, Option, Picture, QuestionRow, Rejected, Vote
-from wmspec.check.ir import TaskSpec
-from wmspec.check.task import check
-from wmspec.design.design import Design, Instance
-from wmspec.diagnostics import Report
-from wmspec.write.dataset import Dataset
-from wmspec.write.plan import Plan, Shard, Task
-from wmspec.write.rows import Row, encode
+from wmspec.compile.design.design import Design, Instance
+from wmspec.core.diagnostics import Report
+from wmspec.dataset.build.dataset import Dataset
+from wmspec.dataset.build.plan import Plan, Shard, Task
+from wmspec.dataset.build.rows import Row, encode
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.statements.task import check
+from wmspec.runtime.questions.ask import groups
+from wmspec.runtime.questions.kinds.labels import LabelAnswer
+from wmspec.runtime.questions.kinds.pictures import PictureAnswer
+from wmspec.runtime.questions.model import Change, Option, Picture, QuestionRow, Rejected, Vote
 
 ENGINES = ("mujoco", "pybullet", "sapien")
 TASKS = ("collide", "motion_speed")

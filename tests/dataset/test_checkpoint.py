@@ -12,14 +12,14 @@ import pytest
 
 from tests.dataset.made import filling, make, plan
 from tests.dataset.test_dataset import contents, largest_file
-from wmspec.ask.model import Rejected
-from wmspec.diagnostics import WmsError
-from wmspec.execute.pool import Effort
-from wmspec.write.dataset import Dataset
-from wmspec.write.generate import generate
-from wmspec.write.plan import Shard
-from wmspec.write.reuse import Before
-from wmspec.write.worker import Job, Made, Outcome
+from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.dataset import Dataset
+from wmspec.dataset.build.generate import generate
+from wmspec.dataset.build.plan import Shard
+from wmspec.dataset.build.reuse import Before
+from wmspec.dataset.build.worker import Job, Made, Outcome
+from wmspec.runtime.questions.model import Rejected
+from wmspec.runtime.workers.pool import Effort
 
 Listed = list[tuple[str, int]]
 Run = Callable[..., Listed]
@@ -58,7 +58,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
                     Made((outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),)),
                 )
 
-        monkeypatch.setattr("wmspec.write.generate.by_units", by_units)
+        monkeypatch.setattr("wmspec.dataset.build.generate.by_units", by_units)
         with Dataset.open(tmp_path / "out", PLAN) as dataset:
             generate(dataset, Effort(1, 1), lambda task, count: None, Before(before, PLAN))
             dataset.finish()
@@ -176,7 +176,7 @@ def fails(job: Job, task: str, indices: tuple[int]) -> Made:
 
 
 def test_an_instance_that_fails_costs_no_other_and_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wmspec.write.generate.work", fails)
+    monkeypatch.setattr("wmspec.dataset.build.generate.work", fails)
     with Dataset.open(tmp_path, PLAN) as dataset:
         generate(dataset, Effort(0, 1), lambda task, count: None, Before((), PLAN))
         summary = dataset.finish()

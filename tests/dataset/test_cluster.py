@@ -13,10 +13,10 @@ from click.testing import CliRunner
 from tests.crosscheck.test_pool import square
 from wmspec.api import generate
 from wmspec.cli import main
-from wmspec.diagnostics import WmsError
-from wmspec.execute.cluster import ray_cluster
-from wmspec.execute.pool import Lost, by_units
-from wmspec.resources import resource
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.resources import resource
+from wmspec.runtime.workers.cluster import ray_cluster
+from wmspec.runtime.workers.pool import Lost, by_units
 
 ray = pytest.importorskip("ray")
 startable = pytest.mark.skipif(

@@ -21,12 +21,12 @@ import yaml
 from PIL import Image
 
 from tests.dataset.made import filling, make, plan
-from wmspec.ask.model import Rejected
-from wmspec.diagnostics import WmsError
-from wmspec.write.card import card
-from wmspec.write.dataset import Dataset
-from wmspec.write.manifest import Summary
-from wmspec.write.plan import Plan
+from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.card import card
+from wmspec.dataset.build.dataset import Dataset
+from wmspec.dataset.build.manifest import Summary
+from wmspec.dataset.build.plan import Plan
+from wmspec.runtime.questions.model import Rejected
 
 ROOT = Path(__file__).parents[2]
 
@@ -116,7 +116,7 @@ WRITER = """
 import time, sys
 from pathlib import Path
 from tests.dataset.made import filling, plan
-from wmspec.write.dataset import Dataset
+from wmspec.dataset.build.dataset import Dataset
 with Dataset.open(Path(sys.argv[1]), plan()) as dataset:
     for shard in dataset.pending():
         dataset.write(shard, *filling(plan(), shard))

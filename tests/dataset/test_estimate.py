@@ -6,12 +6,12 @@ from itertools import pairwise
 import pytest
 
 import wmspec
-from wmspec.execute.pool import Effort, Lost
-from wmspec.resources import resource
-from wmspec.write.estimate import _few, _rate, _seconds, _spread, _Trial, _Unit
-from wmspec.write.plan import Task
-from wmspec.write.units import units
-from wmspec.write.worker import Balance
+from wmspec.core.resources import resource
+from wmspec.dataset.build.estimate import _few, _rate, _seconds, _spread, _Trial, _Unit
+from wmspec.dataset.build.plan import Task
+from wmspec.dataset.build.units import units
+from wmspec.dataset.build.worker import Balance
+from wmspec.runtime.workers.pool import Effort, Lost
 
 
 @pytest.fixture(scope="module")

@@ -12,11 +12,11 @@ import pytest
 
 from tests.dataset.made import filling, make, plan
 from tests.dataset.test_dataset import contents
-from wmspec.design.design import share
-from wmspec.diagnostics import WmsError
-from wmspec.write.dataset import Dataset
-from wmspec.write.plan import Plan, Task
-from wmspec.write.reuse import Before
+from wmspec.compile.design.design import share
+from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.dataset import Dataset
+from wmspec.dataset.build.plan import Plan, Task
+from wmspec.dataset.build.reuse import Before
 
 SHARES = 3
 

@@ -16,8 +16,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.dataset.made import ENGINES, asked, make, plan, spec
-from wmspec.write.pictures import as_png, form, lossless, opened
-from wmspec.write.rows import COLUMNS, encode, schema, table
+from wmspec.dataset.build.pictures import as_png, form, lossless, opened
+from wmspec.dataset.build.rows import COLUMNS, encode, schema, table
 
 SHARDS = "data/{}/test-*.parquet"
 

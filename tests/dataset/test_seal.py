@@ -10,7 +10,7 @@ from tests.endtoend.test_commands import SPEED, wmspec
 from tests.engines import installed
 from wmspec.api import generate
 from wmspec.api.sealing import check, seal
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 SEED = 2**62 + 12345
 

@@ -11,10 +11,10 @@ import pytest
 from PIL import ImageColor, ImageFont
 
 from tests.dataset.made import make, plan
-from wmspec.diagnostics import WmsError
-from wmspec.write import typeset
-from wmspec.write.dataset import Dataset
-from wmspec.write.sheet import WIDTH, contact_sheet
+from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build import typeset
+from wmspec.dataset.build.dataset import Dataset
+from wmspec.dataset.build.sheet import WIDTH, contact_sheet
 
 
 @pytest.fixture(scope="module")

@@ -5,9 +5,9 @@ import random
 import pytest
 
 import wmspec
-from wmspec.ask.closed import has_closed
-from wmspec.resources import resource
-from wmspec.write.units import MOST, units
+from wmspec.core.resources import resource
+from wmspec.dataset.build.units import MOST, units
+from wmspec.runtime.questions.closed_sets import has_closed
 
 TASKS = {
     "positioning_tabletop": "perception/space/positioning.wms",  # closed sets in groups that cross more

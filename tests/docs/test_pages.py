@@ -17,7 +17,7 @@ RECIPES = ROOT / "tests/recipes"
 CONTRIBUTING = (ROOT / "docs/contributing.md").read_text()
 NAMED = re.compile(r"(?:`|python )((?:wmspec|backends|tests|tools|docs|specs|benchmarks)/[\w./-]+)`")
 #: Files that a recipe makes.
-MADE = {"wmspec/shapes/prism.py", "wmspec/ask/kinds/names.py"}
+MADE = {"wmspec/sim/shapes/prism.py", "wmspec/runtime/questions/kinds/names.py"}
 
 
 @pytest.mark.engine

@@ -14,13 +14,13 @@ from click.testing import CliRunner
 
 import wmspec
 from wmspec.cli import main
-from wmspec.diagnostics import WmsError
-from wmspec.execute import doctor, probe, remedy
-from wmspec.execute.doctor import Finding, examine, fit
-from wmspec.execute.probe import render
-from wmspec.execute.remedy import System
-from wmspec.photo import library
-from wmspec.scene.camera import look_at
+from wmspec.core.diagnostics import WmsError
+from wmspec.runtime.doctor import doctor, install_hints, probe
+from wmspec.runtime.doctor.doctor import Finding, examine, fit
+from wmspec.runtime.doctor.install_hints import System
+from wmspec.runtime.doctor.probe import render
+from wmspec.sim.photo import library
+from wmspec.sim.scene.render.camera import look_at
 
 BOOKWORM = System(frozenset({"debian"}), "bookworm", root=True)
 TRIXIE = System(frozenset({"debian"}), "trixie", root=False)
@@ -90,7 +90,7 @@ def test_an_engine_that_is_not_installed(tmp_path: Path) -> None:
                 if not entry.name.startswith("sapien") and not (tmp_path / entry.name).exists():
                     (tmp_path / entry.name).symlink_to(entry)
     code = (
-        "from wmspec.execute import doctor; doctor.names, doctor._photo = lambda: ('sapien',), lambda *_: []\n"
+        "from wmspec.runtime import doctor; doctor.names, doctor._photo = lambda: ('sapien',), lambda *_: []\n"
         "from wmspec.cli import main; main(['doctor', '--json'])"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(Path(wmspec.__file__).parents[1])])}
@@ -147,11 +147,11 @@ def test_a_wrong_picture_is_not_taken_for_a_right_one(monkeypatch: pytest.Monkey
     ],
 )
 def test_each_system_has_its_command(system: System, begins: str) -> None:
-    assert remedy.graphics(system, (24, 3)).startswith(begins)
+    assert install_hints.graphics(system, (24, 3)).startswith(begins)
 
 
 def test_debian_12_takes_mesa_from_its_backports() -> None:
-    command = remedy.graphics(BOOKWORM, (24, 3))
+    command = install_hints.graphics(BOOKWORM, (24, 3))
     assert "-t bookworm-backports mesa-vulkan-drivers" in command
     assert "://" not in command, "the address is the system's own"
     assert subprocess.run(["bash", "-n", "-c", command], check=False).returncode == 0

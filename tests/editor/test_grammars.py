@@ -15,7 +15,7 @@ from pygments.token import Comment, Error, Keyword, Name, Number
 from tools.grammars import files, textmate
 from wmspec.editor.pygments import WmsLexer
 from wmspec.editor.words import joining, keywords, statements
-from wmspec.parse.load import library_folder
+from wmspec.lang.parse.load import library_folder
 
 ROOT = Path(__file__).parents[2]
 SPECS = sorted(library_folder().parent.rglob("*.wms"))

@@ -16,10 +16,10 @@ from pygls.lsp.client import LanguageClient  # noqa: E402  it may not be here
 
 from tests.engines import installed  # noqa: E402
 from wmspec.api.loading import diagnose  # noqa: E402
+from wmspec.core.places import Source  # noqa: E402
 from wmspec.editor.start import first_spec  # noqa: E402
-from wmspec.parse.format import format_spec  # noqa: E402
-from wmspec.parse.load import library_folder  # noqa: E402
-from wmspec.places import Source  # noqa: E402
+from wmspec.lang.parse.format import format_spec  # noqa: E402
+from wmspec.lang.parse.load import library_folder  # noqa: E402
 
 T = TypeVar("T")
 PATIENCE = 300.0  # s: what ends a test that hangs, and no test of how busy the machine is

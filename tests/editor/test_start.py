@@ -10,10 +10,10 @@ from click.testing import CliRunner
 import wmspec
 from tests.engines import installed
 from wmspec.cli import main
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import Source
 from wmspec.editor.start import about, first_spec, templates
-from wmspec.parse.format import format_spec
-from wmspec.places import Source
+from wmspec.lang.parse.format import format_spec
 
 
 @pytest.mark.parametrize("template", templates())

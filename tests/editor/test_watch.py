@@ -14,7 +14,7 @@ import pytest
 from tests.browser import PATIENCE
 from tests.engines import installed
 from wmspec.api.loading import diagnose_text
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.editor.page import PageServer
 from wmspec.editor.start import first_spec
 from wmspec.editor.watch import Drawing, State, Watch, picture_name

@@ -9,7 +9,7 @@ from tests.endtoend.test_commands import SPECS, SPEED, wmspec
 from tests.engines import installed
 from wmspec.api import load_all
 from wmspec.api.making import indices
-from wmspec.paper import COLUMNS, REBUILT, column
+from wmspec.core.wm_abench import COLUMNS, REBUILT, column
 
 VISION = SPECS / "perception/vision"
 

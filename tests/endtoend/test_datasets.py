@@ -51,7 +51,7 @@ def test_the_same_bytes_whatever_the_number_of_workers(tmp_path: Path) -> None:
 KILLED = """
 import os, signal
 from wmspec.cli import main
-from wmspec.write import checkpoint
+from wmspec.dataset.build import checkpoint
 
 keep, kept = checkpoint.keep, []
 

@@ -4,7 +4,7 @@ import re
 
 from tests.endtoend.test_commands import COLLIDE
 from wmspec.cli import COMMANDS
-from wmspec.parse.load import library_folder
+from wmspec.lang.parse.load import library_folder
 
 
 def readme() -> str:

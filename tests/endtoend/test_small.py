@@ -12,10 +12,10 @@ import pytest
 
 import wmspec
 from tests.engines import installed
-from wmspec.ask.verbalize import say
-from wmspec.check.make import observe, task, thing
-from wmspec.layout.values import Values
-from wmspec.write.words import human
+from wmspec.compile.layout.values import Values
+from wmspec.dataset.build.words import human
+from wmspec.lang.check.statements.builder import observe, task, thing
+from wmspec.runtime.questions.verbalize import say
 
 BALL = "object ball { shape: sphere  size: 6 cm  color: red  on: table }"
 SPEC = "use tabletop\ntask t : custom {{ factor n in [1, 2]  {body}  observe front at [0 s, 0.1 s] }}"
@@ -100,9 +100,9 @@ def test_who_reads_no_further_is_no_failure() -> None:
 
 
 def test_a_camera_that_is_not_there_is_told_in_a_sentence() -> None:
-    from wmspec.diagnostics import WmsError
-    from wmspec.scene.camera import find
-    from wmspec.usd import read
+    from wmspec.core.diagnostics import WmsError
+    from wmspec.sim.scene.render.camera import find
+    from wmspec.sim.usd import read
 
     (first, _) = wmspec.load(text=SPEC.format(body=BALL))
     with pytest.raises(WmsError, match=r"there is no camera `frnt`; did you mean `front`\?"):

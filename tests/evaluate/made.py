@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from tests.audit.made import Ask, make, race, roll
-from wmspec.ask.kinds.numbers import NumberAnswer
-from wmspec.ask.model import Number, QuestionRow
+from wmspec.runtime.questions.kinds.numbers import NumberAnswer
+from wmspec.runtime.questions.model import Number, QuestionRow
 
 ENGINES = ("mujoco", "pybullet")
 

@@ -24,13 +24,13 @@ from PIL import Image
 from tests.evaluate.loopback import TRIES, loopback
 from tests.evaluate.made import in_numbers, in_pictures, in_words
 from wmspec.cli import main
-from wmspec.diagnostics import WmsError
-from wmspec.evaluate import prompt, results
-from wmspec.evaluate.journal import Journal
-from wmspec.evaluate.model import Reply
-from wmspec.evaluate.question import Question, questions
-from wmspec.evaluate.request import Ask, Picture, Text
-from wmspec.write.reader import DatasetReader
+from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.models import prompt, results
+from wmspec.eval.models.journal import Journal
+from wmspec.eval.models.model import Reply
+from wmspec.eval.models.question import Question, questions
+from wmspec.eval.models.request import Ask, Picture, Text
 
 pytest.importorskip("openai")
 

@@ -22,8 +22,8 @@ from PIL import Image
 from tests.evaluate.loopback import first, loopback
 from tests.evaluate.made import in_numbers, in_pictures, in_words
 from wmspec.cli import main
-from wmspec.evaluate import prompt, reply
-from wmspec.evaluate.request import Ask, Picture, Text
+from wmspec.eval.models import prompt, reply
+from wmspec.eval.models.request import Ask, Picture, Text
 
 Row = dict[str, Any]
 MAKERS = {"words": in_words, "pictures": in_pictures, "numbers": in_numbers}

@@ -12,9 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmspec.evaluate import reply
-from wmspec.evaluate.reply import LETTERS, ORDINALS, choice, mark, near, number_in
-from wmspec.evaluate.results import COLUMNS
+from wmspec.eval.models import reply
+from wmspec.eval.models.reply import LETTERS, ORDINALS, choice, mark, near, number_in
+from wmspec.eval.models.results import COLUMNS
 
 PICTURES = (None, None, None, None)
 CUBES = ("the red cube", "the blue cube", "neither", "the cube")

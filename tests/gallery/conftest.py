@@ -10,8 +10,8 @@ import pytest
 
 from tests.browser import opened
 from tests.dataset.made import make, plan
-from wmspec.gallery.gallery import folder
-from wmspec.write.reader import DatasetReader
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.gallery.gallery import folder
 
 __all__ = ["dataset", "gallery", "page"]
 

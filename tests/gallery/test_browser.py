@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 from tests.browser import opened
-from wmspec.gallery.gallery import html
-from wmspec.gallery.gallery import page as one_page
-from wmspec.gallery.records import about, records
-from wmspec.write.reader import DatasetReader
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.gallery.gallery import html
+from wmspec.eval.gallery.gallery import page as one_page
+from wmspec.eval.gallery.records import about, records
 
 
 def counted(page: Any) -> int:

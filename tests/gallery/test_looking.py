@@ -15,13 +15,13 @@ from PIL import Image
 from tests.browser import opened
 from tests.endtoend.test_commands import wmspec
 from tests.gallery.test_browser import chosen, counted, questions
-from wmspec.evaluate import results
-from wmspec.gallery.gallery import folder, html
-from wmspec.gallery.paths import paths
-from wmspec.gallery.records import about, records
-from wmspec.gallery.replies import read
-from wmspec.write.pictures import png
-from wmspec.write.reader import DatasetReader
+from wmspec.dataset.build.pictures import png
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.gallery.gallery import folder, html
+from wmspec.eval.gallery.paths import paths
+from wmspec.eval.gallery.records import about, records
+from wmspec.eval.gallery.replies import read
+from wmspec.eval.models import results
 
 
 @pytest.fixture(scope="session")

@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 from tests.endtoend.test_commands import wmspec
-from wmspec.gallery.gallery import folder, html, page
-from wmspec.gallery.records import about, records
-from wmspec.write.reader import DatasetReader
-from wmspec.write.words import human, reading
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.build.words import human, reading
+from wmspec.eval.gallery.gallery import folder, html, page
+from wmspec.eval.gallery.records import about, records
 
 
 def test_every_instance_once_with_every_engine(dataset: DatasetReader) -> None:

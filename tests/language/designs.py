@@ -6,9 +6,9 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from wmspec.check.ir import Choices, Operation, Plan, Ref, Require, TaskSpec, Value
-from wmspec.check.make import HERE, factor, nuisance, observe, task, thing
-from wmspec.draws import Level
+from wmspec.core.rng import Level
+from wmspec.lang.check.ir.ir import Choices, Operation, Plan, Ref, Require, TaskSpec, Value
+from wmspec.lang.check.statements.builder import HERE, factor, nuisance, observe, task, thing
 
 _COMPARE = {
     "==": lambda a, b: a == b,

@@ -5,12 +5,12 @@ from pathlib import Path
 
 from hypothesis import strategies as st
 
-from wmspec.check.ir import TaskSpec
-from wmspec.check.task import check_program
-from wmspec.diagnostics import Report
-from wmspec.parse.load import catalogue_folders, load, load_source
-from wmspec.places import Source
-from wmspec.resources import resource
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source
+from wmspec.core.resources import resource
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.load import catalogue_folders, load, load_source
 
 ROOT = resource("specs")
 SPECS = sorted(path for folder in catalogue_folders() for path in folder.rglob("*.wms"))

@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import wmspec
-from wmspec.ask.balance import MOST_DRAWS, balanced, together
-from wmspec.ask.kinds.labels import LabelAnswer
-from wmspec.ask.model import Option, QuestionRow, Rejected
-from wmspec.check.ir import Plan
-from wmspec.design.design import Design
-from wmspec.draws import bits
+from wmspec.compile.design.design import Design
+from wmspec.core.rng import bits
+from wmspec.lang.check.ir.ir import Plan
+from wmspec.runtime.questions.balance import MOST_DRAWS, balanced, together
+from wmspec.runtime.questions.kinds.labels import LabelAnswer
+from wmspec.runtime.questions.model import Option, QuestionRow, Rejected
 
 SPEC = """
 use tabletop

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from wmspec.cli import common, main
-from wmspec.parse.codes import CODES
+from wmspec.lang.parse.codes import CODES
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 ROOT = Path(__file__).parents[2]

@@ -6,13 +6,13 @@ from typing import Any
 
 from tests.language.specs import task_from
 from tests.language.test_format import without_places
-from wmspec.check import record
-from wmspec.check.ir import Call, Items, Operation, Property, Ref, TaskSpec, Value
-from wmspec.check.make import action, compound, factor, joint, objects, observe, robot, task, thing
-from wmspec.check.task import check_program
-from wmspec.diagnostics import Report
-from wmspec.parse.load import load_source
-from wmspec.places import Source
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source
+from wmspec.lang.check.ir import record
+from wmspec.lang.check.ir.ir import Call, Items, Operation, Property, Ref, TaskSpec, Value
+from wmspec.lang.check.statements.builder import action, compound, factor, joint, objects, observe, robot, task, thing
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.load import load_source
 
 HEAD = """
 object table { shape: box  size: (1 m, 1 m, 4 cm)  at: (0, 0, -2 cm)  fixed: true }

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from wmspec.check.task import check
-from wmspec.diagnostics import Report
-from wmspec.lint.dry_run import dry_run
-from wmspec.parse.codes import CODES
-from wmspec.places import Place, Span
+from wmspec.compile.lint.dry_run import dry_run
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Place, Span
+from wmspec.lang.check.statements.task import check
+from wmspec.lang.parse.codes import CODES
 
 CORPUS = sorted((Path(__file__).parent.parent / "corpus").glob("*.wms"))
 

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from tests.language.designs import allowed, compare, design_of, random_design
 from tests.language.specs import random_spec, task_from
-from wmspec.check.ir import Plan, TaskSpec
-from wmspec.design.design import Design
-from wmspec.diagnostics import SpecError
+from wmspec.compile.design.design import Design
+from wmspec.core.diagnostics import SpecError
+from wmspec.lang.check.ir.ir import Plan, TaskSpec
 
 SPEC = """
 use tabletop

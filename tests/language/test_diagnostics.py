@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmspec.cli.sarif import sarif
-from wmspec.diagnostics import Diagnostic, Note, Report, SpecError, StageError, WmsError, visible
-from wmspec.lint import change_rules, design_rules, option_rules, scene_rules, task_rules
-from wmspec.parse.codes import CODES
-from wmspec.parse.load import pointed
-from wmspec.places import FilePlace, Location, Place, PrimPlace, Source, Span
+from wmspec.compile.lint import change_rules, design_rules, option_rules, scene_rules, task_rules
+from wmspec.core.diagnostics import Diagnostic, Note, Report, SpecError, StageError, WmsError, visible
+from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Source, Span
+from wmspec.lang.parse.codes import CODES
+from wmspec.lang.parse.load import pointed
 
 RULES = [r for room in (task_rules, design_rules, option_rules, scene_rules, change_rules) for r in room.RULES]
 SOURCE = Source("a.wms", "task t : custom {\n  horizon 1 s\n}\n")

@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.language.specs import random_text, task_from
-from wmspec.design.design import Design
-from wmspec.draws import Permutation
-from wmspec.layout.values import Values
+from wmspec.compile.design.design import Design
+from wmspec.compile.layout.values import Values
+from wmspec.core.rng import Permutation
 
 # ---------------------------------------------------------------- domains
 

@@ -5,14 +5,14 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from wmspec.check.task import check
 from wmspec.cli import main
-from wmspec.diagnostics import Report
-from wmspec.lint.dry_run import dry_run
-from wmspec.parse.codes import CODES
-from wmspec.parse.pages import Example, page
+from wmspec.compile.lint.dry_run import dry_run
+from wmspec.core.diagnostics import Report
+from wmspec.lang.check.statements.task import check
+from wmspec.lang.parse.codes import CODES
+from wmspec.lang.parse.pages import Example, page
 
-FOLDER = Path(__file__).parents[2] / "wmspec/parse/codes"
+FOLDER = Path(__file__).parents[2] / "wmspec/lang/parse/codes"
 
 
 def codes(example: Example, folder: Path) -> set[str]:

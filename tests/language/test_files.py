@@ -6,10 +6,10 @@ import pytest
 import trimesh
 from PIL import Image
 
-from wmspec.check.ir import Operation, Ref, TaskSpec, Value
-from wmspec.check.task import check
-from wmspec.diagnostics import Report, WmsError
-from wmspec.layout.meshes import load
+from wmspec.compile.layout.meshes import load
+from wmspec.core.diagnostics import Report, WmsError
+from wmspec.lang.check.ir.ir import Operation, Ref, TaskSpec, Value
+from wmspec.lang.check.statements.task import check
 
 TASK = "use tabletop\ntask t : custom {{\n  {0}\n  observe front at [0 s]\n}}\n"
 

@@ -10,13 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.language.specs import SPECS, random_text
-from wmspec.check.record import plain
-from wmspec.check.task import check_program
 from wmspec.cli import main
-from wmspec.diagnostics import Report, SpecError
-from wmspec.parse.format import WIDTH, format_spec
-from wmspec.parse.load import library_folder, load_source, read_source
-from wmspec.places import Source
+from wmspec.core.diagnostics import Report, SpecError
+from wmspec.core.places import Source
+from wmspec.lang.check.ir.record import plain
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.format import WIDTH, format_spec
+from wmspec.lang.parse.load import library_folder, load_source, read_source
 
 CORPUS = sorted((Path(__file__).parent.parent / "corpus").glob("*.wms"))
 SHIPPED = [*SPECS, *sorted(library_folder().glob("*.wms"))]

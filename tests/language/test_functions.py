@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wmspec.check import ir
-from wmspec.check.make import compound, objects, observe, task, thing
-from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
-from wmspec.layout.cavities import room
-from wmspec.layout.values import Values
-from wmspec.layout.view import gaze, seen
+from wmspec.compile.design.design import Design
+from wmspec.compile.layout.cavities import room
+from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.view import gaze, seen
+from wmspec.core.diagnostics import WmsError
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.statements.builder import compound, objects, observe, task, thing
 
 CAMERA = thing("camera", "front", at=(0, -2, 1))
 TRAY = {

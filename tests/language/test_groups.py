@@ -8,8 +8,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from tests.language.designs import allowed, compare, design_of, random_design
-from wmspec.check.ir import Plan, TaskSpec
-from wmspec.design.design import Design
+from wmspec.compile.design.design import Design
+from wmspec.lang.check.ir.ir import Plan, TaskSpec
 
 
 def groups(count: int, cross: str = "", turn: str = "") -> Plan:

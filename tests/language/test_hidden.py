@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import wmspec
-from wmspec.lint.hidden_rules import _between
-from wmspec.space import Pose, turn
+from wmspec.compile.lint.hidden_rules import _between
+from wmspec.core.space import Pose, turn
 
 SPEC = """use room
 

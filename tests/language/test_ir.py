@@ -12,13 +12,13 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 
 from tests.language.specs import SPECS, random_spec, task_of
-from wmspec.check.ir import TaskSpec
-from wmspec.check.record import from_json, plain, schema, to_json
-from wmspec.check.task import check_program
 from wmspec.cli import main
-from wmspec.diagnostics import Report, WmsError
-from wmspec.parse.load import load_source
-from wmspec.places import Source
+from wmspec.core.diagnostics import Report, WmsError
+from wmspec.core.places import Source
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.ir.record import from_json, plain, schema, to_json
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.load import load_source
 
 DOCS = Path(__file__).parents[2] / "docs"
 

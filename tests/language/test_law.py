@@ -8,15 +8,15 @@ from hypothesis import strategies as st
 from pxr import Usd
 
 from tests.language.specs import DEEDS, SPECS, busy_text, random_spec, task_from, task_of
-from wmspec.check.ir import TaskSpec
-from wmspec.check.record import from_json, to_json
-from wmspec.design.depend import Dependencies, dependencies
-from wmspec.design.design import Design
-from wmspec.stage.diff import Difference, diff
-from wmspec.stage.document import Document
-from wmspec.stage.episode import document
-from wmspec.stage.layers import base_layer, compose, override_layer
-from wmspec.stage.one_factor import changed_by, violations
+from wmspec.compile.design.depend import Dependencies, dependencies
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.diff import Difference, diff
+from wmspec.compile.stage.document import Document
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import base_layer, compose, override_layer
+from wmspec.compile.stage.one_factor import changed_by, violations
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.ir.record import from_json, to_json
 
 
 def assert_law(spec: TaskSpec, before: Document, after: Document, *changed: str) -> None:

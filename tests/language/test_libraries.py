@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from wmspec.check.task import check
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
+from wmspec.lang.check.statements.task import check
 
 
 def codes(path: Path) -> list[str]:

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 from tests.language.specs import random_text, task_from
-from wmspec.check.make import action, observe, task, thing
-from wmspec.design.design import Design
-from wmspec.layout.geometry import pieces
-from wmspec.layout.values import Values
-from wmspec.lint.overlap import SLACK, Overlap, overlaps
-from wmspec.lint.visibility import blind
+from wmspec.compile.design.design import Design
+from wmspec.compile.layout.geometry import pieces
+from wmspec.compile.layout.values import Values
+from wmspec.compile.lint.overlap import SLACK, Overlap, overlaps
+from wmspec.compile.lint.visibility import blind
+from wmspec.lang.check.statements.builder import action, observe, task, thing
 
 ANGLES = st.floats(-3, 3)
 PLACES = st.tuples(*[st.floats(-0.12, 0.12)] * 3)

@@ -14,10 +14,10 @@ from lark.exceptions import UnexpectedInput
 
 from tests.language.specs import SPECS, random_text
 from tests.language.trees import expressions, files, statements, written
-from wmspec.parse.machine import END, Machine, Tree
-from wmspec.parse.syntax import Expr, File, Statement
-from wmspec.parse.tables import grammar, lark_parser, tables
-from wmspec.parse.words import Token, read
+from wmspec.lang.parse.lexer import Token, read
+from wmspec.lang.parse.machine import END, Machine, Tree
+from wmspec.lang.parse.syntax import Expr, File, Statement
+from wmspec.lang.parse.tables import grammar, lark_parser, tables
 
 
 @cache

@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from wmspec.check.task import check_program
 from wmspec.cli import main
-from wmspec.diagnostics import Diagnostic, Report
-from wmspec.lint.dry_run import dry_run
-from wmspec.parse.load import load_source
-from wmspec.places import Location, Source, Span
+from wmspec.compile.lint.dry_run import dry_run
+from wmspec.core.diagnostics import Diagnostic, Report
+from wmspec.core.places import Location, Source, Span
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.load import load_source
 
 SPEC = """use room
 

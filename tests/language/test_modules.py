@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 import wmspec
-from wmspec.check import ir
-from wmspec.check.task import check
-from wmspec.design.design import Design
-from wmspec.diagnostics import Report
-from wmspec.layout.values import Values
+from wmspec.compile.design.design import Design
+from wmspec.compile.layout.values import Values
+from wmspec.core.diagnostics import Report
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.statements.task import check
 
 LIBRARY = '''
 """A shop."""

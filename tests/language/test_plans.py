@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from tests.language.designs import allowed, compare, design_of, random_design
 from tests.language.specs import task_from
-from wmspec.check.ir import Plan, TaskSpec
-from wmspec.design.design import Design
-from wmspec.diagnostics import SpecError
-from wmspec.draws import quantile
+from wmspec.compile.design.design import Design
+from wmspec.core.diagnostics import SpecError
+from wmspec.core.rng import quantile
+from wmspec.lang.check.ir.ir import Plan, TaskSpec
 
 
 def sample(count: int) -> Plan:

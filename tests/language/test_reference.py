@@ -10,18 +10,18 @@ import pytest
 
 from tests.language.specs import SPECS
 from tests.language.test_format import without_places
-from wmspec.check.dimensions import DIMENSIONS
-from wmspec.check.ir import TaskSpec
-from wmspec.check.record import plain
-from wmspec.check.task import check_program
-from wmspec.check.vocabulary import CONDITIONAL, PLANS, SPREADS, STUDIED, WEIGHTED, Form, Plan
-from wmspec.diagnostics import Report
-from wmspec.lint.dry_run import dry_run
-from wmspec.parse.format import format_spec
-from wmspec.parse.load import load_source, read_source
-from wmspec.parse.parser import parse
-from wmspec.parse.syntax import Task
-from wmspec.places import Source
+from wmspec.compile.lint.dry_run import dry_run
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.ir.record import plain
+from wmspec.lang.check.statements.dimensions import DIMENSIONS
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.check.tables.vocabulary import CONDITIONAL, PLANS, SPREADS, STUDIED, WEIGHTED, Form, Plan
+from wmspec.lang.parse.format import format_spec
+from wmspec.lang.parse.load import load_source, read_source
+from wmspec.lang.parse.parser import parse
+from wmspec.lang.parse.syntax import Task
 
 ROOT = Path(__file__).parents[2]
 PAGE_PATH = ROOT / "docs/language.md"

@@ -12,14 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.language.specs import SPECS, task_from, task_of
-from wmspec.check.ir import TaskSpec
-from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
-from wmspec.layout.values import Values
-from wmspec.robots.obstacles import hull, obstacles
-from wmspec.robots.travel import CLEAR, GIRTH, WALKERS, Travel, travels
-from wmspec.robots.wayfinding import WITHIN
-from wmspec.robots.ways import gone
+from wmspec.compile.design.design import Design
+from wmspec.compile.layout.values import Values
+from wmspec.compile.robots.obstacles import hull, obstacles
+from wmspec.compile.robots.travel import CLEAR, GIRTH, WALKERS, Travel, travels
+from wmspec.compile.robots.wayfinding import WITHIN
+from wmspec.compile.robots.ways import gone
+from wmspec.core.diagnostics import WmsError
+from wmspec.lang.check.ir.ir import TaskSpec
 
 TOWN = """
 task t : custom {{

@@ -7,11 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.language.specs import SPECS
-from wmspec.check.task import check_program
-from wmspec.diagnostics import Report, WmsError
-from wmspec.lint.dry_run import dry_run
-from wmspec.parse.load import load_source
-from wmspec.places import Source
+from wmspec.compile.lint.dry_run import dry_run
+from wmspec.core.diagnostics import Report, WmsError
+from wmspec.core.places import Source
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.load import load_source
 
 TEXTS = [p.read_text() for p in [*SPECS, *sorted((Path(__file__).parent.parent / "corpus").glob("[a-c]*.wms"))]]
 FRAGMENTS = st.sampled_from(

@@ -3,11 +3,11 @@
 from hypothesis import given
 
 from tests.language.trees import bare, files, written
-from wmspec.diagnostics import Report
-from wmspec.parse.format import format_spec
-from wmspec.parse.parser import parse
-from wmspec.parse.syntax import File
-from wmspec.places import Source
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source
+from wmspec.lang.parse.format import format_spec
+from wmspec.lang.parse.parser import parse
+from wmspec.lang.parse.syntax import File
 
 
 def _read(text: str) -> File:

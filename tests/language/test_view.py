@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmspec.check.make import observe, task, thing
-from wmspec.layout.values import Values
-from wmspec.layout.view import facing, front, seen
-from wmspec.stage.cameras import _looking
+from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.view import facing, front, seen
+from wmspec.compile.stage.cameras import _looking
+from wmspec.lang.check.statements.builder import observe, task, thing
 
 PLACES = st.integers(-100, 100).map(lambda cm: cm / 100)
 

@@ -6,9 +6,9 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from wmspec.parse import syntax as s
-from wmspec.parse.tables import grammar, lark_parser
-from wmspec.places import Source, Span
+from wmspec.core.places import Source, Span
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.tables import grammar, lark_parser
 
 NOWHERE = Span(Source("tree", ""), 0, 0)
 

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from tests.engines import ENGINES
-from wmspec.execute.backends import info
+from wmspec.runtime.engines.registry import info
 
 ROOT = Path(__file__).parents[2]
 

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wmspec.scene.inertia import inertia
-from wmspec.scene.model import Action, Array, Body, Friction, Geom, Joint, Light, Pose, Scene
-from wmspec.scene.transform import identity
-from wmspec.shapes import Box, Shape
+from wmspec.sim.scene.model import Action, Array, Body, Friction, Geom, Joint, Light, Pose, Scene
+from wmspec.sim.scene.model.transform import identity
+from wmspec.sim.scene.physics.inertia import inertia
+from wmspec.sim.shapes import Box, Shape
 
 Vector = Sequence[float] | Array
 

@@ -10,8 +10,8 @@ import pytest
 
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
-from wmspec.diagnostics import WmsError
-from wmspec.scene.model import (
+from wmspec.core.diagnostics import WmsError
+from wmspec.sim.scene.model import (
     Action,
     Follow,
     Force,
@@ -25,8 +25,8 @@ from wmspec.scene.model import (
     Trace,
     Vanish,
 )
-from wmspec.scene.transform import multiply, rotate
-from wmspec.shapes import Box, Sphere
+from wmspec.sim.scene.model.transform import multiply, rotate
+from wmspec.sim.shapes import Box, Sphere
 
 Execute = Callable[[Scene], Trace]
 CUBE = Box((0.05,) * 3)
@@ -172,7 +172,7 @@ WRONG: dict[str, tuple[tuple[Action, ...], str]] = {
 
 @pytest.mark.parametrize("case", WRONG)
 def test_what_cannot_be_done_is_refused(case: str) -> None:
-    from wmspec.scene.validate import validate
+    from wmspec.sim.scene.validate import validate
 
     actions, message = WRONG[case]
     bodies = [body("d", CUBE), body("k", CUBE, motion="kinematic"), body("s", CUBE, motion="static")]

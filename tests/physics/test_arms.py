@@ -16,19 +16,19 @@ from scipy.interpolate import CubicSpline
 import wmspec
 from tests.engines import installed
 from tests.language.specs import SPECS, task_of
-from wmspec.design.depend import Dependencies
-from wmspec.design.design import Design
-from wmspec.diagnostics import EngineError, SpecError
-from wmspec.layout.values import Values
-from wmspec.resources import resource
-from wmspec.robots.arm import down
-from wmspec.robots.franka import PANDA
-from wmspec.robots.ik import solve
-from wmspec.robots.plan import matrix, plan
-from wmspec.robots.stand import base
-from wmspec.stage.episode import document
-from wmspec.stage.one_factor import changed_by, violations
-from wmspec.usd import read
+from wmspec.compile.design.depend import Dependencies
+from wmspec.compile.design.design import Design
+from wmspec.compile.layout.values import Values
+from wmspec.compile.robots.arm import down
+from wmspec.compile.robots.base_pose import base
+from wmspec.compile.robots.franka import PANDA
+from wmspec.compile.robots.ik import solve
+from wmspec.compile.robots.plan import matrix, plan
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.one_factor import changed_by, violations
+from wmspec.core.diagnostics import EngineError, SpecError
+from wmspec.core.resources import resource
+from wmspec.sim.usd import read
 
 ENGINES = ("mujoco", "pybullet", "sapien")
 FIRST = ("mujoco", *(pytest.param(engine, marks=pytest.mark.slow) for engine in ENGINES[1:]))

@@ -13,11 +13,11 @@ from pxr import Usd
 
 from tests.engines import ENGINES, installed
 from wmspec.cli import main
-from wmspec.conform.build import body, cylinder, floor, stage
-from wmspec.conform.case import RATE
-from wmspec.conform.score import by_backend, by_traces, cases, chosen, scores
-from wmspec.diagnostics import WmsError
-from wmspec.usd import read
+from wmspec.core.diagnostics import WmsError
+from wmspec.runtime.conformance.build import body, cylinder, floor, stage
+from wmspec.runtime.conformance.case import RATE
+from wmspec.runtime.conformance.score import by_backend, by_traces, cases, chosen, scores
+from wmspec.sim.usd import read
 
 CASES = cases()
 COUPLED = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmspec.scene.contact import Pair, intervals
+from wmspec.sim.scene.physics.contact import Pair, intervals
 
 NAMES = ("floor", "ball", "crate")
 PAIRS: list[Pair] = [(0, 1), (0, 2), (1, 2)]

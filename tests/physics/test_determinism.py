@@ -13,8 +13,8 @@ import pytest
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import G, body, floor, scene
 from tests.physics.test_native import limbs, lively
-from wmspec.scene.model import Trace
-from wmspec.shapes import Box, Sphere
+from wmspec.sim.scene.model import Trace
+from wmspec.sim.shapes import Box, Sphere
 
 FIELDS = ("position", "orientation", "linear_velocity", "angular_velocity")
 
@@ -55,7 +55,7 @@ print(digest(execute(lively())), digest(execute(limbs())), end="")
 @pytest.mark.parametrize("engine", ENGINES)
 def test_nothing_is_left_behind(engine: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     installed(engine)
-    errors = import_module("wmspec.diagnostics")
+    errors = import_module("wmspec.core.diagnostics")
     execute = installed(engine).execute
     monkeypatch.chdir(tmp_path)
     wild = body("b", Box((0.05,) * 3), (0, 0, 1), velocity=(1e30, 0, 0), spin=(1e30, 1e30, 0))

@@ -10,13 +10,13 @@ import pytest
 
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
-from wmspec.diagnostics import WmsError
-from wmspec.execute.backends import info
-from wmspec.scene.capability import approximated, require
-from wmspec.scene.inertia import inertia
-from wmspec.scene.model import Array, Body, Friction, Geom, Glide, Launch, Pose, Scene, Trace
-from wmspec.scene.transform import rotate
-from wmspec.shapes import Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
+from wmspec.core.diagnostics import WmsError
+from wmspec.runtime.engines.registry import info
+from wmspec.sim.scene.capability import approximated, require
+from wmspec.sim.scene.model import Array, Body, Friction, Geom, Glide, Launch, Pose, Scene, Trace
+from wmspec.sim.scene.model.transform import rotate
+from wmspec.sim.scene.physics.inertia import inertia
+from wmspec.sim.shapes import Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
 
 Execute = Callable[[Scene], Trace]
 

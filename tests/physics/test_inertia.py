@@ -8,11 +8,11 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wmspec.diagnostics import WmsError
-from wmspec.scene.inertia import inertia
-from wmspec.scene.model import Array, Inertia, Pose
-from wmspec.scene.transform import compose, identity, inverse, multiply, quaternion, rotate, rotation
-from wmspec.shapes import Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
+from wmspec.core.diagnostics import WmsError
+from wmspec.sim.scene.model import Array, Inertia, Pose
+from wmspec.sim.scene.model.transform import compose, identity, inverse, multiply, quaternion, rotate, rotation
+from wmspec.sim.scene.physics.inertia import inertia
+from wmspec.sim.shapes import Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
 
 sizes = st.floats(0.01, 1.0)
 

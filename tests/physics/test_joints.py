@@ -11,9 +11,9 @@ import pytest
 
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
-from wmspec.diagnostics import WmsError
-from wmspec.execute.backends import info
-from wmspec.scene.model import (
+from wmspec.core.diagnostics import WmsError
+from wmspec.runtime.engines.registry import info
+from wmspec.sim.scene.model import (
     Array,
     Body,
     Drive,
@@ -28,8 +28,8 @@ from wmspec.scene.model import (
     Steer,
     Trace,
 )
-from wmspec.scene.transform import compose, inverse, rotate
-from wmspec.shapes import Box, Sphere
+from wmspec.sim.scene.model.transform import compose, inverse, rotate
+from wmspec.sim.shapes import Box, Sphere
 
 Execute = Callable[[Scene], Trace]
 ALONG_Y = turn((0, 0, 1), pi / 2)  # turns x to y

@@ -9,12 +9,12 @@ import pytest
 
 from tests.engines import installed
 from tests.language.specs import SPECS, task_of
-from wmspec.design.design import Design
-from wmspec.scene.episode import play
-from wmspec.scene.transform import rotate
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
-from wmspec.usd import read
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
+from wmspec.sim.scene.model.transform import rotate
+from wmspec.sim.scene.physics.episode import play
+from wmspec.sim.usd import read
 
 TASKS = ("topple", "support", "arm_push", "arm_lift", "arms_push", "arm_drop", "arm_push_pick")
 

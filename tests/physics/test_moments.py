@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, G, body, scene, turn
-from wmspec.scene.model import Glide, Launch, Pose, Teleport, Trace
-from wmspec.shapes import Sphere
+from wmspec.sim.scene.model import Glide, Launch, Pose, Teleport, Trace
+from wmspec.sim.shapes import Sphere
 
 BALL = Sphere(0.05)
 WAY = np.array([1.25, 0.0, 0.0])

@@ -15,8 +15,8 @@ import pytest
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, body, floor, scene, turn
 from tests.physics.test_joints import joint, rod
-from wmspec.scene.model import Drive, Follow, Force, Glide, Impulse, Launch, Pose, Release, Scene, Steer, Teleport
-from wmspec.shapes import Box, Capsule, Cone, Cylinder, Sphere
+from wmspec.sim.scene.model import Drive, Follow, Force, Glide, Impulse, Launch, Pose, Release, Scene, Steer, Teleport
+from wmspec.sim.shapes import Box, Capsule, Cone, Cylinder, Sphere
 
 RISE = np.array([[0.8, 0, 0.021], [0.8, 0, 0.1], [0.8, 0.05, 0.1]])
 

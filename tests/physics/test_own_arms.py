@@ -9,9 +9,9 @@ import pytest
 import wmspec
 from tests.endtoend.test_commands import wmspec as command
 from tests.engines import installed
-from wmspec.diagnostics import WmsError
-from wmspec.robots.ik import solve
-from wmspec.robots.made import arm_in, make
+from wmspec.compile.robots.arm_assets import arm_in, make
+from wmspec.compile.robots.ik import solve
+from wmspec.core.diagnostics import WmsError
 
 pytest.importorskip("pybullet_data")
 

@@ -7,11 +7,11 @@ import pytest
 
 from tests.engines import installed
 from tests.language.specs import task_from
-from wmspec.design.design import Design
-from wmspec.scene.episode import play
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
-from wmspec.usd import read
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
+from wmspec.sim.scene.physics.episode import play
+from wmspec.sim.usd import read
 
 SCENE = """task still : custom {{
   object floor {{ shape: box  size: (4 m, 4 m, 10 cm)  at: (0, 0, -5 cm)  fixed: true }}

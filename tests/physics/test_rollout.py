@@ -8,12 +8,12 @@ import pytest
 
 from tests.engines import installed
 from tests.language.specs import SPECS, task_from, task_of
-from wmspec.design.design import Design
-from wmspec.scene.episode import play
-from wmspec.scene.model import Scene
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
-from wmspec.usd import read
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.scene.physics.episode import play
+from wmspec.sim.usd import read
 
 LAUNCHED, DRIVEN = ("collide", "drop", "slide", "two_balls", "roll", "support", "topple"), ("direction", "arm_drop")
 

@@ -14,16 +14,16 @@ from tests.engines import ENGINES, installed
 from tests.language.specs import SPECS, task_of
 from tests.physics.test_determinism import digest
 from tests.physics.test_native import limbs, lively
-from wmspec.check.ir import Choices
-from wmspec.design.design import Design
-from wmspec.execute.backends import backend
-from wmspec.execute.keys import physics_key
-from wmspec.execute.trace_cache import TraceCache
-from wmspec.scene.model import Friction, Geom, Light, Scene, Surface
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
-from wmspec.stage.write import write_stages
-from wmspec.usd import read
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
+from wmspec.compile.stage.write import write_stages
+from wmspec.lang.check.ir.ir import Choices
+from wmspec.runtime.caches.cache_keys import physics_key
+from wmspec.runtime.caches.trace_cache import TraceCache
+from wmspec.runtime.engines.registry import backend
+from wmspec.sim.scene.model import Friction, Geom, Light, Scene, Surface
+from wmspec.sim.usd import read
 
 (COLLIDE,) = (task_of(path) for path in SPECS if path.stem == "collide")
 

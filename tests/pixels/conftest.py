@@ -10,8 +10,8 @@ import pytest
 
 from tests.engines import ENGINES, installed
 from tests.pixels.scenes import LYING, body, grain, riding, scene, turned, views, wedge
-from wmspec.scene.model import Scene, Surface
-from wmspec.shapes import Box, Capsule, Cone, Cylinder, Sphere
+from wmspec.sim.scene.model import Scene, Surface
+from wmspec.sim.shapes import Box, Capsule, Cone, Cylinder, Sphere
 
 
 @pytest.fixture(scope="session")

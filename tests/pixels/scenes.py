@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from wmspec.scene.camera import look_at
-from wmspec.scene.model import Body, Camera, Geom, Light, Motion, Pose, Scene, Surface
-from wmspec.scene.transform import identity, quaternion
-from wmspec.shapes import Mesh, Shape
+from wmspec.sim.scene.model import Body, Camera, Geom, Light, Motion, Pose, Scene, Surface
+from wmspec.sim.scene.model.transform import identity, quaternion
+from wmspec.sim.scene.render.camera import look_at
+from wmspec.sim.shapes import Mesh, Shape
 
 SUN = np.array([0.35, 0.45, -1.0]) / np.linalg.norm([0.35, 0.45, -1.0])
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])

@@ -10,10 +10,10 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.pixels.scenes import body, scene
-from wmspec.scene.camera import look_at, unproject
-from wmspec.scene.contact_shadow import REACH, STRENGTH, ContactShadows
-from wmspec.scene.model import Camera, Light, Scene, Shot, Surface
-from wmspec.shapes import Box, Sphere
+from wmspec.sim.scene.model import Camera, Light, Scene, Shot, Surface
+from wmspec.sim.scene.render.camera import look_at, unproject
+from wmspec.sim.scene.render.contact_shadow import REACH, STRENGTH, ContactShadows
+from wmspec.sim.shapes import Box, Sphere
 
 RADIUS, SIZE = 0.1, 101
 EYE = Camera("eye", look_at((0, 0, 2), (0, 0, 0)), math.radians(30), 0.01, 10)

@@ -12,12 +12,12 @@ SCRIPT = """
 import hashlib, sys
 from tests.endtoend.test_commands import SPEED
 from tests.language.specs import task_of
-from wmspec.design.design import Design
-from wmspec.execute.backends import backend
-from wmspec.scene.model import Shot
-from wmspec.usd import read
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
+from wmspec.compile.design.design import Design
+from wmspec.runtime.engines.registry import backend
+from wmspec.sim.scene.model import Shot
+from wmspec.sim.usd import read
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
 
 spec = task_of(SPEED)
 engine = backend(sys.argv[1])

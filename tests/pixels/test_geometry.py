@@ -12,13 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.pixels.scenes import wedge
-from wmspec.diagnostics import WmsError
-from wmspec.scene.camera import look_at, project, projection_matrix, unproject, view_matrix
-from wmspec.scene.color import to_bytes, to_linear, to_srgb
-from wmspec.scene.model import Camera
-from wmspec.scene.transform import rotation
-from wmspec.shapes import Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
-from wmspec.shapes.facets import tessellate
+from wmspec.core.diagnostics import WmsError
+from wmspec.sim.scene.model import Camera
+from wmspec.sim.scene.model.transform import rotation
+from wmspec.sim.scene.render.camera import look_at, project, projection_matrix, unproject, view_matrix
+from wmspec.sim.scene.render.color import to_bytes, to_linear, to_srgb
+from wmspec.sim.shapes import Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
+from wmspec.sim.shapes.facets import tessellate
 
 length = st.floats(0.01, 10)
 place = st.tuples(*[st.floats(-5, 5)] * 3).map(np.array)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from wmspec.scene.model import Scene, Shot
+from wmspec.sim.scene.model import Scene, Shot
 
 GOLDEN = Path(__file__).parent / "golden"
 

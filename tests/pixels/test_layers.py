@@ -9,9 +9,9 @@ import pytest
 
 from tests.engines import installed
 from tests.pixels.scenes import body, scene, views
-from wmspec.execute.backends import backend
-from wmspec.scene.model import Frame, Shot, Surface
-from wmspec.shapes import Sphere
+from wmspec.runtime.engines.registry import backend
+from wmspec.sim.scene.model import Frame, Shot, Surface
+from wmspec.sim.shapes import Sphere
 
 
 def drawn() -> Frame:

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from wmspec.photo.light import directions
-from wmspec.scene.environment import PEAK, radiance
-from wmspec.scene.tonemap import tonemap
+from wmspec.sim.photo.light import directions
+from wmspec.sim.scene.render.environment import PEAK, radiance
+from wmspec.sim.scene.render.tonemap import tonemap
 
 
 def test_the_surroundings_have_a_mean_radiance_of_one() -> None:

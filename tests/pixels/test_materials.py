@@ -12,13 +12,13 @@ import pytest
 from tests.engines import ENGINES
 from tests.pixels.scenes import LYING, body, scene, turned, wedge
 from tools import looks
-from wmspec.materials import MATERIALS, Material
-from wmspec.scene.camera import look_at
-from wmspec.scene.color import texture
-from wmspec.scene.model import Camera, Frame, Geom, Pose, Scene, Shot, Surface
-from wmspec.scene.texcoords import texcoords
-from wmspec.scene.transform import identity
-from wmspec.shapes import Box, Capsule, Cone, Cylinder, Shape, Sphere
+from wmspec.sim.materials import MATERIALS, Material
+from wmspec.sim.scene.model import Camera, Frame, Geom, Pose, Scene, Shot, Surface
+from wmspec.sim.scene.model.transform import identity
+from wmspec.sim.scene.render.camera import look_at
+from wmspec.sim.scene.render.color import texture
+from wmspec.sim.scene.render.texcoords import texcoords
+from wmspec.sim.shapes import Box, Capsule, Cone, Cylinder, Shape, Sphere
 
 IMAGES = sorted(looks.IMAGES)
 TEXTURED = sorted(name for name, one in MATERIALS.items() if one.path)

@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.pixels.scenes import body, scene, turned
-from wmspec.scene.camera import look_at, project, rays
-from wmspec.scene.model import Camera, Scene, Shot, Surface
-from wmspec.scene.near_plane import NearPlane
-from wmspec.scene.transform import rotation
-from wmspec.shapes import Box
+from wmspec.sim.scene.model import Camera, Scene, Shot, Surface
+from wmspec.sim.scene.model.transform import rotation
+from wmspec.sim.scene.render.camera import look_at, project, rays
+from wmspec.sim.scene.render.near_plane import NearPlane
+from wmspec.sim.shapes import Box
 
 FAR = 3.9
 GREY = Surface((0.5, 0.5, 0.5))

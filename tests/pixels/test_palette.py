@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from wmspec.ask.difference import ciede2000, lab
-from wmspec.check.vocabulary import COLORS, WORDS
-from wmspec.materials import SAFE, SHADES
-from wmspec.materials.colors import rgb
-from wmspec.scene.color import to_linear, to_srgb
+from wmspec.lang.check.tables.colors import rgb
+from wmspec.lang.check.tables.vocabulary import COLORS, WORDS
+from wmspec.runtime.questions.difference import ciede2000, lab
+from wmspec.sim.materials import SAFE, SHADES
+from wmspec.sim.scene.render.color import to_linear, to_srgb
 
 #: Machado, Oliveira and Fernandes, "A physiologically-based model for simulation of color vision deficiency", IEEE TVCG
 #: 15, 2009: on linear light, at full severity.

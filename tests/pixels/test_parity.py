@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.engines import ENGINES
-from wmspec.scene.model import Frame, Scene, Shot
+from wmspec.sim.scene.model import Frame, Scene, Shot
 
 SIZE = 256
 

@@ -20,16 +20,16 @@ from wmspec.api import generate
 from wmspec.api.making import planned
 from wmspec.api.verifying import verify
 from wmspec.cli import main
-from wmspec.diagnostics import WmsError
-from wmspec.execute.backends import drawing
-from wmspec.execute.render_cache import RenderCache
-from wmspec.materials import TEXTURES
-from wmspec.photo import library
-from wmspec.photo.light import directions, panels, surroundings
-from wmspec.scene.camera import look_at, project, seeing
-from wmspec.scene.color import to_linear
-from wmspec.scene.model import Camera, Frame, Light, Scene, Shot, Surface
-from wmspec.shapes import Box, Cylinder, Sphere
+from wmspec.core.diagnostics import WmsError
+from wmspec.runtime.caches.render_cache import RenderCache
+from wmspec.runtime.engines.registry import drawing
+from wmspec.sim.materials import TEXTURES
+from wmspec.sim.photo import library
+from wmspec.sim.photo.light import directions, panels, surroundings
+from wmspec.sim.scene.model import Camera, Frame, Light, Scene, Shot, Surface
+from wmspec.sim.scene.render.camera import look_at, project, seeing
+from wmspec.sim.scene.render.color import to_linear
+from wmspec.sim.shapes import Box, Cylinder, Sphere
 
 SIZE, SAMPLES = 48, 4
 COLORS = {"floor": (0.7, 0.7, 0.7), "red": (0.8, 0.1, 0.1), "blue": (0.1, 0.2, 0.8), "green": (0.1, 0.6, 0.2)}
@@ -111,7 +111,7 @@ def test_only_glass_is_seen_through(texture: str | None, photo: Frame) -> None: 
 def test_outlines_agree_with_the_masks() -> None:
     """What the denoiser is told of plain colours has a colour for each body: the nearest one says which it is."""
     pytest.importorskip("mitsuba_oidn")
-    from wmspec.photo.tracer import Tracer
+    from wmspec.sim.photo.tracer import Tracer
 
     what, size = things(), 96
     ids, tracer = drawn(what, look="parity", size=size).ids, Tracer(what, (size, size))
@@ -150,7 +150,7 @@ def test_with_llvm_the_picture_is_nearly_the_same(photo: Frame, monkeypatch: pyt
 
 def test_light_comes_through_ceilings_where_it_throws_no_shadows() -> None:
     pytest.importorskip("mitsuba_oidn")
-    from wmspec.photo.tracer import Tracer
+    from wmspec.sim.photo.tracer import Tracer
 
     white, half = Surface((0.9, 0.9, 0.9)), Box((2.0, 2.0, 0.05))
     slabs = [body("floor", "static", (0, 0, 0), half, white), body("ceiling", "static", (0, 0, 2.5), half, white)]

@@ -13,11 +13,11 @@ import pytest
 from benchmarks import memory
 from tests.engines import installed
 from tests.pixels.scenes import SUN, body, scene, turned
-from wmspec.diagnostics import WmsError
-from wmspec.scene.camera import look_at, project
-from wmspec.scene.model import Camera, Pose, Scene, Shot, Surface
-from wmspec.scene.shadow import SHADE
-from wmspec.shapes import Box, Sphere
+from wmspec.core.diagnostics import WmsError
+from wmspec.sim.scene.model import Camera, Pose, Scene, Shot, Surface
+from wmspec.sim.scene.render.camera import look_at, project
+from wmspec.sim.scene.render.shadow import SHADE
+from wmspec.sim.shapes import Box, Sphere
 
 GREY = (0.8, 0.6, 0.4)
 

@@ -9,10 +9,10 @@ import pytest
 
 from tests.engines import installed
 from tests.pixels.scenes import SUN
-from wmspec.execute.backends import backend
-from wmspec.execute.keys import form_key, look_key
-from wmspec.execute.render_cache import RenderCache
-from wmspec.scene.model import Light, Pose, Scene, Shot, Surface
+from wmspec.runtime.caches.cache_keys import form_key, look_key
+from wmspec.runtime.caches.render_cache import RenderCache
+from wmspec.runtime.engines.registry import backend
+from wmspec.sim.scene.model import Light, Pose, Scene, Shot, Surface
 
 
 def painted(scene: Scene, shift: int) -> Scene:

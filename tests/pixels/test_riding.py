@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from tests.pixels.scenes import body, scene, turned
-from wmspec.scene.camera import look_at
-from wmspec.scene.model import Camera, Pose, Shot, Surface
-from wmspec.scene.transform import compose, inverse
-from wmspec.shapes import Box, Sphere
+from wmspec.sim.scene.model import Camera, Pose, Shot, Surface
+from wmspec.sim.scene.model.transform import compose, inverse
+from wmspec.sim.scene.render.camera import look_at
+from wmspec.sim.shapes import Box, Sphere
 
 
 def test_a_riding_camera_sees_what_a_standing_one_sees(renderer: Any, engine: str) -> None:

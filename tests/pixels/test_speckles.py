@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 from tests.pixels.scenes import body, scene
 from tests.pixels.test_materials import surface
-from wmspec.materials import MATERIALS
-from wmspec.scene.camera import look_at
-from wmspec.scene.color import texture
-from wmspec.scene.model import Camera, Shot
-from wmspec.shapes import Box
+from wmspec.sim.materials import MATERIALS
+from wmspec.sim.scene.model import Camera, Shot
+from wmspec.sim.scene.render.camera import look_at
+from wmspec.sim.scene.render.color import texture
+from wmspec.sim.shapes import Box
 
 
 @pytest.mark.parametrize("material", ["stone", "fabric", "wood"])

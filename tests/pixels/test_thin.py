@@ -11,9 +11,9 @@ import pytest
 
 from tests.engines import ENGINES
 from tests.pixels.scenes import body, scene
-from wmspec.scene.camera import look_at
-from wmspec.scene.model import Camera, Frame, Shot, Surface
-from wmspec.shapes import Box, Sphere
+from wmspec.sim.scene.model import Camera, Frame, Shot, Surface
+from wmspec.sim.scene.render.camera import look_at
+from wmspec.sim.shapes import Box, Sphere
 
 
 @pytest.fixture(scope="module")

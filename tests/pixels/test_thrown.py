@@ -11,12 +11,12 @@ import pytest
 import wmspec
 from wmspec.backends.mujoco import render
 from wmspec.backends.mujoco.render import Renderer
-from wmspec.resources import resource
-from wmspec.scene.boxes import edges
-from wmspec.scene.camera import look_at, seeing
-from wmspec.scene.model import Body, Scene, Shot
-from wmspec.scene.thrown import Sight, Thrown
-from wmspec.usd import read
+from wmspec.core.resources import resource
+from wmspec.sim.scene.model import Body, Scene, Shot
+from wmspec.sim.scene.render.boxes import edges
+from wmspec.sim.scene.render.camera import look_at, seeing
+from wmspec.sim.scene.render.shadow_culling import Sight, Thrown
+from wmspec.sim.usd import read
 
 SIZE = 96
 

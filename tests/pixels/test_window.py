@@ -15,12 +15,12 @@ from wmspec.backends.mujoco import render
 from wmspec.backends.mujoco.backdrop import REMEMBERED
 from wmspec.backends.mujoco.cast import Cast
 from wmspec.backends.mujoco.render import Renderer
-from wmspec.memoize import LRU
-from wmspec.resources import resource
-from wmspec.scene.camera import project
-from wmspec.scene.model import Pose, Scene, Shot, Surface
-from wmspec.scene.window import BLOCK, EDGE, Moving, full
-from wmspec.usd import read
+from wmspec.core.resources import resource
+from wmspec.core.memoize import LRU
+from wmspec.sim.scene.model import Pose, Scene, Shot, Surface
+from wmspec.sim.scene.render.camera import project
+from wmspec.sim.scene.render.window import BLOCK, EDGE, Moving, full
+from wmspec.sim.usd import read
 
 SIZE = 128
 TASKS = {

@@ -17,8 +17,8 @@ from click.testing import CliRunner, Result
 from PIL import Image, ImageCms
 
 from wmspec.cli import main
-from wmspec.recast.table import COLUMNS
-from wmspec.write.reader import DatasetReader
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.image_import.table import COLUMNS
 
 DOCS = Path(__file__).parents[2] / "docs" / "recast"
 HEAD = "question,pictures,options,answer"
@@ -178,7 +178,7 @@ def test_a_clip_gives_pictures_evenly_and_their_times(folder: Path) -> None:
 
 def test_a_film_gives_pictures_too(folder: Path) -> None:
     pytest.importorskip("imageio_ffmpeg")
-    from wmspec.write.film import mp4
+    from wmspec.dataset.build.video import mp4
 
     mp4([Image.new("RGB", (64, 64), (25 * i,) * 3) for i in range(10)], 5.0, folder / "pictures" / "film.mp4")
     done = recast(folder, "Which?,film.mp4,a;b,a,4", head=f"{HEAD},frames")

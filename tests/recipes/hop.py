@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from wmspec.check.ir import Thing
-from wmspec.layout.values import Values
-from wmspec.stage.document import Prim
+from wmspec.compile.layout.values import Values
+from wmspec.compile.stage.document import Prim
+from wmspec.lang.check.ir.ir import Thing
 
 
 def hop(prim: Prim, action: Thing, values: Values) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.ask.observed import Observed
+from wmspec.runtime.questions.observed import Observed
 
 
 def peak(observed: Observed, name: str) -> float:

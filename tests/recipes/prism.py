@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.shapes.shape import Flat, Parameter, Shape, Tensor, UnfitError, across_and_up
-from wmspec.space import UP, Vector, dot
+from wmspec.core.space import UP, Vector, dot
+from wmspec.sim.shapes.shape import Flat, Parameter, Shape, Tensor, UnfitError, across_and_up
 
 if TYPE_CHECKING:
-    from wmspec.shapes.facets import Facets
+    from wmspec.sim.shapes.facets import Facets
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Prism(Shape):
         """Its corners, and fans of triangles on its ends."""
         import numpy as np
 
-        from wmspec.shapes.facets import smooth
+        from wmspec.sim.shapes.facets import smooth
 
         n, ring = self.sides, np.array(self._ring)
         up = np.array([0, 0, self.height / 2])

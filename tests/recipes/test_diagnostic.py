@@ -14,10 +14,10 @@ def test_adding_a_diagnostic(tmp_path: Path) -> None:
     for file in (ROOT / "pyproject.toml", *(ROOT / "tests").glob("*.py")):
         shutil.copy(file, tmp_path / file.relative_to(ROOT))
 
-    codes = tmp_path / "wmspec/parse/codes"
+    codes = tmp_path / "wmspec/lang/parse/codes"
     _insert(codes / "__init__.py", "}", '    "WMS699": "object called moon",\n')
     (codes / "WMS699.md").write_text(PAGE.format(wrong=SPEC.format("moon"), right=SPEC.format("ball")))
-    rules = tmp_path / "wmspec/lint/task_rules.py"
+    rules = tmp_path / "wmspec/compile/lint/task_rules.py"
     _insert(rules, "RULES = (", MOON)
     rules.write_text(rules.read_text().replace("RULES = (", "RULES = (object_called_moon, "))
     case = tmp_path / "tests/corpus/moon.wms"

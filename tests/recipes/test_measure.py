@@ -7,8 +7,8 @@ import pytest
 import wmspec
 from tests.engines import installed
 from tools.reference import reference
-from wmspec.check.functions import FUNCTIONS, Function
-from wmspec.check.types import A_LENGTH, OBJECT
+from wmspec.lang.check.tables.functions import FUNCTIONS, Function
+from wmspec.lang.check.types.types import A_LENGTH, OBJECT
 
 ROW = Function("how high its middle ever is", (OBJECT,), A_LENGTH, "tests.recipes.peak:peak")
 SPEC = """

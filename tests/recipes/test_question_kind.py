@@ -22,14 +22,14 @@ def test_adding_a_question_kind(tmp_path: Path) -> None:
     for part in ("wmspec", "backends", "grammar", "specs"):
         shutil.copytree(ROOT / part, tmp_path / part, ignore=shutil.ignore_patterns("__pycache__"))
 
-    _replace(tmp_path / "wmspec/check/ir.py", '"numbers", "pictures"]', '"numbers", "pictures", "names"]')
-    rules = tmp_path / "wmspec/check/question_kinds.py"
+    _replace(tmp_path / "wmspec/lang/check/ir/ir.py", '"numbers", "pictures"]', '"numbers", "pictures", "names"]')
+    rules = tmp_path / "wmspec/lang/check/statements/question_kinds.py"
     _replace(rules, '    "labels": QuestionRules(', RULES + '    "labels": QuestionRules(')
     _replace(rules, "import PICTURE,", "import OBJECT, PICTURE,")
-    (tmp_path / "wmspec/ask/kinds/names.py").write_text(MODULE)
-    kinds = tmp_path / "wmspec/ask/kinds/__init__.py"
+    (tmp_path / "wmspec/runtime/questions/kinds/names.py").write_text(MODULE)
+    kinds = tmp_path / "wmspec/runtime/questions/kinds/__init__.py"
     _replace(kinds, '"pictures": Pictures()', '"pictures": Pictures(), "names": Names()')
-    _replace(kinds, "import Numbers\n", "import Numbers\nfrom wmspec.ask.kinds.names import Names\n")
+    _replace(kinds, "import Numbers\n", "import Numbers\nfrom wmspec.runtime.questions.kinds.names import Names\n")
 
     (tmp_path / "race.wms").write_text(SPEC)
     engines = ("-b", "mujoco,pybullet", "-j", "1")
@@ -54,12 +54,12 @@ MODULE = '''"""Open questions that are answered with a thing."""
 from dataclasses import dataclass
 from typing import ClassVar
 
-from wmspec.ask.asking import Asking
-from wmspec.ask.kinds.kind import Kind, in_words
-from wmspec.ask.model import Answer
-from wmspec.ask.runs import Run
-from wmspec.check.evaluate import evaluate
-from wmspec.check.ir import QuestionKind
+from wmspec.runtime.questions.question_context import Asking
+from wmspec.runtime.questions.kinds.kind import Kind, in_words
+from wmspec.runtime.questions.model import Answer
+from wmspec.runtime.questions.runs import Run
+from wmspec.lang.check.ir.evaluate import evaluate
+from wmspec.lang.check.ir.ir import QuestionKind
 
 
 @dataclass(frozen=True)

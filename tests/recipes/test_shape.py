@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from tests.engines import ENGINES, installed
 from tests.recipes.prism import Prism
-from wmspec.shapes.facets import tessellate
+from wmspec.sim.shapes.facets import tessellate
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -26,8 +26,8 @@ SPEC = HERE / "prism.wms"
 READ_BACK = """
 import sys
 from pxr import Usd
-from wmspec.shapes import SHAPES
-from wmspec.usd import read
+from wmspec.sim.shapes import SHAPES
+from wmspec.sim.usd import read
 (nut,) = [b for b in read(Usd.Stage.Open(sys.argv[1])).bodies if b.name == "nut"]
 shape = nut.geoms[0].shape
 assert type(shape) is SHAPES["prism"]
@@ -41,11 +41,13 @@ def checkout(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("checkout")
     for folder in ("wmspec", "backends", "grammar", "specs"):
         shutil.copytree(ROOT / folder, made / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copy(HERE / "prism.py", made / "wmspec/shapes/prism.py")
-    table = made / "wmspec/shapes/__init__.py"
+    shutil.copy(HERE / "prism.py", made / "wmspec/sim/shapes/prism.py")
+    table = made / "wmspec/sim/shapes/__init__.py"
     text = table.read_text()
     text = text.replace('    "plane": Plane,\n', '    "plane": Plane,\n    "prism": Prism,\n')
-    text = text.replace("from wmspec.shapes.shape", "from wmspec.shapes.prism import Prism\nfrom wmspec.shapes.shape")
+    text = text.replace(
+        "from wmspec.sim.shapes.shape", "from wmspec.sim.shapes.prism import Prism\nfrom wmspec.sim.shapes.shape"
+    )
     table.write_text(text)
     return made
 
@@ -65,7 +67,7 @@ def wmspec(checkout: Path, *arguments: str | Path, code: int = 0) -> str:
 
 
 def test_one_file_is_new_and_one_is_changed(checkout: Path) -> None:
-    compared = dircmp(ROOT / "wmspec/shapes", checkout / "wmspec/shapes", ignore=["__pycache__"])
+    compared = dircmp(ROOT / "wmspec/sim/shapes", checkout / "wmspec/sim/shapes", ignore=["__pycache__"])
     assert (compared.right_only, compared.diff_files, compared.left_only) == (["prism.py"], ["__init__.py"], [])
 
 

@@ -7,9 +7,9 @@ import pytest
 import wmspec
 from tests.engines import ENGINES, installed
 from tools.reference import reference
-from wmspec.check.types import A_LENGTH, OBJECT
-from wmspec.check.verbs import VERBS, Verb
-from wmspec.check.vocabulary import Slot
+from wmspec.lang.check.tables.verbs import VERBS, Verb
+from wmspec.lang.check.tables.vocabulary import Slot
+from wmspec.lang.check.types.types import A_LENGTH, OBJECT
 
 ROW = Verb(
     "sends the object straight up",

@@ -16,10 +16,10 @@ pytest.importorskip("statsmodels")
 pytest.importorskip("matplotlib")
 
 from tests.report.made import Knows, Rater, answers, dataset, rows, write
-from wmspec.report.questions import Questions
-from wmspec.report.replies import Replies, replies
-from wmspec.report.report import Report, analyse
-from wmspec.write.rows import Row
+from wmspec.dataset.build.rows import Row
+from wmspec.eval.report.questions import Questions
+from wmspec.eval.report.replies import Replies, replies
+from wmspec.eval.report.report import Report, analyse
 
 #: What `seer` can tell apart: speeds in this ratio, half-way from guessing to its best.
 THRESHOLD, STEEP, LAPSE = 1.5, 4.0, 0.02

@@ -13,17 +13,17 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from wmspec.ask.ask import groups
-from wmspec.check.ir import TaskSpec
-from wmspec.check.task import check
-from wmspec.design.design import Design
-from wmspec.diagnostics import Report
-from wmspec.report.intervals import rng
-from wmspec.write.dataset import Dataset
-from wmspec.write.pictures import png
-from wmspec.write.plan import Plan, Task
-from wmspec.write.reader import DatasetReader
-from wmspec.write.rows import COLUMNS, Row, identity, schema
+from wmspec.compile.design.design import Design
+from wmspec.core.diagnostics import Report
+from wmspec.dataset.build.dataset import Dataset
+from wmspec.dataset.build.pictures import png
+from wmspec.dataset.build.plan import Plan, Task
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.build.rows import COLUMNS, Row, identity, schema
+from wmspec.eval.report.intervals import rng
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.statements.task import check
+from wmspec.runtime.questions.ask import groups
 
 SPECS = Path(__file__).parent / "specs"
 TASKS = ("race", "roll", "tally")

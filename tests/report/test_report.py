@@ -19,8 +19,8 @@ from tests.browser import opened
 from tests.report.conftest import Made
 from tests.report.made import Rater, answers, write
 from wmspec.cli import main
-from wmspec.report.figures.all import figures
-from wmspec.report.write import write as write_report
+from wmspec.eval.report.figures.all import figures
+from wmspec.eval.report.write import write as write_report
 
 
 def run(*arguments: object) -> Result:

@@ -7,15 +7,15 @@ import pytest
 
 from tests.report.conftest import LAPSE, STEEP, THRESHOLD, Made, seer
 from tests.report.made import Rater, answers
-from wmspec.report.choices import change
-from wmspec.report.compare import comparisons
-from wmspec.report.curves import curves, strength
-from wmspec.report.entanglement import dimension, spread
-from wmspec.report.filtered import EVERYONES, ITS_OWN
-from wmspec.report.intervals import means, rng
-from wmspec.report.items import item_rest, response, sample
-from wmspec.report.questions import Questions
-from wmspec.report.replies import replies
+from wmspec.eval.report.choices import change
+from wmspec.eval.report.compare import comparisons
+from wmspec.eval.report.curves import curves, strength
+from wmspec.eval.report.entanglement import dimension, spread
+from wmspec.eval.report.filtered import EVERYONES, ITS_OWN
+from wmspec.eval.report.intervals import means, rng
+from wmspec.eval.report.items import item_rest, response, sample
+from wmspec.eval.report.questions import Questions
+from wmspec.eval.report.replies import replies
 
 # ---------------------------------------------------------------- intervals
 
@@ -270,6 +270,6 @@ def test_a_sample_takes_one_of_every_piece_of_equal_weight() -> None:
 
 
 def test_too_few_systems_have_no_items(made: Made) -> None:
-    from wmspec.report.items import items
+    from wmspec.eval.report.items import items
 
     assert items(replies(answers(made.rows[:200], Rater("a", lambda row: 0.5), Rater("b", lambda row: 0.7)))) is None

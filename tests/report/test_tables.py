@@ -11,9 +11,9 @@ import pytest
 
 from tests.report.conftest import Made
 from tests.report.made import Rater, answers
-from wmspec.report.replies import replies
-from wmspec.report.report import Report
-from wmspec.report.tables import Line, average, tables
+from wmspec.eval.report.replies import replies
+from wmspec.eval.report.report import Report
+from wmspec.eval.report.tables import Line, average, tables
 
 DATA = Path(__file__).parent / "data"
 

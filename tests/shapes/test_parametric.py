@@ -12,19 +12,19 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.engines import ENGINES, installed
-from wmspec.check.make import observe, task, thing
-from wmspec.design.design import Design
-from wmspec.diagnostics import ImpossibleValue, StageError
-from wmspec.layout.geometry import pieces
-from wmspec.layout.values import Values
-from wmspec.scene.model import Scene
-from wmspec.shapes import SHAPES, Box, Cone, Cylinder, Extrude, Lathe, RoundedBox, Shape, Sphere, Sweep, Torus, Tube
-from wmspec.shapes.facets import tessellate
-from wmspec.shapes.outline import Outline, convex, sound
-from wmspec.shapes.shape import UnfitError
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
-from wmspec.usd import read
+from wmspec.compile.design.design import Design
+from wmspec.compile.layout.geometry import pieces
+from wmspec.compile.layout.values import Values
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
+from wmspec.core.diagnostics import ImpossibleValue, StageError
+from wmspec.lang.check.statements.builder import observe, task, thing
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.shapes import SHAPES, Box, Cone, Cylinder, Extrude, Lathe, RoundedBox, Shape, Sphere, Sweep, Torus, Tube
+from wmspec.sim.shapes.facets import tessellate
+from wmspec.sim.shapes.outline import Outline, convex, sound
+from wmspec.sim.shapes.shape import UnfitError
+from wmspec.sim.usd import read
 
 lengths = st.floats(0.01, 1)
 CUP = ((0.0, 0.003), (0.04, 0.0), (0.04, 0.095), (0.036, 0.095), (0.036, 0.005), (0.0, 0.005))

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
-from wmspec.scene.model import Array
-from wmspec.scene.transform import multiply, rotate, rotation
+from wmspec.sim.scene.model import Array
+from wmspec.sim.scene.model.transform import multiply, rotate, rotation
 
 MANY = 5
 FINITE = st.floats(-1e3, 1e3, allow_subnormal=False)

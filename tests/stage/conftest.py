@@ -1,3 +1,3 @@
 """Importing the schema first lets USD know our types in every test, whatever runs first."""
 
-import wmspec.usd.schema  # noqa: F401
+import wmspec.sim.usd.schema  # noqa: F401

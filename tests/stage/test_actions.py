@@ -9,9 +9,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from tests.stage.stages import assert_same, stage
-from wmspec.diagnostics import StageError
-from wmspec.scene.model import Follow, Force, Impulse, Pose, Release, Teleport
-from wmspec.usd import read
+from wmspec.core.diagnostics import StageError
+from wmspec.sim.scene.model import Follow, Force, Impulse, Pose, Release, Teleport
+from wmspec.sim.usd import read
 
 BODIES = """
 def Sphere "ball" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"]) {}

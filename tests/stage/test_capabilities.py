@@ -14,13 +14,13 @@ from click.testing import CliRunner
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import body, floor, scene
 from wmspec.cli import main
-from wmspec.diagnostics import WmsError
-from wmspec.execute.backends import engine_version, info, names
-from wmspec.execute.probe import falling_cube
-from wmspec.scene.capability import JOINTS, NEVER, Lack, friction_above, require, table
-from wmspec.scene.model import Joint
-from wmspec.scene.transform import identity
-from wmspec.shapes import Sphere
+from wmspec.core.diagnostics import WmsError
+from wmspec.runtime.doctor.probe import falling_cube
+from wmspec.runtime.engines.registry import engine_version, info, names
+from wmspec.sim.scene.capability import JOINTS, NEVER, Lack, friction_above, require, table
+from wmspec.sim.scene.model import Joint
+from wmspec.sim.scene.model.transform import identity
+from wmspec.sim.shapes import Sphere
 
 ROOT = Path(__file__).parents[2]
 
@@ -59,7 +59,7 @@ def test_what_an_engine_says_of_itself_is_so(engine: str) -> None:
 
 def test_no_engine_is_imported_to_hear_what_it_says_of_itself() -> None:
     code = (
-        "import sys; from wmspec.execute.backends import info, names\n"
+        "import sys; from wmspec.runtime.engines.registry import info, names\n"
         "print([m for m in [info(n).module for n in names()] if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -8,7 +8,7 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics
 
 from tests.stage.stages import DATA, stage
-from wmspec.stage.diff import Difference, diff
+from wmspec.compile.stage.diff import Difference, diff
 
 BALL = "/World/Objects/ball/ball"
 

@@ -12,21 +12,21 @@ import trimesh
 from PIL import Image
 from pxr import Usd
 
-from wmspec.check import ir
-from wmspec.check.make import HERE, action, compound, factor, joint, observe, robot, task, thing
-from wmspec.check.record import from_json, to_json
-from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
-from wmspec.materials import MATERIALS
-from wmspec.scene.model import Follow, Force, Impulse, Launch, Scene, Steer, Teleport
-from wmspec.scene.transform import apply, rotate
-from wmspec.shapes import Box, Mesh
-from wmspec.stage.diff import diff
-from wmspec.stage.document import Document
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
-from wmspec.stage.write import write_stages
-from wmspec.usd import read
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.diff import diff
+from wmspec.compile.stage.document import Document
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
+from wmspec.compile.stage.write import write_stages
+from wmspec.core.diagnostics import WmsError
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.ir.record import from_json, to_json
+from wmspec.lang.check.statements.builder import HERE, action, compound, factor, joint, observe, robot, task, thing
+from wmspec.sim.materials import MATERIALS
+from wmspec.sim.scene.model import Follow, Force, Impulse, Launch, Scene, Steer, Teleport
+from wmspec.sim.scene.model.transform import apply, rotate
+from wmspec.sim.shapes import Box, Mesh
+from wmspec.sim.usd import read
 
 CAMERA = thing("camera", "front", at=(0, -2, 1))
 TABLE = thing("object", "table", shape="box", size=(2, 2, 0.1), at=(0, 0, -0.05), friction=0.4, fixed=True)

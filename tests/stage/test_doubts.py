@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from pxr import Usd
 
-from wmspec.conform.build import body, box, floor, joint, stage
-from wmspec.scene.model import Scene
-from wmspec.usd import read
+from wmspec.runtime.conformance.build import body, box, floor, joint, stage
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.usd import read
 
 CUBE = box(0.1, 0.1, 0.1)
 

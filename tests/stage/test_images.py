@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
-from wmspec.diagnostics import StageError
-from wmspec.materials import MATERIALS
-from wmspec.scene.color import to_linear
-from wmspec.scene.model import Surface
-from wmspec.usd import read
+from wmspec.core.diagnostics import StageError
+from wmspec.sim.materials import MATERIALS
+from wmspec.sim.scene.model import Surface
+from wmspec.sim.scene.render.color import to_linear
+from wmspec.sim.usd import read
 
 TINT = (0.12, 0.27, 0.80)
 WOOD = MATERIALS["wood"]

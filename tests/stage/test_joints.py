@@ -9,11 +9,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from tests.stage.stages import assert_same, stage
-from wmspec.diagnostics import StageError
-from wmspec.scene.articulations import coordinate
-from wmspec.scene.model import Camera, Drive, Joint, Steer
-from wmspec.scene.transform import apply, compose, inverse, rotate
-from wmspec.usd import read
+from wmspec.core.diagnostics import StageError
+from wmspec.sim.scene.joints.articulations import coordinate
+from wmspec.sim.scene.model import Camera, Drive, Joint, Steer
+from wmspec.sim.scene.model.transform import apply, compose, inverse, rotate
+from wmspec.sim.usd import read
 
 BODY = """def Cube "%s" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"]) { double size = 0.2
     double3 xformOp:translate = %s quatf xformOp:orient = %s

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from pxr import Usd
 
-from wmspec.conform.build import body, box, floor, joint, stage
-from wmspec.scene.landings import landings
-from wmspec.usd import read
+from wmspec.runtime.conformance.build import body, box, floor, joint, stage
+from wmspec.sim.scene.physics.initial_drops import landings
+from wmspec.sim.usd import read
 
 CUBE = box(0.2, 0.2, 0.2)
 BELOW = body("below", CUBE, (0, 0, 0.1))

@@ -10,7 +10,7 @@ from functools import partial
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmspec.memoize import LRU, cached_on
+from wmspec.core.memoize import LRU, cached_on
 
 
 @given(st.lists(st.integers(0, 9)), st.integers(1, 5))

@@ -9,8 +9,8 @@ import pytest
 import trimesh
 from trimesh.exchange.dae import export_collada
 
-from wmspec.check.vocabulary import FILES
-from wmspec.layout.meshes import load
+from wmspec.compile.layout.meshes import load
+from wmspec.lang.check.tables.vocabulary import FILES
 
 
 def wedge() -> trimesh.Trimesh:

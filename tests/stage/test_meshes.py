@@ -9,10 +9,10 @@ from numpy.testing import assert_allclose
 
 from tests.engines import ENGINES, installed
 from tests.stage.stages import stage
-from wmspec.diagnostics import StageError, WmsError
-from wmspec.scene.model import Body
-from wmspec.shapes import Box, Mesh, Sphere
-from wmspec.usd import read
+from wmspec.core.diagnostics import StageError, WmsError
+from wmspec.sim.scene.model import Body
+from wmspec.sim.shapes import Box, Mesh, Sphere
+from wmspec.sim.usd import read
 
 APPROXIMATED = """def Mesh "%s" (prepend apiSchemas = [%s"PhysicsCollisionAPI", "PhysicsMeshCollisionAPI"]) {
     uniform token physics:approximation = "%s"

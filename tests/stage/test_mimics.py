@@ -9,13 +9,13 @@ import pytest
 from pxr import Usd
 
 from tests.engines import ENGINES, installed
-from wmspec.conform.build import body, box, joint, stage
-from wmspec.diagnostics import StageError
-from wmspec.scene.articulations import trees
-from wmspec.scene.coordinates import gears
-from wmspec.scene.model import Scene
-from wmspec.scene.validate import validate
-from wmspec.usd import read
+from wmspec.core.diagnostics import StageError
+from wmspec.runtime.conformance.build import body, box, joint, stage
+from wmspec.sim.scene.joints.articulations import trees
+from wmspec.sim.scene.joints.coordinates import gears
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.scene.validate import validate
+from wmspec.sim.usd import read
 
 CUBE = box(0.1, 0.1, 0.1)
 

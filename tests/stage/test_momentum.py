@@ -11,16 +11,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pxr import Usd
 
-from wmspec.conform.score import cases
-from wmspec.diagnostics import StageError
-from wmspec.scene.articulations import trees
-from wmspec.scene.com_frame import com_frame
-from wmspec.scene.coordinates import coordinates
-from wmspec.scene.model import Array, Scene
-from wmspec.scene.momentum import misfits, started
-from wmspec.scene.transform import apply
-from wmspec.scene.validate import validate
-from wmspec.usd import read
+from wmspec.core.diagnostics import StageError
+from wmspec.runtime.conformance.score import cases
+from wmspec.sim.scene.joints.articulations import trees
+from wmspec.sim.scene.joints.com_frame import com_frame
+from wmspec.sim.scene.joints.coordinates import coordinates
+from wmspec.sim.scene.joints.momentum import misfits, started
+from wmspec.sim.scene.model import Array, Scene
+from wmspec.sim.scene.model.transform import apply
+from wmspec.sim.scene.validate import validate
+from wmspec.sim.usd import read
 
 MECHANISMS = ("double_pendulum", "four_bar", "nunchaku_thrown", "pendulum_conical", "mimic_hoist", "dumbbell_thrown")
 NUMBERS = st.floats(-5, 5).map(lambda x: round(x, 3))

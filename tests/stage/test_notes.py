@@ -15,10 +15,10 @@ import wmspec
 from tests.engines import ENGINES, installed
 from tests.stage.stages import assert_same, stage
 from wmspec.cli import main
-from wmspec.diagnostics import StageError
-from wmspec.scene.articulations import closing, ties, trees
-from wmspec.scene.model import Scene
-from wmspec.usd import read
+from wmspec.core.diagnostics import StageError
+from wmspec.sim.scene.joints.articulations import closing, ties, trees
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.usd import read
 
 SHAPE = """
 def Xform "thing" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"]) {{

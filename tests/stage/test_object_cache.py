@@ -9,14 +9,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from tests.language.specs import SPECS, random_spec, task_from, task_of
-from wmspec.check.ir import TaskSpec
-from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
-from wmspec.layout.values import Values
-from wmspec.stage import object_cache
-from wmspec.stage.document import Document
-from wmspec.stage.episode import built
-from wmspec.stage.object_cache import ObjectCache
+from wmspec.compile.design.design import Design
+from wmspec.compile.layout.values import Values
+from wmspec.compile.stage import object_cache
+from wmspec.compile.stage.document import Document
+from wmspec.compile.stage.episode import built
+from wmspec.compile.stage.object_cache import ObjectCache
+from wmspec.core.diagnostics import WmsError
+from wmspec.lang.check.ir.ir import TaskSpec
 
 
 def worlds(spec: TaskSpec, groups: int, instances: int, most: int | None = None) -> Iterator[Values]:

@@ -10,18 +10,18 @@ from hypothesis import HealthCheck, given, settings
 
 from tests.language.specs import SPECS, random_spec, task_from, task_of
 from tests.stage.same import difference
-from wmspec.check.ir import TaskSpec
-from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
-from wmspec.execute import scene_cache
-from wmspec.execute.keys import form_key, look_key, physics_key
-from wmspec.execute.scene_cache import SceneCache
-from wmspec.layout.values import Values
-from wmspec.scene.model import Scene
-from wmspec.stage.document import Document
-from wmspec.stage.episode import built
-from wmspec.stage.layers import compose
-from wmspec.usd import read
+from wmspec.compile.design.design import Design
+from wmspec.compile.layout.values import Values
+from wmspec.compile.stage.document import Document
+from wmspec.compile.stage.episode import built
+from wmspec.compile.stage.layers import compose
+from wmspec.core.diagnostics import WmsError
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.runtime.caches import scene_cache
+from wmspec.runtime.caches.cache_keys import form_key, look_key, physics_key
+from wmspec.runtime.caches.scene_cache import SceneCache
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.usd import read
 
 
 def documents(spec: TaskSpec, instances: int, most: int | None = None) -> Iterator[Document]:

@@ -11,18 +11,18 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from wmspec.check import ir
-from wmspec.check.make import action, compound, objects, observe, task, thing
-from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
-from wmspec.layout import scatter
-from wmspec.layout.values import Values
-from wmspec.scene.model import Array, Body, Scene
-from wmspec.scene.transform import apply
-from wmspec.shapes.facets import tessellate
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
-from wmspec.usd import read
+from wmspec.compile.design.design import Design
+from wmspec.compile.layout import scatter
+from wmspec.compile.layout.values import Values
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
+from wmspec.core.diagnostics import WmsError
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.statements.builder import action, compound, objects, observe, task, thing
+from wmspec.sim.scene.model import Array, Body, Scene
+from wmspec.sim.scene.model.transform import apply
+from wmspec.sim.shapes.facets import tessellate
+from wmspec.sim.usd import read
 
 CAMERA = thing("camera", "front", at=(0, -2, 1))
 ANGLES = st.floats(-3.1, 3.1)

@@ -13,11 +13,11 @@ from numpy.testing import assert_allclose
 from pxr import Gf, Usd, UsdPhysics, UsdValidation
 
 from tests.stage.stages import DATA, assert_same, lines, stage
-from wmspec.diagnostics import StageError
-from wmspec.scene.model import Body, Friction, Glide, Launch
-from wmspec.scene.transform import rotation
-from wmspec.shapes import Box, Capsule, Cone, Cylinder, Mesh, Sphere
-from wmspec.usd import read
+from wmspec.core.diagnostics import StageError
+from wmspec.sim.scene.model import Body, Friction, Glide, Launch
+from wmspec.sim.scene.model.transform import rotation
+from wmspec.sim.shapes import Box, Capsule, Cone, Cylinder, Mesh, Sphere
+from wmspec.sim.usd import read
 
 BALL = """
 def Sphere "ball" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI", "PhysicsMassAPI"]) {

@@ -9,8 +9,8 @@ import pytest
 from pxr import Sdf, Usd
 
 from tests.stage.stages import DATA
-from wmspec.usd import schema
-from wmspec.usd.actions import TOKENS
+from wmspec.sim.usd import schema
+from wmspec.sim.usd.actions import TOKENS
 
 TYPES = ("WmsEpisode", "WmsAction", "WmsObservation")
 FOLDER = schema.__path__[0]
@@ -48,11 +48,11 @@ LATE = """
 from pxr import Usd
 stage = Usd.Stage.Open({path!r})
 assert not stage.GetPrimAtPath("/World/Episode").IsA("WmsEpisode") and stage.GetPrimAtPath("/World/Episode")
-from wmspec.usd import read
+from wmspec.sim.usd import read
 print(read(stage))
 """
 EARLY = """
-from wmspec.usd import read
+from wmspec.sim.usd import read
 from pxr import Usd
 print(read(Usd.Stage.Open({path!r})))
 """

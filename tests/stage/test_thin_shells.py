@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from tests.engines import ENGINES, installed
 from tests.stage.stages import stage
 from tests.stage.test_meshes import RING, angle, prim
-from wmspec.diagnostics import StageError
-from wmspec.scene.bounds import upright
-from wmspec.scene.model import Body
-from wmspec.shapes import Mesh
-from wmspec.usd import read
-from wmspec.usd.thin_shells import DEPTH, sheets
+from wmspec.core.diagnostics import StageError
+from wmspec.sim.scene.model import Body
+from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.shapes import Mesh
+from wmspec.sim.usd import read
+from wmspec.sim.usd.thin_shells import DEPTH, sheets
 
 Points = NDArray[np.float64]
 SHEET = """

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from tests.stage.stages import stage
-from wmspec.diagnostics import StageError
-from wmspec.usd import read
+from wmspec.core.diagnostics import StageError
+from wmspec.sim.usd import read
 
 BALL = 'def Sphere "%s" ( prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"] ) { %s }\n'
 JOINT = 'def PhysicsRevoluteJoint "j" { %s\n %s }\n'

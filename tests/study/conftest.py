@@ -8,8 +8,8 @@ import pytest
 
 from tests.dataset.made import make as make_dataset
 from tests.dataset.made import plan
-from wmspec.study.make import Options, make
-from wmspec.write.reader import DatasetReader
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.study.make import Options, make
 
 
 @pytest.fixture(scope="session")

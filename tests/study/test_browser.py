@@ -12,11 +12,11 @@ import pytest
 
 from tests.browser import PATIENCE
 from tests.study.visitor import letter
-from wmspec.study import store
-from wmspec.study.collect import collect
-from wmspec.study.model import Study, load
-from wmspec.study.serve import Server
-from wmspec.study.store import Store
+from wmspec.eval.study import store
+from wmspec.eval.study.collect import collect
+from wmspec.eval.study.model import Study, load
+from wmspec.eval.study.serve import Server
+from wmspec.eval.study.store import Store
 
 DESK: dict[str, Any] = {"viewport": {"width": 1280, "height": 900}}
 PHONE: dict[str, Any] = {"viewport": {"width": 360, "height": 640}, "has_touch": True, "is_mobile": True}
@@ -193,7 +193,7 @@ def test_a_file_without_a_server_gives_its_answers(browser: Any, study: Path, tm
 
 
 def test_texts_are_shown_as_they_are(browser: Any, study: Path) -> None:
-    from wmspec.study import page
+    from wmspec.eval.study import page
 
     bad = "# <img src=x onerror=alert(1)>\n\n</script><script>alert(2)</script>\n\n\u2028 ${alert(3)} {{ script }}"
     (study / "texts/consent.txt").write_text(bad)

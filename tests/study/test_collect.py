@@ -15,17 +15,17 @@ from statsmodels.stats import inter_rater
 from tests.endtoend.test_commands import wmspec
 from tests.evaluate.made import in_numbers
 from tests.study.visitor import letter
-from wmspec.diagnostics import WmsError
-from wmspec.evaluate import results
-from wmspec.evaluate.agreement import fleiss_kappa, majority
-from wmspec.report import replies
-from wmspec.study import store
-from wmspec.study.answers import Answer, Person
-from wmspec.study.collect import collect
-from wmspec.study.make import Options, make
-from wmspec.study.model import Study, load
-from wmspec.study.store import Store
-from wmspec.write.reader import DatasetReader
+from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.models import results
+from wmspec.eval.models.agreement import fleiss_kappa, majority
+from wmspec.eval.report import replies
+from wmspec.eval.study import store
+from wmspec.eval.study.answers import Answer, Person
+from wmspec.eval.study.collect import collect
+from wmspec.eval.study.make import Options, make
+from wmspec.eval.study.model import Study, load
+from wmspec.eval.study.store import Store
 
 
 def visit(folder: Path, name: str, off: int = 0, until: int = 10_000, checks: bool = True) -> None:

@@ -12,12 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.evaluate.made import in_numbers
-from wmspec.diagnostics import WmsError
-from wmspec.study import store
-from wmspec.study.assign import slots
-from wmspec.study.make import Options, make
-from wmspec.study.model import Item, load
-from wmspec.write.reader import DatasetReader
+from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.study import store
+from wmspec.eval.study.assign import slots
+from wmspec.eval.study.make import Options, make
+from wmspec.eval.study.model import Item, load
 
 
 def items(sizes: list[int], options: int, checks: int = 0, practice: int = 0) -> list[Item]:

@@ -12,7 +12,7 @@ from PIL import Image
 
 from tests.dataset.made import make, plan
 from tools import readings
-from wmspec.write.reader import DatasetReader
+from wmspec.dataset.build.reader import DatasetReader
 
 
 def written(folder: Path) -> tuple[Path, dict[str, dict[str, object]]]:

@@ -12,15 +12,15 @@ from pathlib import Path
 import pytest
 
 from tests.study.visitor import Process, get, letter, post
-from wmspec.diagnostics import WmsError
-from wmspec.study import store
-from wmspec.study.answers import Answer, Person
-from wmspec.study.collect import collect
-from wmspec.study.make import Options, make
-from wmspec.study.model import load
-from wmspec.study.serve import LARGEST, Server
-from wmspec.study.store import Full, Store
-from wmspec.write.reader import DatasetReader
+from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.study import store
+from wmspec.eval.study.answers import Answer, Person
+from wmspec.eval.study.collect import collect
+from wmspec.eval.study.make import Options, make
+from wmspec.eval.study.model import load
+from wmspec.eval.study.serve import LARGEST, Server
+from wmspec.eval.study.store import Full, Store
 
 ANNE = "a" * 32
 

@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from wmspec.evaluate.reply import LETTERS
-from wmspec.study.model import Study
+from wmspec.eval.models.reply import LETTERS
+from wmspec.eval.study.model import Study
 
 
 class Process:

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from tests.language.specs import SPECS, task_of
-from wmspec.design.design import Design
-from wmspec.diagnostics import WmsError
-from wmspec.stage.write import write_stages
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.write import write_stages
+from wmspec.core.diagnostics import WmsError
 
 
 @pytest.fixture(scope="session")

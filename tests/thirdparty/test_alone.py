@@ -12,8 +12,8 @@ from pxr import Usd
 from tests.engines import ENGINES, installed
 from tests.physics.test_native import limbs, lively
 from tests.thirdparty.environments import python_with, run
-from wmspec.scene.model import Scene, Trace
-from wmspec.usd import read
+from wmspec.sim.scene.model import Scene, Trace
+from wmspec.sim.usd import read
 
 MORE = {"pybullet": ("numpy",)}  # which it does not ask for itself
 

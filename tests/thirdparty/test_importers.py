@@ -13,9 +13,9 @@ import pytest
 from pxr import Usd
 
 from tests.thirdparty.environments import python_with, run
-from wmspec.scene.model import Body
-from wmspec.shapes import Cone
-from wmspec.usd import read
+from wmspec.sim.scene.model import Body
+from wmspec.sim.shapes import Cone
+from wmspec.sim.usd import read
 
 HERE = Path(__file__).parent
 IMPORTERS = {

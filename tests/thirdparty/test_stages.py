@@ -17,9 +17,9 @@ from tests.engines import ENGINES, installed
 from tests.physics.scenes import scene
 from tests.physics.test_joints import joint, rod
 from tests.thirdparty.environments import CACHE, PIP, python_with
-from wmspec.diagnostics import WmsError
-from wmspec.scene.model import Force, Scene, Trace
-from wmspec.usd import read
+from wmspec.core.diagnostics import WmsError
+from wmspec.sim.scene.model import Force, Scene, Trace
+from wmspec.sim.usd import read
 
 pytestmark = pytest.mark.slow
 

@@ -12,8 +12,8 @@ import trimesh
 from PIL import Image, PngImagePlugin
 
 from tests.trust.made import wmspec
-from wmspec.foreign import inside, is_name, picture
-from wmspec.limits import PIXELS, TooLarge
+from wmspec.core.limits import PIXELS, TooLarge
+from wmspec.core.safe_io import inside, is_name, picture
 
 SPEC = """
 use tabletop

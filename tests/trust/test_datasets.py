@@ -12,10 +12,10 @@ import pytest
 from tests.dataset.made import make, plan
 from tests.dataset.test_dataset import contents
 from tests.trust.made import below, edited, png, rewritten, signed, wmspec
-from wmspec.diagnostics import WmsError
-from wmspec.write.dataset import Dataset
-from wmspec.write.reader import DatasetReader
-from wmspec.write.reuse import Before
+from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.dataset import Dataset
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.build.reuse import Before
 
 SHARD = "data/collide/test-00000-of-00003.parquet"
 Change = Callable[[list[dict[str, Any]]], None]

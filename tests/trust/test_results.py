@@ -11,9 +11,9 @@ import pytest
 
 from tests.dataset.made import make, plan
 from tests.trust.made import wmspec
-from wmspec.diagnostics import WmsError
-from wmspec.evaluate import results
-from wmspec.evaluate.journal import Journal
+from wmspec.core.diagnostics import WmsError
+from wmspec.eval.models import results
+from wmspec.eval.models.journal import Journal
 
 pytest.importorskip("pandas")
 
@@ -82,7 +82,7 @@ def test_columns_of_another_type(tmp_path: Path, original: Path) -> None:
 
 def test_a_models_name_is_no_command(tmp_path: Path) -> None:
     pd = pytest.importorskip("pandas")
-    from wmspec.report.frames import latex
+    from wmspec.eval.report.frames import latex
 
     name = r"a\input{/etc/passwd}$x^2$~"
     written = latex("caption", pd.DataFrame({"x": ["1"]}, index=[name]))

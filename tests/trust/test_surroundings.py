@@ -13,9 +13,9 @@ import pytest
 
 from tests.dataset.made import make, plan
 from tests.trust.made import STAGE, wmspec
-from wmspec.diagnostics import WmsError
-from wmspec.write.dataset import Dataset
-from wmspec.write.reader import DatasetReader
+from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.dataset import Dataset
+from wmspec.dataset.build.reader import DatasetReader
 
 SPEC = Path(__file__).parents[1] / "endtoend/specs/speed_tabletop.wms"
 FORMATTED = "use tabletop\n"

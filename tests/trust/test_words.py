@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from tests.trust.made import wmspec
-from wmspec.diagnostics import WmsError, visible
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError, visible
+from wmspec.core.places import FilePlace
 
 SPEC = Path(__file__).parents[1] / "endtoend/specs/speed_tabletop.wms"
 

@@ -13,9 +13,9 @@ from PIL import Image, ImageFilter
 import wmspec
 from tests.engines import ENGINES, installed
 from tools import worlds
-from wmspec.execute.backends import default
-from wmspec.scene.model import Frame, Scene
-from wmspec.usd import read
+from wmspec.runtime.engines.registry import default
+from wmspec.sim.scene.model import Frame, Scene
+from wmspec.sim.usd import read
 
 THINGS = worlds.things()
 #: Least and most that things of a library weigh (kg), but those that are lighter or heavier by nature.

@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from wmspec.api.task import Factor as Factor
     from wmspec.api.task import Instance as Instance
     from wmspec.api.task import Task as Task
-    from wmspec.diagnostics import SpecError as SpecError
-    from wmspec.diagnostics import WmsError as WmsError
-    from wmspec.execute.backends import register as register
+    from wmspec.core.diagnostics import SpecError as SpecError
+    from wmspec.core.diagnostics import WmsError as WmsError
+    from wmspec.runtime.engines.registry import register as register
 
 #: Every public name and the module in which it is.
 HOMES = {
@@ -42,10 +42,10 @@ HOMES = {
     "Episode": "wmspec.api.episode",
     "Factor": "wmspec.api.task",
     "Instance": "wmspec.api.task",
-    "SpecError": "wmspec.diagnostics",
+    "SpecError": "wmspec.core.diagnostics",
     "Task": "wmspec.api.task",
     "Track": "wmspec.api.episode",
-    "WmsError": "wmspec.diagnostics",
+    "WmsError": "wmspec.core.diagnostics",
     "crosscheck": "wmspec.api.agreement",
     "diagnose": "wmspec.api.loading",
     "generate": "wmspec.api.making",
@@ -54,7 +54,7 @@ HOMES = {
     "load_episode": "wmspec.api.episode",
     "open_stage": "wmspec.api.episode",
     "progress_bar": "wmspec.api.progress",
-    "register": "wmspec.execute.backends",
+    "register": "wmspec.runtime.engines.registry",
     "run": "wmspec.api.episode",
 }
 

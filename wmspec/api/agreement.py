@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any
 from wmspec.api.loading import Tell, load_all, of_dimensions, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
-from wmspec.check.record import to_json
-from wmspec.compare.model import Checked
-from wmspec.compare.record import junit, record
-from wmspec.compare.summary import Doubtful, Line, Suspect, doubtful, lines, suspects
-from wmspec.compare.sweep import Job, pairs, sweep
-from wmspec.compare.tolerance import tolerances
-from wmspec.compare.verbalize import complaints
-from wmspec.diagnostics import WmsError
-from wmspec.execute.backends import chosen, only_here
-from wmspec.execute.pool import Effort
+from wmspec.core.diagnostics import WmsError
+from wmspec.lang.check.ir.record import to_json
+from wmspec.runtime.compare.model import Checked
+from wmspec.runtime.compare.record import junit, record
+from wmspec.runtime.compare.summary import Doubtful, Line, Suspect, doubtful, lines, suspects
+from wmspec.runtime.compare.sweep import Job, pairs, sweep
+from wmspec.runtime.compare.tolerance import tolerances
+from wmspec.runtime.compare.verbalize import complaints
+from wmspec.runtime.engines.registry import chosen, only_here
+from wmspec.runtime.workers.pool import Effort
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -5,10 +5,10 @@ from __future__ import annotations
 from functools import cache
 from typing import TypedDict
 
-from wmspec.diagnostics import WmsError
-from wmspec.execute.backends import drawing
-from wmspec.execute.render_cache import RenderCache
-from wmspec.scene.model import Look
+from wmspec.core.diagnostics import WmsError
+from wmspec.runtime.caches.render_cache import RenderCache
+from wmspec.runtime.engines.registry import drawing
+from wmspec.sim.scene.model import Look
 
 #: How few and how many pixels the side of a picture may have.
 LEAST_SIDE, MOST_SIDE = 16, 4096

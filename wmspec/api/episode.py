@@ -13,24 +13,24 @@ from numpy.typing import NDArray
 from PIL import Image
 from pxr import Usd, UsdUtils
 
-import wmspec.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
+import wmspec.sim.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
 from wmspec.api.drawing import Drawing, renderer_of
-from wmspec.compare.regimes import entered
-from wmspec.compare.tolerance import Tolerances
-from wmspec.diagnostics import Diagnostic, StageError, WmsError, suggestion
-from wmspec.execute import archive
-from wmspec.execute.backends import info
-from wmspec.execute.trace_cache import TraceCache
-from wmspec.places import FilePlace
-from wmspec.scene.appearance import shown_at
-from wmspec.scene.bounds import middle
-from wmspec.scene.camera import find
-from wmspec.scene.capability import approximated, require
-from wmspec.scene.model import Contact, Frame, Pose, Scene, Shot, Trace
-from wmspec.usd import read
-from wmspec.usd.files import opened
-from wmspec.write import film, typeset
-from wmspec.write.overlay import annotated
+from wmspec.core.diagnostics import Diagnostic, StageError, WmsError, suggestion
+from wmspec.core.places import FilePlace
+from wmspec.dataset.build import typeset, video
+from wmspec.dataset.build.overlay import annotated
+from wmspec.runtime.caches.trace_cache import TraceCache
+from wmspec.runtime.compare.regimes import entered
+from wmspec.runtime.compare.tolerance import Tolerances
+from wmspec.runtime.engines import archive
+from wmspec.runtime.engines.registry import info
+from wmspec.sim.scene.capability import approximated, require
+from wmspec.sim.scene.model import Contact, Frame, Pose, Scene, Shot, Trace
+from wmspec.sim.scene.model.bounds import middle
+from wmspec.sim.scene.render.appearance import shown_at
+from wmspec.sim.scene.render.camera import find
+from wmspec.sim.usd import read
+from wmspec.sim.usd.files import opened
 
 
 @dataclass(frozen=True)
@@ -172,13 +172,13 @@ class Episode:
         Raises WmsError if it cannot be written.
         """
         path = Path(path)
-        if path.suffix.lower() not in film.WRITERS:
-            raise WmsError(f"a film is a file that ends in {' or '.join(film.WRITERS)}", FilePlace(str(path)))
+        if path.suffix.lower() not in video.WRITERS:
+            raise WmsError(f"a film is a file that ends in {' or '.join(video.WRITERS)}", FilePlace(str(path)))
         camera = camera or self.views()[0][0]
         moments = (i / rate for i in range(int(self.time[-1] * rate + 1e-9) + 1))
         pictures = (self.picture(camera, moment, overlay=overlay, **drawing) for moment in moments)
         try:
-            film.WRITERS[path.suffix.lower()](pictures, rate, path)
+            video.WRITERS[path.suffix.lower()](pictures, rate, path)
         except OSError as error:
             raise WmsError(f"cannot be written: {error.strerror or error}", FilePlace(str(path))) from None
         return path

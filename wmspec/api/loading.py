@@ -9,13 +9,13 @@ from os import PathLike
 from pathlib import Path
 
 from wmspec.api.task import Task
-from wmspec.check.task import check_program
-from wmspec.design.design import Design
-from wmspec.diagnostics import Diagnostic, Report, WmsError, suggestion
-from wmspec.foreign import inside
-from wmspec.parse.load import Program, load_source
-from wmspec.parse.load import load as load_program
-from wmspec.places import FilePlace, Source
+from wmspec.compile.design.design import Design
+from wmspec.core.diagnostics import Diagnostic, Report, WmsError, suggestion
+from wmspec.core.places import FilePlace, Source
+from wmspec.core.safe_io import inside
+from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.load import Program, load_source
+from wmspec.lang.parse.load import load as load_program
 
 PathOrText = str | PathLike[str]
 
@@ -58,7 +58,7 @@ def load_all(*paths: PathOrText, seed: int = 0, tell: Tell = warn) -> tuple[Task
         SpecError: specs have mistakes; its `diagnostics` are all of them.
         WmsError: a file cannot be read, there is no task at all, or two have one name.
     """
-    from wmspec.parse.load import catalogue_folders
+    from wmspec.lang.parse.load import catalogue_folders
 
     return _tasks(spec_files(map(Path, paths or catalogue_folders())), seed, tell)
 
@@ -98,7 +98,7 @@ def diagnose_text(text: str, path: Path, *, tried: bool = True) -> tuple[Diagnos
 
     Unless it is `tried`, no scenes are built.
     """
-    from wmspec.parse.load import shown
+    from wmspec.lang.parse.load import shown
 
     report = Report()
     program = load_source(Source(shown(path), text.replace("\r\n", "\n")), path.parent, report)
@@ -108,7 +108,7 @@ def diagnose_text(text: str, path: Path, *, tried: bool = True) -> tuple[Diagnos
 
 def _diagnosis(report: Report, tasks: Sequence[Task], tried: bool) -> Diagnosis:
     """What the report says, and what becomes of each task; their scenes are `tried` first."""
-    from wmspec.lint.dry_run import dry_run
+    from wmspec.compile.lint.dry_run import dry_run
 
     sizes: list[tuple[str, int]] = []
     designs: dict[str, Design] = {}

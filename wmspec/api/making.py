@@ -15,22 +15,22 @@ from wmspec.api.drawing import SIDE, pixels, samples_of
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
-from wmspec.ask.consensus import Consensus
-from wmspec.design.design import share
-from wmspec.diagnostics import WmsError
-from wmspec.execute.backends import chosen, drawing, versions
-from wmspec.execute.cluster import ray_cluster
-from wmspec.execute.pool import Effort
-from wmspec.limits import INSTANCES
-from wmspec.paper import instances
-from wmspec.resources import resource
-from wmspec.scene.model import Look
-from wmspec.write.dataset import Dataset
-from wmspec.write.generate import generate as make
-from wmspec.write.manifest import Summary
-from wmspec.write.plan import Plan
-from wmspec.write.plan import Task as PlannedTask
-from wmspec.write.reuse import Before
+from wmspec.compile.design.design import share
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.limits import INSTANCES
+from wmspec.core.resources import resource
+from wmspec.core.wm_abench import instances
+from wmspec.dataset.build.dataset import Dataset
+from wmspec.dataset.build.generate import generate as make
+from wmspec.dataset.build.manifest import Summary
+from wmspec.dataset.build.plan import Plan
+from wmspec.dataset.build.plan import Task as PlannedTask
+from wmspec.dataset.build.reuse import Before
+from wmspec.runtime.engines.registry import chosen, drawing, versions
+from wmspec.runtime.questions.consensus import Consensus
+from wmspec.runtime.workers.cluster import ray_cluster
+from wmspec.runtime.workers.pool import Effort
+from wmspec.sim.scene.model import Look
 
 
 class Choices(TypedDict, total=False):

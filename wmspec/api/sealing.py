@@ -11,9 +11,9 @@ from wmspec.api.loading import Tell, warn
 from wmspec.api.making import generate
 from wmspec.api.progress import Progress, silent
 from wmspec.api.verifying import drawn_in, unpacked
-from wmspec.write import files
-from wmspec.write.reader import DatasetReader
-from wmspec.write.seal import Seal, differences, sealed
+from wmspec.dataset.build import files
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.seal import Seal, differences, sealed
 
 #: One in so many tasks is shown, with as many instances at most.
 SHOWN, INSTANCES = 10, 50

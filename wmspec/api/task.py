@@ -8,21 +8,21 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack, overload
 
-from wmspec import paper
-from wmspec.check.ir import Choices, Counterfactual, Interval, TaskSpec
-from wmspec.check.ir import Factor as DeclaredFactor
-from wmspec.design.design import Design
-from wmspec.design.design import Instance as Drawn
-from wmspec.diagnostics import WmsError, suggestion
-from wmspec.draws import Level
-from wmspec.parse.load import Program
+from wmspec.compile.design.design import Design
+from wmspec.compile.design.design import Instance as Drawn
+from wmspec.core import wm_abench
+from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.rng import Level
+from wmspec.lang.check.ir.ir import Choices, Counterfactual, Interval, TaskSpec
+from wmspec.lang.check.ir.ir import Factor as DeclaredFactor
+from wmspec.lang.parse.load import Program
 
 if TYPE_CHECKING:
     from pxr import Usd
 
     from wmspec.api.drawing import Drawing
     from wmspec.api.episode import Episode
-    from wmspec.ask.model import QuestionRow, Rejected
+    from wmspec.runtime.questions.model import QuestionRow, Rejected
 
 
 @dataclass(frozen=True)
@@ -128,16 +128,16 @@ class Task(Sequence["Instance"]):
     @property
     def images(self) -> int:
         """How many pictures are shown with a question, before its options."""
-        from wmspec.ask.views import views_of
-        from wmspec.layout.values import Values
+        from wmspec.compile.layout.values import Values
+        from wmspec.runtime.questions.views import views_of
 
         first = self.design[0]
         return len(views_of(self.spec, Values(self.spec, first.values, None, first.key)))
 
     @property
-    def paper(self) -> paper.Column | None:
+    def paper(self) -> wm_abench.Column | None:
         """The column of WM-ABench that it rebuilds, if it does."""
-        return paper.column(self.name)
+        return wm_abench.column(self.name)
 
     def sample(self, count: int) -> tuple[Instance, ...]:
         """So many different instances, in a random order that depends on the seed alone; all if there are fewer."""
@@ -145,7 +145,7 @@ class Task(Sequence["Instance"]):
 
     def to_json(self, indent: int | None = 2) -> str:
         """The checked task as JSON, whose schema `wmspec schema` prints."""
-        from wmspec.check.record import to_json
+        from wmspec.lang.check.ir.record import to_json
 
         return to_json(self.spec, indent)
 
@@ -195,7 +195,7 @@ class Instance:
         return f"<Instance {self.index} of {self.task.name}: {self}>"
 
     def __str__(self) -> str:
-        from wmspec.design.describe import told
+        from wmspec.compile.design.describe import told
 
         return told(self.task.design.factors, self.factors)
 
@@ -241,8 +241,8 @@ class Instance:
 
         Raises WmsError with its place if a value is impossible, or something cannot be executed.
         """
-        from wmspec.stage.episode import document
-        from wmspec.stage.layers import compose
+        from wmspec.compile.stage.episode import document
+        from wmspec.compile.stage.layers import compose
 
         return compose(document(self.task.spec, self.drawn, self.task.change(counterfactual)))
 
@@ -251,14 +251,14 @@ class Instance:
 
         Returns their paths. Raises WmsError if it cannot be written.
         """
-        from wmspec.stage.write import write_stages
+        from wmspec.compile.stage.write import write_stages
 
         return write_stages(self.task.design, self.drawn, folder)
 
     def native(self, engine: str) -> dict[str, str]:
         """The episode in an engine's own form, file name -> text, usable without wmspec."""
-        from wmspec.execute.backends import backend
-        from wmspec.usd import read
+        from wmspec.runtime.engines.registry import backend
+        from wmspec.sim.usd import read
 
         return backend(engine).native(read(self.stage()))
 
@@ -278,9 +278,9 @@ class Instance:
         """
         from wmspec.api.drawing import renderer_of
         from wmspec.api.episode import executor
-        from wmspec.ask.closed import ask_whole
-        from wmspec.ask.model import Rejected
-        from wmspec.ask.runs import EnginePair
+        from wmspec.runtime.questions.closed_sets import ask_whole
+        from wmspec.runtime.questions.model import Rejected
+        from wmspec.runtime.questions.runs import EnginePair
 
         pair = EnginePair(executor(engine), renderer_of(engine, **drawing))
         answers = ask_whole(self.task.design.redrawn(self.drawn.redrawn), self.index, pair)

@@ -11,16 +11,16 @@ from wmspec.api.agreement import effort, gathered
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
-from wmspec.diagnostics import WmsError
-from wmspec.execute.backends import chosen, drawing, versions
-from wmspec.foreign import is_name
-from wmspec.scene.model import Look
-from wmspec.write import files
-from wmspec.write.plan import Plan
-from wmspec.write.plan import Task as PlannedTask
-from wmspec.write.reader import DatasetReader, plan_beside
-from wmspec.write.verify import Verification
-from wmspec.write.verify import verify as compare
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.safe_io import is_name
+from wmspec.dataset.build import files
+from wmspec.dataset.build.plan import Plan
+from wmspec.dataset.build.plan import Task as PlannedTask
+from wmspec.dataset.build.reader import DatasetReader, plan_beside
+from wmspec.dataset.verify import Verification
+from wmspec.dataset.verify import verify as compare
+from wmspec.runtime.engines.registry import chosen, drawing, versions
+from wmspec.sim.scene.model import Look
 
 LIBRARY = "<library>/"
 

@@ -15,7 +15,7 @@ from typing import Any
 import click
 
 from wmspec import __version__
-from wmspec.diagnostics import WmsError, suggestion
+from wmspec.core.diagnostics import WmsError, suggestion
 
 COMMANDS = (
     "new",
@@ -126,7 +126,7 @@ class _Commands(click.Group):
             return super().invoke(ctx)
         except WmsError as error:
             from wmspec.cli.common import paint
-            from wmspec.parse.load import pointed
+            from wmspec.lang.parse.load import pointed
 
             click.echo(WmsError.of(pointed(error.diagnostics)).render(paint()), err=True)
             ctx.exit(2)

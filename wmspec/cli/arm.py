@@ -17,7 +17,7 @@ def arm_command(description: Path, output: Path | None) -> None:
 
     What is written is a USD file, which a spec names: `robot arm : arm { model: "FILE.usdc" }`.
     """
-    from wmspec.robots.made import make
+    from wmspec.compile.robots.arm_assets import make
 
     target = output or description.with_suffix(".usdc")
     made = make(description, target)

@@ -15,7 +15,7 @@ from wmspec.api.progress import progress_bar
 from wmspec.cli.common import json_option, make_folder, write_text
 
 if TYPE_CHECKING:
-    from wmspec.audit.model import Audit
+    from wmspec.dataset.audit.model import Audit
 
 #: So many failures of one sort are told on the terminal.
 MOST = 3
@@ -43,9 +43,9 @@ def audit_command(
     """
     # Before NumPy starts: its matrices are small here, and the same sums must come out on any number of cores.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    from wmspec.audit.audit import audit
-    from wmspec.audit.page import page
-    from wmspec.write.reader import DatasetReader
+    from wmspec.dataset.audit.audit import audit
+    from wmspec.dataset.audit.page import page
+    from wmspec.dataset.build.reader import DatasetReader
 
     with progress_bar(len(DatasetReader.open(dataset).tasks), "auditing", "tasks") as progress:
         result = audit(dataset, pictures_of, progress, workers or os.cpu_count() or 1)
@@ -68,7 +68,7 @@ def _tell(result: Audit) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from wmspec.audit.page import WORDS, overview, verdict
+    from wmspec.dataset.audit.page import WORDS, overview, verdict
 
     colors = {"fail": "red", "unknown": "yellow", "pass": "green"}
     head, *lines = overview(result)

@@ -12,7 +12,7 @@ from wmspec.cli.common import balanced, by_size, paint, standard_input, within
 
 if TYPE_CHECKING:
     from wmspec.api import Diagnosis
-    from wmspec.design.design import Design
+    from wmspec.compile.design.design import Design
 
 
 @click.command("check")

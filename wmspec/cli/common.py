@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from wmspec.diagnostics import Paint, Part, WmsError, plain, suggestion
-from wmspec.places import FilePlace, Source
+from wmspec.core.diagnostics import Paint, Part, WmsError, plain, suggestion
+from wmspec.core.places import FilePlace, Source
 
 if TYPE_CHECKING:
     from wmspec.api import Instance
@@ -49,7 +49,7 @@ def by_size(sizes: Mapping[str, int]) -> dict[int, list[str]]:
 
 def balanced(question: str) -> str:
     """What balance may cost."""
-    from wmspec.ask.balance import MOST_DRAWS
+    from wmspec.runtime.questions.balance import MOST_DRAWS
 
     most = f"each group is drawn up to {MOST_DRAWS} times"
     return f"balanced answers of `{question}`: {most}; `wmspec generate --dry-run` measures how often"

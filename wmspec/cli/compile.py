@@ -16,7 +16,7 @@ from wmspec.cli.common import (
     task_option,
     write_text,
 )
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 
 @click.command("compile")
@@ -36,7 +36,7 @@ def compile_command(
     The stage is a base layer for the task with a layer over it for the instance, and one for each counterfactual over
     that. The native files (a model, or a script) run in their engine without wmspec.
     """
-    from wmspec.execute.backends import chosen
+    from wmspec.runtime.engines.registry import chosen
 
     chosen_instance = instance_of(spec, task, instance, seed, redrawn)
     checked = chosen_instance.task

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import click
 
 from wmspec.cli.common import json_option, make_folder, write_text
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 if TYPE_CHECKING:
-    from wmspec.conform.score import Score
+    from wmspec.runtime.conformance.score import Score
 
 
 @click.command("conform")
@@ -32,8 +32,8 @@ def conform_command(
     """
     import json
 
-    from wmspec.conform.score import by_backend, by_traces, chosen, scores
-    from wmspec.execute import backends
+    from wmspec.runtime.conformance.score import by_backend, by_traces, chosen, scores
+    from wmspec.runtime.engines import registry
 
     wanted = chosen(cases)
     if write is not None:
@@ -43,7 +43,7 @@ def conform_command(
         index = {case.name: {"stage": f"{case.name}.usda", "seconds": case.seconds, "rate": 240} for case in wanted}
         write_text(write / "cases.json", json.dumps(index, indent=2) + "\n")
         return
-    engines = () if backend == "none" else backends.chosen(backend or "all")
+    engines = () if backend == "none" else registry.chosen(backend or "all")
     runners = [(name, by_backend(name)) for name in engines] + [
         (name, by_traces(Path(folder))) for name, folder in map(_named, traces)
     ]

@@ -13,15 +13,15 @@ import click
 from wmspec.api.progress import progress_bar
 
 if TYPE_CHECKING:
-    from wmspec.execute.pool import Effort
-    from wmspec.write.estimate import Cost
-    from wmspec.write.plan import Plan
+    from wmspec.dataset.build.estimate import Cost
+    from wmspec.dataset.build.plan import Plan
+    from wmspec.runtime.workers.pool import Effort
 
 
 def tell_cost(plan: Plan, effort: Effort, as_json: bool) -> None:
     """Try some instances of each task and print what all of them would take."""
-    from wmspec.write.estimate import estimate
-    from wmspec.write.manifest import top_reasons
+    from wmspec.dataset.build.estimate import estimate
+    from wmspec.dataset.build.manifest import top_reasons
 
     with progress_bar(len(plan.tasks), "trying", "tasks") as progress:
         costs = estimate(plan, effort, progress)

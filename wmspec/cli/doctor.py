@@ -19,7 +19,7 @@ def doctor_command(ctx: click.Context, capabilities: bool, as_json: bool) -> Non
     import json
     from dataclasses import asdict
 
-    from wmspec.execute.doctor import examine, fit
+    from wmspec.runtime.doctor.doctor import examine, fit
 
     if capabilities:
         _capabilities(as_json)
@@ -40,8 +40,8 @@ def doctor_command(ctx: click.Context, capabilities: bool, as_json: bool) -> Non
 def _capabilities(as_json: bool) -> None:
     import json
 
-    from wmspec.execute.backends import info, names
-    from wmspec.scene.capability import NEARLY, table
+    from wmspec.runtime.engines.registry import info, names
+    from wmspec.sim.scene.capability import NEARLY, table
 
     engines = [info(name) for name in names()]
 

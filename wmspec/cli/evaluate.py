@@ -10,13 +10,13 @@ import click
 
 from wmspec.api.progress import progress_bar
 from wmspec.cli.common import json_option, seed_option
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 if TYPE_CHECKING:
-    from wmspec.evaluate.request import Ask
-    from wmspec.evaluate.results import Counts
-    from wmspec.evaluate.run import Run
-    from wmspec.evaluate.server import Server
+    from wmspec.eval.models.request import Ask
+    from wmspec.eval.models.results import Counts
+    from wmspec.eval.models.run import Run
+    from wmspec.eval.models.server import Server
 
 _PATH = click.Path(path_type=Path)
 
@@ -80,11 +80,11 @@ def evaluate_command(
 
 
 def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
-    from wmspec.evaluate import baselines, prompt, server
-    from wmspec.evaluate.limits import Limits
-    from wmspec.evaluate.question import Selection
-    from wmspec.evaluate.run import Run, Settings
-    from wmspec.write.reader import DatasetReader
+    from wmspec.dataset.build.reader import DatasetReader
+    from wmspec.eval.models import baselines, prompt, server
+    from wmspec.eval.models.limits import Limits
+    from wmspec.eval.models.question import Selection
+    from wmspec.eval.models.run import Run, Settings
 
     opened = DatasetReader.open(dataset)
     opened.intact()
@@ -126,10 +126,10 @@ def _parameters(written: tuple[str, ...], samples: int) -> tuple[tuple[str, Any]
 
 
 def _evaluate(run: Run, server: Server | None, options: dict[str, Any], as_json: bool) -> int:
-    from wmspec.evaluate.cache import Cached
-    from wmspec.evaluate.model import Model
-    from wmspec.evaluate.models import open_model
-    from wmspec.evaluate.run import evaluate
+    from wmspec.eval.models.cache import Cached
+    from wmspec.eval.models.model import Model
+    from wmspec.eval.models.models import open_model
+    from wmspec.eval.models.run import evaluate
 
     output: Path | None = options["output"]
     if output is None or output.suffix != ".parquet":
@@ -174,7 +174,7 @@ def _tell(counted: Counts, path: Path, as_json: bool) -> None:
 
 
 def _rescore(path: Path, as_json: bool) -> None:
-    from wmspec.evaluate.results import rescore
+    from wmspec.eval.models.results import rescore
 
     counted, changed = rescore(path)
     _tell(counted, path, as_json)
@@ -188,7 +188,7 @@ def _tell_requests(run: Run) -> None:
     click.echo(f"{sum(len(list(run.asks(question))) for question in chosen):,} requests for {len(chosen):,} questions")
     first: Ask | None = run.first()
     if first is not None:
-        from wmspec.evaluate.request import Text
+        from wmspec.eval.models.request import Text
 
         click.echo(f"the first, {first.question.id}, prompt {run.settings.prompt.hash}:\n\n{first.request.system}\n")
         for part in first.request.parts:

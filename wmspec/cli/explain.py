@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import click
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 
 @click.command("explain")
 @click.argument("code", required=False)
 def explain_command(code: str | None) -> None:
     """Explain a diagnostic's CODE, such as WMS203, with an example. Without CODE: list all."""
-    from wmspec.parse.codes import CODES
-    from wmspec.parse.pages import page
+    from wmspec.lang.parse.codes import CODES
+    from wmspec.lang.parse.pages import page
 
     if code is None:
         for known, meaning in CODES.items():

@@ -33,10 +33,10 @@ def export_command(
     Requests are those of `wmspec evaluate`, and replies are read by the same parser, which lies in the folder. Its
     README says how to run it.
     """
-    from wmspec.evaluate import prompt as prompts
-    from wmspec.evaluate.question import Selection
-    from wmspec.export.export import Export, export
-    from wmspec.write.reader import DatasetReader
+    from wmspec.dataset.build.reader import DatasetReader
+    from wmspec.eval.export.export import Export, export
+    from wmspec.eval.models import prompt as prompts
+    from wmspec.eval.models.question import Selection
 
     opened = DatasetReader.open(dataset)
     opened.intact()

@@ -10,8 +10,8 @@ from pathlib import Path
 import click
 
 from wmspec.cli.common import paint, standard_input
-from wmspec.diagnostics import WmsError
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
 
 
 @click.command("fmt")
@@ -24,9 +24,9 @@ def fmt_command(specs: tuple[Path, ...], only_check: bool, diff: bool) -> None:
     Spaces, indents and columns become regular. Words, comments and what the spec means stay as they are.
     """
     from wmspec.api.loading import spec_files
-    from wmspec.diagnostics import SpecError
-    from wmspec.parse.format import format_spec
-    from wmspec.parse.load import read_source
+    from wmspec.core.diagnostics import SpecError
+    from wmspec.lang.parse.format import format_spec
+    from wmspec.lang.parse.load import read_source
 
     changed = failed = 0
     for path in [Path("-")] if specs == (Path("-"),) else spec_files(specs):

@@ -22,7 +22,7 @@ from wmspec.cli.common import (
     tell,
 )
 from wmspec.cli.cost import tell_cost
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 if TYPE_CHECKING:
     from wmspec.api import Choices

@@ -96,7 +96,7 @@ def _factors(row: dict[str, Any]) -> str:
 
 def _covered(rows: Sequence[dict[str, Any]]) -> str:
     """How much there is, and how much of the paper these tasks rebuild."""
-    from wmspec.paper import COLUMNS
+    from wmspec.core.wm_abench import COLUMNS
 
     total, rebuilt = sum(c.cases for c in COLUMNS), [row["paper"] for row in rows if row["paper"]]
     instances, groups = sum(row["instances"] for row in rows), sum(row["groups"] for row in rows)

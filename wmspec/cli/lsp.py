@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 
 @click.command("lsp")

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from wmspec.diagnostics import WmsError
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
 
 
 def _list(context: click.Context, _: click.Parameter, wanted: bool) -> None:

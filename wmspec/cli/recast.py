@@ -26,7 +26,7 @@ def recast_command(table: Path, images: Path, output: Path, size: int) -> None:
     TABLE is a CSV with a question a row: question, pictures, options, answer, and more if you like (docs/recast.md).
     What comes out is read by evaluate, report, audit and view like any other dataset. The pictures lose their metadata.
     """
-    from wmspec.recast.recast import recast
+    from wmspec.eval.image_import.recast import recast
 
     made = recast(table, images, output, size)
     for task, count in made.questions.items():

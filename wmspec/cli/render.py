@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.check.vocabulary import STAGES
 from wmspec.cli.common import (
     instance_of,
     instance_option,
@@ -22,8 +21,9 @@ from wmspec.cli.common import (
     task_option,
 )
 from wmspec.cli.run import duration_option, seconds_of, tell_notes
-from wmspec.diagnostics import WmsError
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.lang.check.tables.vocabulary import STAGES
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -108,7 +108,7 @@ def _episodes(
     """What happened, once for each engine that executes it, or as it was written to disk."""
     from wmspec.api import load_episode, open_stage
     from wmspec.api.episode import execute
-    from wmspec.execute.backends import chosen
+    from wmspec.runtime.engines.registry import chosen
 
     suffix = source.suffix.lower()
     if suffix == ".npz":

@@ -10,7 +10,7 @@ import click
 
 from wmspec.api.progress import progress_bar
 from wmspec.cli.common import json_option, make_folder
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 
 @click.command("report")
@@ -39,9 +39,9 @@ def report_command(results: tuple[Path, ...], dataset: Path | None, output: Path
     lacking = [name for name in ("pandas", "matplotlib", "statsmodels", "jinja2") if find_spec(name) is None]
     if lacking:
         raise WmsError(f"a report needs {', '.join(lacking)}; install it with: pip install 'wmspec[report]'")
-    from wmspec.report.page import summary, warnings
-    from wmspec.report.report import STEPS, report
-    from wmspec.report.write import text, write
+    from wmspec.eval.report.page import summary, warnings
+    from wmspec.eval.report.report import STEPS, report
+    from wmspec.eval.report.write import text, write
 
     with progress_bar(STEPS, "analysing", "analyses") as progress:
         made = report(list(results), dataset, progress)

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.check.vocabulary import STAGES
 from wmspec.cli.common import (
     instance_of,
     instance_option,
@@ -21,8 +20,9 @@ from wmspec.cli.common import (
     task_option,
     tell,
 )
-from wmspec.diagnostics import EngineError, StageError, WmsError
-from wmspec.limits import SECONDS
+from wmspec.core.diagnostics import EngineError, StageError, WmsError
+from wmspec.core.limits import SECONDS
+from wmspec.lang.check.tables.vocabulary import STAGES
 
 if TYPE_CHECKING:
     from wmspec.api import Episode
@@ -75,7 +75,7 @@ def run_command(
     Exits with 1 if some of several engines refuse it: the others' results are given all the same.
     """
     from wmspec.api import run
-    from wmspec.execute.backends import chosen
+    from wmspec.runtime.engines.registry import chosen
 
     engines = chosen(backend)
     if output is not None and len(engines) > 1:
@@ -123,7 +123,7 @@ def tell_notes(episodes: Sequence[Episode]) -> None:
 
 def seconds_of(text: str) -> float:
     """The time (s) that is meant."""
-    from wmspec.check.units import TIME, UnknownUnit, parse_unit
+    from wmspec.lang.check.types.units import TIME, UnknownUnit, parse_unit
 
     number = text.rstrip("abcdefghijklmnopqrstuvwxyz ")
     try:

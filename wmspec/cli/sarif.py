@@ -8,9 +8,9 @@ from typing import Any
 from urllib.parse import quote
 
 from wmspec import __version__
-from wmspec.diagnostics import Diagnostic
-from wmspec.parse.codes import CODES
-from wmspec.places import FilePlace, Location, Place, PrimPlace, Span
+from wmspec.core.diagnostics import Diagnostic
+from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Span
+from wmspec.lang.parse.codes import CODES
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 

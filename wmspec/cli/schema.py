@@ -10,6 +10,6 @@ import click
 @click.command("schema")
 def schema_command() -> None:
     """Print the JSON schema of a checked task, which is what `wmspec compile --ir` prints."""
-    from wmspec.check.record import schema
+    from wmspec.lang.check.ir.record import schema
 
     click.echo(json.dumps(schema(), indent=2))

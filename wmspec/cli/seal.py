@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from wmspec.cli.common import tell
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 
 @click.command("seal")

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from wmspec.cli.common import json_option, make_folder, seed_option
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 _PATH = click.Path(path_type=Path)
 
@@ -39,9 +39,9 @@ def study_command() -> None:
 @seed_option
 def make_command(dataset: Path, output: Path, **flags: object) -> None:
     """Write a study: who is shown which questions in which order, the page, and texts that you may replace."""
-    from wmspec.study.make import Options, make
-    from wmspec.study.page import unfinished
-    from wmspec.write.reader import DatasetReader
+    from wmspec.dataset.build.reader import DatasetReader
+    from wmspec.eval.study.make import Options, make
+    from wmspec.eval.study.page import unfinished
 
     fields = {{"task": "tasks", "engine": "engines"}.get(name, name): value for name, value in flags.items()}
     options = Options(**fields)  # type: ignore[arg-type]
@@ -64,8 +64,8 @@ def serve_command(study: Path, host: str, port: int) -> None:
 
     Stopped or killed, it goes on where it was: an answer is on the disk before the page is told so.
     """
-    from wmspec.study.page import unfinished
-    from wmspec.study.serve import Server
+    from wmspec.eval.study.page import unfinished
+    from wmspec.eval.study.serve import Server
 
     with Server(study, host, port) as server:
         for path in unfinished(study):
@@ -95,7 +95,7 @@ def collect_command(study: Path, answers: tuple[Path, ...], output: Path, least_
 
     ANSWERS are the files that the page gives where there is no server.
     """
-    from wmspec.study.collect import collect
+    from wmspec.eval.study.collect import collect
 
     if output.suffix != ".parquet":
         raise WmsError("where to? the results are a .parquet file: add -o results.parquet")

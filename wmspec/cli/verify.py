@@ -12,7 +12,7 @@ import click
 from wmspec.cli.common import json_option, tell
 
 if TYPE_CHECKING:
-    from wmspec.write.verify import Verification
+    from wmspec.dataset.verify import Verification
 
 #: So many differences are told one by one.
 TOLD = 10

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from wmspec.diagnostics import WmsError
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
 
 #: How many instances of each task are shown on a sheet, in a page and in a folder, if nothing is said.
 PER_TASK = {".png": 3, ".html": 20, "": 50}
@@ -50,9 +50,9 @@ def view_command(dataset: Path, output: Path, per_task: int | None, results: tup
         _sheet(dataset, output, count)
         click.echo(output)
         return
-    from wmspec.gallery.gallery import folder, page
-    from wmspec.gallery.replies import read
-    from wmspec.write.reader import DatasetReader
+    from wmspec.dataset.build.reader import DatasetReader
+    from wmspec.eval.gallery.gallery import folder, page
+    from wmspec.eval.gallery.replies import read
 
     opened = DatasetReader.open(dataset)
     shown = (page if kind == ".html" else folder)(opened, count, output, read(results))
@@ -63,7 +63,7 @@ def view_command(dataset: Path, output: Path, per_task: int | None, results: tup
 
 
 def _sheet(dataset: Path, output: Path, per_task: int) -> None:
-    from wmspec.write.sheet import contact_sheet
+    from wmspec.dataset.build.sheet import contact_sheet
 
     picture = contact_sheet(dataset, per_task)
     try:

@@ -9,8 +9,8 @@ from pathlib import Path
 import click
 
 from wmspec.cli.common import spec_argument
-from wmspec.diagnostics import WmsError
-from wmspec.places import FilePlace
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
 
 
 @click.command("watch")
@@ -27,7 +27,7 @@ def watch_command(spec: Path, port: int, instances: int, size: int, backend: str
     """
     from wmspec.editor.page import PageServer
     from wmspec.editor.watch import Drawing, Watch
-    from wmspec.execute.backends import chosen
+    from wmspec.runtime.engines.registry import chosen
 
     if not spec.is_file():
         raise WmsError("there is no such file", FilePlace(str(spec)), "`wmspec new NAME` writes a first spec")

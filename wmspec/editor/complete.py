@@ -8,25 +8,37 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from wmspec.check.calls import signature
-from wmspec.check.expressions import Expressions
-from wmspec.check.functions import FUNCTIONS
-from wmspec.check.names import BLOCKS
-from wmspec.check.property_schema import slots, thing_type
-from wmspec.check.typed import Failed, example, fits
-from wmspec.check.types import A_TIME, ITEM, LABEL, QUANTITY, TRUTH, List, Quantity, Type, Vector, Word, either
-from wmspec.check.units import fitting
-from wmspec.check.verbs import ROBOTS, VERBS, Verb
-from wmspec.check.vocabulary import SETS, WORDS, Slot
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Span
+from wmspec.editor.completion_context import Reader, Wanted
 from wmspec.editor.cursor import Cursor, cursor
 from wmspec.editor.document import Document
 from wmspec.editor.names import Names
-from wmspec.editor.wanted import Reader, Wanted
-from wmspec.parse import syntax as s
-from wmspec.parse.load import library_folder, search_path
-from wmspec.parse.parser import parse_expression
-from wmspec.places import Span
+from wmspec.lang.check.expressions.calls import signature
+from wmspec.lang.check.expressions.expressions import Expressions
+from wmspec.lang.check.expressions.names import BLOCKS
+from wmspec.lang.check.expressions.typed import Failed, example, fits
+from wmspec.lang.check.tables.functions import FUNCTIONS
+from wmspec.lang.check.tables.property_schema import slots, thing_type
+from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
+from wmspec.lang.check.tables.vocabulary import SETS, WORDS, Slot
+from wmspec.lang.check.types.types import (
+    A_TIME,
+    ITEM,
+    LABEL,
+    QUANTITY,
+    TRUTH,
+    List,
+    Quantity,
+    Type,
+    Vector,
+    Word,
+    either,
+)
+from wmspec.lang.check.types.units import fitting
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.load import library_folder, search_path
+from wmspec.lang.parse.parser import parse_expression
 
 Sort = Literal["property", "argument", "unit", "name", "function", "verb", "word", "keyword", "library", "part"]
 #: The order in which they are offered.

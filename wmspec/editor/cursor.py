@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from wmspec.parse.machine import END, Machine, Part, Tree
-from wmspec.parse.recover import recover
-from wmspec.parse.tables import tables
-from wmspec.parse.words import Token, read
+from wmspec.lang.parse.lexer import Token, read
+from wmspec.lang.parse.machine import END, Machine, Part, Tree
+from wmspec.lang.parse.recover import recover
+from wmspec.lang.parse.tables import tables
 
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
 #: A number with its unit so far; of a name that ends in a digit it is no part.

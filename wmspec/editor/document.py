@@ -9,14 +9,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from wmspec.check.expressions import Expressions
-from wmspec.check.task import known
-from wmspec.diagnostics import Report, WmsError
-from wmspec.node import Node
-from wmspec.parse import syntax as s
-from wmspec.parse.load import Program, load_source, shown
-from wmspec.parse.parser import parse
-from wmspec.places import Source, Span
+from wmspec.core.diagnostics import Report, WmsError
+from wmspec.core.node import Node
+from wmspec.core.places import Source, Span
+from wmspec.lang.check.expressions.expressions import Expressions
+from wmspec.lang.check.statements.task import known
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.load import Program, load_source, shown
+from wmspec.lang.parse.parser import parse
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ from typing import TypeVar
 from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcException
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import Span
 from wmspec.editor import protocol
 from wmspec.editor.complete import complete
 from wmspec.editor.document import Document
@@ -20,10 +21,9 @@ from wmspec.editor.preview import Preview, pointed_at
 from wmspec.editor.protocol import uri_of
 from wmspec.editor.rename import meant, renamed
 from wmspec.editor.server import Server, read
-from wmspec.execute.pool import Lost
-from wmspec.parse import syntax as s
-from wmspec.parse.format import format_spec
-from wmspec.places import Span
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.format import format_spec
+from wmspec.runtime.workers.pool import Lost
 
 T = TypeVar("T")
 

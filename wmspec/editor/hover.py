@@ -5,23 +5,23 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass
 
-from wmspec.check.calls import signature
-from wmspec.check.expressions import Expressions
-from wmspec.check.functions import FUNCTIONS
-from wmspec.check.typed import Failed
-from wmspec.check.units import UNITS, UnknownUnit, parse_unit
-from wmspec.check.verbs import ROBOTS, VERBS, Verb
-from wmspec.check.vocabulary import COLORS, JOINTS, PLANS, PROPERTIES, SETS, TOLERANCES, WORDS, Slot
+from wmspec.core.node import Node
+from wmspec.core.places import Source, Span
 from wmspec.editor.complete import shown_type, takes
 from wmspec.editor.document import Document
 from wmspec.editor.names import Names, Occurrence
-from wmspec.materials import MATERIALS
-from wmspec.node import Node
-from wmspec.parse import syntax as s
-from wmspec.parse.parser import words
-from wmspec.parse.tables import tables
-from wmspec.parse.words import Token
-from wmspec.places import Source, Span
+from wmspec.lang.check.expressions.calls import signature
+from wmspec.lang.check.expressions.expressions import Expressions
+from wmspec.lang.check.expressions.typed import Failed
+from wmspec.lang.check.tables.functions import FUNCTIONS
+from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
+from wmspec.lang.check.tables.vocabulary import COLORS, JOINTS, PLANS, PROPERTIES, SETS, TOLERANCES, WORDS, Slot
+from wmspec.lang.check.types.units import UNITS, UnknownUnit, parse_unit
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.lexer import Token
+from wmspec.lang.parse.parser import words
+from wmspec.lang.parse.tables import tables
+from wmspec.sim.materials import MATERIALS
 
 
 @dataclass(frozen=True)

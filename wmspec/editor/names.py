@@ -9,12 +9,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from wmspec.diagnostics import Report
+from wmspec.core.diagnostics import Report
+from wmspec.core.node import Node
+from wmspec.core.places import Span
 from wmspec.editor.document import Document, children
-from wmspec.node import Node
-from wmspec.parse import syntax as s
-from wmspec.parse.parser import parse_expression
-from wmspec.places import Span
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.parser import parse_expression
 
 _HOLE = re.compile(r"(?<!\\)\{([^{}]*)\}")
 _DECLARING = (s.Factor, s.Let, s.Parameter, s.Block, s.Template, s.Action, s.Part, s.Task, s.Variant, s.Question,

@@ -8,7 +8,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
 from typing import Any
 
-from wmspec.diagnostics import Diagnostic, WmsError
+from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.editor.sheet import Cell, Row
 from wmspec.editor.watch import State, Watch, picture_name
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from wmspec.api.loading import diagnose_text
 from wmspec.api.task import Instance, Task
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 from wmspec.editor import sheet
 from wmspec.editor.document import Document
-from wmspec.parse import syntax as s
+from wmspec.lang.parse import syntax as s
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Preview:
 
     def draw(self, text: str, path: Path) -> bytes:
         """A sheet (PNG) of what is observed of it, by the first engine that there is. For a process of its own."""
-        from wmspec.execute.backends import default
+        from wmspec.runtime.engines.registry import default
 
         sheet.changed()  # a library may have changed
         return sheet.picture(text, path, self.task, self.index, default(), 256)

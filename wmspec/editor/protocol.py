@@ -10,15 +10,15 @@ from pygls.uris import from_fs_path, to_fs_path
 from pygls.workspace import PositionCodec, TextDocument
 from pygls.workspace.position_codec import ServerTextPosition
 
-from wmspec.diagnostics import Diagnostic, Remedy
+from wmspec.core.diagnostics import Diagnostic, Remedy
+from wmspec.core.node import Node
+from wmspec.core.places import FilePlace, Place, Span
 from wmspec.editor.complete import Offer, Sort
 from wmspec.editor.document import Document, children
-from wmspec.node import Node
-from wmspec.parse import codes
-from wmspec.parse import syntax as s
-from wmspec.parse.codes import CODES
-from wmspec.parse.load import located
-from wmspec.places import FilePlace, Place, Span
+from wmspec.lang.parse import codes
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.codes import CODES
+from wmspec.lang.parse.load import located
 
 #: Where the page of each code is, as `wmspec explain` shows it.
 PAGES = Path(codes.__file__).parent

@@ -21,8 +21,8 @@ from pygments.token import (
 )
 
 from wmspec.editor.words import SOFT, constants
-from wmspec.parse.tables import tables
-from wmspec.parse.words import Token, read
+from wmspec.lang.parse.lexer import Token, read
+from wmspec.lang.parse.tables import tables
 
 _PLAIN: dict[str, _TokenType] = {
     "WHITE": Whitespace,

@@ -6,14 +6,14 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from wmspec.check.scope import BUILTIN, RESERVED
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import Span
 from wmspec.editor.document import Document
 from wmspec.editor.names import Names, Occurrence
-from wmspec.parse import syntax as s
-from wmspec.parse.load import library_folder
-from wmspec.parse.tables import tables
-from wmspec.places import Span
+from wmspec.lang.check.expressions.scope import BUILTIN, RESERVED
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.load import library_folder
+from wmspec.lang.parse.tables import tables
 
 
 def meant(documents: Iterable[Document], occurrence: Occurrence) -> dict[Path, tuple[Span, ...]]:

@@ -18,10 +18,10 @@ from pygls.workspace import TextDocument
 
 from wmspec import __version__
 from wmspec.api.loading import Diagnosis, diagnose_text
-from wmspec.diagnostics import Diagnostic, WmsError
+from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.editor.document import Document
 from wmspec.editor.protocol import Positions, path_of, positions_in, shown
-from wmspec.execute.pool import Helper
+from wmspec.runtime.workers.pool import Helper
 
 #: How long after the last key a text is checked (s), and how long a picture may take.
 PAUSE, PATIENCE = 0.12, 120.0

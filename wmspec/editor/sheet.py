@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError
 
 if TYPE_CHECKING:
     from wmspec.api.task import Instance, Task
-    from wmspec.ask.model import QuestionRow
+    from wmspec.runtime.questions.model import QuestionRow
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from importlib.resources import files
 
-from wmspec.diagnostics import Report, WmsError, suggestion
-from wmspec.parse import syntax as s
-from wmspec.parse.parser import parse
-from wmspec.places import Source
+from wmspec.core.diagnostics import Report, WmsError, suggestion
+from wmspec.core.places import Source
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.parser import parse
 
 SUFFIX = ".wms"
 

@@ -12,11 +12,11 @@ from typing import Literal
 
 from wmspec.api.loading import diagnose_text
 from wmspec.api.task import Task
-from wmspec.diagnostics import Diagnostic, Report, WmsError
+from wmspec.core.diagnostics import Diagnostic, Report, WmsError
+from wmspec.core.places import Source
 from wmspec.editor import sheet
-from wmspec.execute.pool import Helper, Lost
-from wmspec.parse.load import load_source, read_source, shown
-from wmspec.places import Source
+from wmspec.lang.parse.load import load_source, read_source, shown
+from wmspec.runtime.workers.pool import Helper, Lost
 
 #: How often the files are looked at (s), and how long one instance may take.
 PERIOD, PATIENCE = 0.2, 60.0

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from functools import cache
 
-from wmspec.check.functions import FUNCTIONS
-from wmspec.check.verbs import ROBOTS, VERBS
-from wmspec.check.vocabulary import JOINTS, WORDS
-from wmspec.parse.tables import grammar, tables
+from wmspec.lang.check.tables.functions import FUNCTIONS
+from wmspec.lang.check.tables.verbs import ROBOTS, VERBS
+from wmspec.lang.check.tables.vocabulary import JOINTS, WORDS
+from wmspec.lang.parse.tables import grammar, tables
 
 #: Keywords that join expressions; all others begin or part statements.
 _JOINING = ("and", "or", "not", "if", "then", "else", "true", "false", "in", "by", "of", "as", "at", "for", "after",

@@ -12,8 +12,8 @@ from math import atan, cos, pi, radians, sin, sqrt
 import numpy as np
 
 from tests.physics.oracles.runs import Motion, Run
-from wmspec.scene.model import Array
-from wmspec.scene.transform import rotate, rotation
+from wmspec.sim.scene.model import Array
+from wmspec.sim.scene.model.transform import rotate, rotation
 
 G = 9.81
 Runs = Sequence[Run]

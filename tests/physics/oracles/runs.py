@@ -8,13 +8,13 @@ from functools import cache
 from pathlib import Path
 
 from tests.language.specs import task_of
-from wmspec.design.design import Design
-from wmspec.draws import Level
-from wmspec.execute.backends import backend
-from wmspec.scene.model import Array, Body, Scene, Trace
-from wmspec.stage.episode import document
-from wmspec.stage.layers import compose
-from wmspec.usd import read
+from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
+from wmspec.core.rng import Level
+from wmspec.runtime.engines.registry import backend
+from wmspec.sim.scene.model import Array, Body, Scene, Trace
+from wmspec.sim.usd import read
 
 FOLDER = Path(__file__).parent
 

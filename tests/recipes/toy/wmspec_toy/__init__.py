@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from wmspec.diagnostics import WmsError
-from wmspec.scene.backend import Info
-from wmspec.scene.capability import JOINTS, Lack, require
-from wmspec.scene.model import Renderer, Scene, Trace
+from wmspec.core.diagnostics import WmsError
+from wmspec.sim.scene.backend import Info
+from wmspec.sim.scene.capability import JOINTS, Lack, require
+from wmspec.sim.scene.model import Renderer, Scene, Trace
 
 info = Info(
     name="toy",
@@ -20,10 +20,10 @@ info = Info(
 
 def execute(scene: Scene) -> Trace:
     """The trace of the episode. Raises WmsError for joints, EngineError where two bodies meet."""
-    from wmspec.scene.episode import play
-    from wmspec.scene.timeline import episode
-    from wmspec.scene.to_trace import trace
-    from wmspec.scene.validate import validate
+    from wmspec.sim.scene.physics.episode import play
+    from wmspec.sim.scene.physics.timeline import episode
+    from wmspec.sim.scene.physics.to_trace import trace
+    from wmspec.sim.scene.validate import validate
 
     from .world import World
 

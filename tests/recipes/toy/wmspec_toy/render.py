@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from wmspec.scene.camera import rays, seeing
-from wmspec.scene.color import to_bytes, to_linear, to_srgb
-from wmspec.scene.model import Array, Frame, Scene, Shot
-from wmspec.scene.picture import check
-from wmspec.scene.transform import compose, rotate, rotation
-from wmspec.shapes.facets import tessellate
+from wmspec.sim.scene.model import Array, Frame, Scene, Shot
+from wmspec.sim.scene.model.transform import compose, rotate, rotation
+from wmspec.sim.scene.render.camera import rays, seeing
+from wmspec.sim.scene.render.color import to_bytes, to_linear, to_srgb
+from wmspec.sim.scene.render.picture import check
+from wmspec.sim.shapes.facets import tessellate
 
 
 class Painter:
-    """Draws the bodies of one scene: `wmspec.scene.model.Renderer`."""
+    """Draws the bodies of one scene: `wmspec.sim.scene.model.Renderer`."""
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:
         self.scene, self.size = scene, (width, height)

@@ -8,16 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from wmspec.diagnostics import EngineError
-from wmspec.scene.bounds import upright
-from wmspec.scene.com_frame import com_frame
-from wmspec.scene.contact import apart, colliders, may_touch
-from wmspec.scene.model import Pose, Scene
-from wmspec.scene.transform import multiply, rotation, turning
+from wmspec.core.diagnostics import EngineError
+from wmspec.sim.scene.joints.com_frame import com_frame
+from wmspec.sim.scene.model import Pose, Scene
+from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.transform import multiply, rotation, turning
+from wmspec.sim.scene.physics.contact import apart, colliders, may_touch
 
 
 class World:
-    """The scene's bodies by number, in their centre-of-mass frames: `wmspec.scene.episode.World`."""
+    """The scene's bodies by number, in their centre-of-mass frames: `wmspec.sim.scene.physics.episode.World`."""
 
     def __init__(self, scene: Scene, step: float) -> None:
         self.bodies = [com_frame(body) for body in scene.bodies]

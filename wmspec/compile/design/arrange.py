@@ -1,0 +1,196 @@
+"""From a spec's plan to the columns it chooses from and the arrangement of what is chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import chain, combinations, islice
+
+from wmspec.compile.design.blocks import Blocks, Groups, Repeated, TooManyTied
+from wmspec.compile.design.columns import Column, Free, Strata
+from wmspec.compile.design.constrain import Constraint
+from wmspec.compile.design.constraint_chain import MOST_COUNTED, Chain, TooMuch
+from wmspec.compile.design.describe import told
+from wmspec.compile.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sample
+from wmspec.core.diagnostics import Note, SpecError
+from wmspec.core.rng import Level
+from wmspec.lang.check.ir.ir import Choices, TaskSpec
+
+_EVEN = "tie what is crossed to nothing, or remove `balance`"
+#: So many sets of conditions are looked through for the smallest that leaves nothing.
+MOST_SETS = 500
+
+
+def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Blocks:
+    """The control groups of a task's design. Raises SpecError if there can be none."""
+    columns: tuple[Column, ...] = (*_chains(spec, conditions), *_strata(spec, seed))
+    key = (seed, spec.name, spec.plan.kind)
+    if spec.plan.kind != "groups":
+        return Repeated(columns, _arranged(spec, conditions, columns, key), spec.repeat)
+    try:
+        groups = Groups(columns, spec.plan.cross, spec.plan.turn, spec.plan.count or 1, key)
+    except TooManyTied as tied:
+        place = spec.plan.place or spec.factors[0].place
+        names = ", ".join(tied.names[:6])
+        what = f"conditions tie what is crossed to too much else ({names}): groups cannot be counted up"
+        raise SpecError(what, place, "cross other factors, or tie fewer to one another", code="WMS404") from None
+    if spec.plan.balance and not groups.even:
+        what = "conditions make some groups larger than others, so that answers cannot be balanced among them"
+        raise SpecError(what, spec.plan.place or spec.factors[0].place, _EVEN, code="WMS408")
+    return groups
+
+
+def _arranged(
+    spec: TaskSpec, conditions: Sequence[Constraint], columns: tuple[Column, ...], key: tuple[object, ...]
+) -> Arrangement:
+    count = spec.plan.count or 1
+    match spec.plan.kind:
+        case "sample":
+            return Sample(columns, count, key)
+        case "latin":
+            return Latin(columns, count, key)
+        case "one_at_a_time":
+            return Listed(tuple(_around(spec, columns, conditions)))
+    return Factorial(columns)
+
+
+def _strata(spec: TaskSpec, seed: int) -> Iterator[Strata]:
+    for factor in spec.factors:
+        if not factor.nuisance and not isinstance(factor.domain, Choices):
+            if spec.plan.kind != "latin" or spec.plan.count is None:
+                what = f"`{factor.name}` is a factor and so needs separate values"
+                remedy = "only a Latin design takes a factor from an interval"
+                raise SpecError(what, factor.place, remedy, code="WMS401")
+            yield Strata(factor, spec.plan.count, (seed, spec.name, spec.plan.kind))
+
+
+# ---------------------------------------------------------------- what is allowed
+
+
+def _chains(spec: TaskSpec, conditions: Sequence[Constraint]) -> tuple[Column, ...]:
+    """The factors with separate values, in groups of those that conditions tie together.
+
+    They are in the order of the spec, or by name where combinations are drawn: draws do not look at the order.
+    """
+    domains = {f.name: f.domain.values for f in spec.factors if not f.nuisance and isinstance(f.domain, Choices)}
+    if spec.plan.kind in ("sample", "latin", "groups"):
+        domains = dict(sorted(domains.items()))
+    try:
+        columns = tuple(_tied(domains, conditions))
+    except TooMuch as much:
+        raise _too_much(much, conditions) from None
+    constant = [c for c in conditions if not c.scope and not c.allowed]
+    if constant or not all(c.size for c in columns):
+        raise _nothing_left(domains, conditions)
+    return columns
+
+
+def _tied(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> Iterator[Column]:
+    """The columns, in the order of their first factors. Raises TooMuch."""
+    placed: set[str] = set()
+    for name in domains:
+        members = _closure({name}, [frozenset(c.scope) for c in conditions])
+        here = [c for c in conditions if members & {*c.scope}]
+        if name not in placed:
+            tied = {n: values for n, values in domains.items() if n in members}
+            yield Chain(tied, here) if here else Free(name, domains[name])
+        placed |= members
+
+
+def _closure(members: set[str], ties: Sequence[frozenset[str]]) -> set[str]:
+    while True:
+        wider = members.union(*(t for t in ties if t & members))
+        if wider == members:
+            return members
+        members = wider
+
+
+def _too_much(much: TooMuch, conditions: Sequence[Constraint]) -> SpecError:
+    tying = {c.statement: c for c in conditions if len({*c.scope} & {*much.names}) > 1}
+    first, *more = tying.values()
+    names = f"{', '.join(much.names[:6])}{', ...' if len(much.names) > 6 else ''}"
+    return SpecError(
+        f"conditions tie {len(much.names)} factors together ({names}): {much.combinations:,} combinations to count at "
+        f"once, and {MOST_COUNTED:,} are the most",
+        first.place,
+        "tie fewer factors to one another",
+        code="WMS404",
+        notes=tuple(Note(f"tied by this too: {c.text}", c.place) for c in more[:4]),
+    )
+
+
+def _nothing_left(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> SpecError:
+    """Names the smallest set of conditions that leaves no combination."""
+    by_require = {c.statement: c for c in reversed(conditions)}
+    guilty = _smallest(
+        sorted(by_require), lambda some: _satisfiable(domains, [c for c in conditions if c.statement in some])
+    )
+    first, *more = (by_require[i] for i in guilty)
+    names = [n for n in domains if any(n in c.scope for c in conditions if c.statement in guilty)]
+    whose = f"{'combination' if len(names) > 1 else 'value'} of {', '.join(names)}" if names else "instance"
+    met = " and ".join(by_require[i].text for i in guilty)
+    notes = tuple(Note("together with this", c.place) for c in more)
+    remedy = "weaken a condition, or widen a domain"
+    return SpecError(f"no {whose} meets {met}", first.place, remedy, code="WMS402", notes=notes)
+
+
+def _satisfiable(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> bool:
+    if any(not c.scope and not c.allowed for c in conditions):
+        return False
+    try:
+        return all(column.size for column in _tied(domains, conditions))
+    except TooMuch:
+        return True
+
+
+def _smallest(candidates: Sequence[int], satisfiable: Callable[[set[int]], bool]) -> tuple[int, ...]:
+    """The smallest set that is not satisfiable; of very many sets, one of which every member is needed."""
+    sets = chain.from_iterable(combinations(candidates, n) for n in range(1, len(candidates)))
+    for some in islice(sets, MOST_SETS):
+        if not satisfiable(set(some)):
+            return some
+    needed = list(candidates)
+    for one in candidates:
+        if not satisfiable({*needed} - {one}):
+            needed.remove(one)
+    return tuple(needed)
+
+
+# ---------------------------------------------------------------- one factor at a time
+
+
+def _around(spec: TaskSpec, columns: Sequence[Column], conditions: Sequence[Constraint]) -> Iterator[Ranks]:
+    """The baseline, then all that is allowed and differs from it in one factor, in the order of the spec."""
+    baseline = _baseline(spec, conditions)
+    ranks = _ranks(columns, baseline)
+    if ranks is None:
+        broken = next(c for c in conditions if not c.holds(baseline))
+        where = told(spec.factors, {name: baseline[name] for name in broken.scope})
+        place = spec.plan.place or broken.place
+        message, remedy = f"the baseline, with {where}, is excluded", "choose another value for it"
+        raise SpecError(message, place, remedy, code="WMS408", notes=(Note("this condition", broken.place),))
+    yield ranks
+    for factor in spec.factors:
+        for value in factor.domain.values if isinstance(factor.domain, Choices) and not factor.nuisance else ():
+            varied = _ranks(columns, baseline | {factor.name: value})
+            if value != baseline[factor.name] and varied is not None:
+                yield varied
+
+
+def _baseline(spec: TaskSpec, conditions: Sequence[Constraint]) -> dict[str, Level]:
+    """What is named; of the other factors the first value, or the first that a conditional domain has then."""
+    levels: dict[str, Level] = {
+        f.name: spec.plan.baseline.get(f.name, f.domain.values[0])
+        for f in spec.factors
+        if not f.nuisance and isinstance(f.domain, Choices)
+    }
+    for condition in conditions:
+        name = condition.scope[0] if condition.conditional else ""
+        if name and name not in spec.plan.baseline:
+            choices = (value for value in condition.domains[name] if condition.holds(levels | {name: value}))
+            levels[name] = next(choices, levels[name])
+    return levels
+
+
+def _ranks(columns: Sequence[Column], values: Mapping[str, Level]) -> Ranks | None:
+    ranks = [column.rank([values[n] for n in column.names]) for column in columns]
+    return None if None in ranks else tuple(rank for rank in ranks if rank is not None)

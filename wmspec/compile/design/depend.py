@@ -1,0 +1,241 @@
+"""Which factors and properties a value depends on, by looking at the spec alone.
+
+A source is the name of a factor or nuisance, or an `owner.property` of the spec. Some names stand for several of them:
+`ball.pose` (where an object is and how it is turned), `ball.form` (its shape, size and parts), `push.there` (whether an
+action happens), `push.way` (where its object is when it begins).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+
+from wmspec.compile.layout.motion import CARRYING
+from wmspec.compile.layout.values import INHERITED
+from wmspec.lang.check.ir.evaluate import parts
+from wmspec.lang.check.ir.ir import Call, Choices, Expr, Property, Ref, TaskSpec, Thing, Value
+from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MEASURES
+from wmspec.core.memoize import LRU
+
+#: What decides the form of an object or part.
+FORM = ("shape", *MEASURES, "file", "scale", "collision")
+_TURN = ("yaw", "pitch", "roll")
+#: What decides where an object is.
+PLACEMENT = ("at", "on", "inside", *_TURN)
+_SCATTER = ("scatter", "gap")
+
+#: Of so many specs the dependencies are remembered.
+_REMEMBERED = 8
+_latest: LRU[int, tuple[TaskSpec, Dependencies]] = LRU(_REMEMBERED)
+
+#: What of its objects a function looks at.
+_LOOKS_AT: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys(("toward", "left_of", "right_of", "in_front_of", "behind", "polar", "between"), ("pose",)),
+    **dict.fromkeys(("volume", "largest", "smallest"), ("form",)),
+    **dict.fromkeys(("luminance", "darkest", "lightest"), ("color",)),
+    **dict.fromkeys(("count", "present"), ("present",)),
+    "fits": ("form", "pose"),
+}
+
+
+def dependencies(spec: TaskSpec) -> Dependencies:
+    """Those of a spec, the same for all its instances: a spec never changes, and is known by being the same object."""
+    return _latest.get(id(spec), lambda: (spec, Dependencies(spec)))[1]  # the spec stays, and so its `id`
+
+
+class Dependencies:
+    """Transitive dependencies within one task, each worked out once."""
+
+    def __init__(self, spec: TaskSpec) -> None:
+        self._lets = {let.name: let.value for let in spec.lets}
+        self._things = {t.name: t for t in spec.things}
+        self._domains = {f.name: f.domain for f in spec.factors}
+        self._next: dict[str, frozenset[str]] = {"end": self._direct(spec.horizon)}
+        self._all: dict[str, frozenset[str]] = {}
+        for observation in spec.observations:
+            name = f"observe.{observation.camera}"
+            self._next[name] = self._next.get(name, frozenset()) | self._direct(observation.times)
+
+    def expression(self, expr: Expr) -> frozenset[str]:
+        """The names of the factors and nuisances, and the `owner.property`s, that the value depends on."""
+        return self._reached(self._direct(expr))
+
+    def sources(self, sources: Iterable[str]) -> frozenset[str]:
+        """What any of these sources depends on, themselves included."""
+        return self._reached(sources)
+
+    def source(self, source: str) -> frozenset[str]:
+        """What a source depends on, itself included."""
+        if source not in self._all:
+            self._all[source] = self._reached((source,))
+        return self._all[source]
+
+    # ------------------------------------------------------------ from one to the next
+
+    def _reached(self, sources: Iterable[str]) -> frozenset[str]:
+        reached: set[str] = set()
+        waiting = list(sources)
+        while waiting:
+            source = waiting.pop()
+            if source not in reached:
+                reached.add(source)
+                if source not in self._next:
+                    self._next[source] = self._step(source)
+                waiting += self._next[source]
+        return frozenset(reached - self._lets.keys())
+
+    def _step(self, source: str) -> frozenset[str]:
+        """What a source is made of directly."""
+        if source in self._lets:
+            return self._direct(self._lets[source])
+        owner, _, name = source.rpartition(".")
+        if owner not in self._things:
+            return frozenset()
+        made_of: set[str] = set()
+        for other in self._of_property(self._things[owner], name):
+            made_of |= {other} if isinstance(other, str) else self._direct(other)
+        return frozenset(made_of)
+
+    def _direct(self, expr: Expr) -> frozenset[str]:
+        """What is named in an expression."""
+        direct: set[str] = set()
+        for part in parts(expr):
+            match part:
+                case Ref(name=name):
+                    direct.add(name)
+                case Property(owner=owner, name=name):
+                    direct |= {f"{named}.{name}" for named in self._named(owner)}
+                case Call(function=function, arguments=arguments, options=options) if function in _LOOKS_AT:
+                    for argument in (*arguments, *(option.value for option in options)):
+                        direct |= {f"{n}.{aspect}" for n in self._named(argument) for aspect in _LOOKS_AT[function]}
+        return frozenset(direct)
+
+    # ------------------------------------------------------------ what one property is made of
+
+    def _of_property(self, thing: Thing, name: str) -> Iterator[str | Expr]:
+        """The sources and expressions that decide a property of a thing."""
+        if name in _TOGETHER:
+            yield from _TOGETHER[name](self, thing)
+        elif name in thing.properties:
+            yield thing.properties[name].value
+        elif thing.kind == "part" and name in INHERITED:
+            yield f"{thing.of}.{name}"
+        if name in BY_MATERIAL and name not in thing.properties:
+            yield from (f"{thing.name}.material", f"{thing.name}.image")
+
+    def _form(self, thing: Thing) -> Iterator[str]:
+        placed = ("at", *_TURN, "solid") if thing.kind == "part" else ()
+        yield from (f"{thing.name}.{name}" for name in (*FORM, *placed))
+        yield from (f"{part.name}.form" for part in self._parts(thing))
+
+    def _pose(self, thing: Thing) -> Iterator[str | Expr]:
+        yield f"{thing.name}.form"
+        for near in self._asset(thing):
+            turns = ("pose",) if near.name == thing.of else ("start",) if near.kind == "joint" else ("form", *_TURN)
+            yield from (f"{near.name}.{name}" for name in turns)
+        yield from (f"{thing.name}.{name}" for name in PLACEMENT)
+        if thing.kind == "camera":
+            yield from (f"{thing.name}.look_at", f"{thing.name}.ride")
+            yield from (f"{base}.pose" for base in self._ridden(thing))
+        for way in ("on", "inside"):
+            if way in thing.properties:
+                yield from (f"{base}.pose" for base in self._named(thing.properties[way].value))
+        if "scatter" in thing.properties:
+            for other in self._things.values():
+                if "scatter" in other.properties:
+                    yield from (f"{other.name}.{n}" for n in (*_SCATTER, "form", "at", "on", "pitch", "roll"))
+        for drop in self._acting(("drop",), thing.name):
+            yield from (f"{drop.name}.{name}" for name in ("there", "object", "height"))
+
+    def _ridden(self, camera: Thing) -> frozenset[str]:
+        """What carries a camera."""
+        return self._named(camera.properties["ride"].value) if "ride" in camera.properties else frozenset()
+
+    def _there(self, action: Thing) -> Iterator[str]:
+        if "object" in action.properties:
+            yield f"{action.name}.object"
+            yield from (f"{owner}.present" for owner in self._named(action.properties["object"].value))
+
+    def _way(self, action: Thing) -> Iterator[str]:
+        yield f"{action.name}.start"
+        if action.of:
+            arm = "object" in action.properties
+            yield from self._robots() if arm else self._travels(self._things[action.of])
+            return
+        for owner in self._named(action.properties["object"].value):
+            yield f"{owner}.pose"
+            for move in self._acting(CARRYING, owner):
+                yield from (f"{move.name}.{name}" for name in ("there", "yaw", *move.properties))
+
+    def _robots(self) -> Iterator[str]:
+        """What the plan of all arms goes by: all that they do, to what, and where they stand."""
+        yield from ("end", "world.gravity")
+        for thing in self._things.values():
+            if thing.kind == "robot":
+                yield from (f"{thing.name}.{name}" for name in ("on", "at", "yaw", "model"))
+                if "on" in thing.properties:
+                    yield from (f"{base}.pose" for base in self._named(thing.properties["on"].value))
+            if thing.kind == "action" and thing.of:
+                yield from (f"{thing.name}.{name}" for name in ("there", "start", *thing.properties))
+                if "joint" in thing.properties:
+                    yield from (
+                        f"{j}.{n}" for j in self._named(thing.properties["joint"].value) for n in ("at", "axis")
+                    )
+                for name in {"object", "on"} & thing.properties.keys():
+                    for owner in self._named(thing.properties[name].value):
+                        yield from (f"{owner}.{aspect}" for aspect in ("pose", "form", "mass", "density", "friction"))
+
+    def _travels(self, robot: Thing) -> Iterator[str]:
+        """What the way of a car or a walker goes by: where it starts, what it does, what may stand in its way."""
+        yield from (f"{robot.name}.{name}" for name in ("on", "at", "yaw", "roads", "lane", "keeps"))
+        for thing in self._things.values():
+            if thing.kind == "action" and thing.of == robot.name:
+                yield from (f"{thing.name}.{name}" for name in ("there", "start", *thing.properties))
+            elif thing.kind == "object":
+                yield from (f"{thing.name}.{name}" for name in ("pose", "form", "present", "drawn", "solid"))
+            elif thing.kind == "action" and thing.verb in CARRYING and not thing.of:
+                yield from (f"{thing.name}.{name}" for name in ("there", "object"))
+
+    # ------------------------------------------------------------ who is who
+
+    def _asset(self, thing: Thing) -> Iterator[Thing]:
+        """The other links and the joints of the asset that an object is a link of; of one, also its base."""
+        base = thing.of or thing.name
+        for other in self._things.values():
+            near = other.kind in ("object", "joint") and base in (other.name, other.of)
+            if thing.kind == "object" and near and other.name != thing.name:
+                yield other
+
+    def _parts(self, thing: Thing) -> Iterator[Thing]:
+        return (t for t in self._things.values() if t.kind == "part" and t.of == thing.name)
+
+    def _acting(self, verbs: Iterable[str], owner: str) -> Iterator[Thing]:
+        """The actions of these verbs that may be done to an object."""
+        for thing in self._things.values():
+            acts = thing.kind == "action" and thing.verb in verbs and not thing.of
+            if acts and owner in self._named(thing.properties["object"].value):
+                yield thing
+
+    def _named(self, expr: Expr) -> frozenset[str]:
+        """The names of the things that a value may be, or that a list may hold."""
+        named: set[str] = set()
+        for part in parts(expr):
+            match part:
+                case Value(value=str(name)) if name in self._things:
+                    named.add(name)
+                case Ref(name=name) if name in self._lets:
+                    named |= self._named(self._lets[name])
+                case Ref(name=name) if isinstance(domain := self._domains.get(name), Choices):
+                    named |= {v for v in domain.values if isinstance(v, str) and v in self._things}
+                case Property(owner=owner, name=name):
+                    for thing in self._named(owner):
+                        if name in self._things[thing].properties:
+                            named |= self._named(self._things[thing].properties[name].value)
+        return frozenset(named)
+
+
+_TOGETHER: dict[str, Callable[[Dependencies, Thing], Iterator[str | Expr]]] = {
+    "form": Dependencies._form,
+    "pose": Dependencies._pose,
+    "way": Dependencies._way,
+    "there": Dependencies._there,
+}

@@ -1,0 +1,88 @@
+"""Rules on a task, without building any of its scenes: statements that decide nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from wmspec.compile.design.depend import Dependencies
+from wmspec.compile.lint.rule import Breach, rule
+from wmspec.lang.check.expressions.measured import measured
+from wmspec.lang.check.ir.ir import Choices, Expr, Said, TaskSpec
+
+
+@dataclass(frozen=True)
+class Task:
+    """A task with what its values depend on."""
+
+    spec: TaskSpec
+    depend: Dependencies
+
+
+@rule("WMS403")
+def idle_factor(task: Task) -> Iterator[Breach]:
+    """A factor or nuisance on which nothing depends."""
+    used = _reached(task, _deciding(task.spec)) | _reached(task, _texts(task.spec))
+    for factor in task.spec.factors:
+        if factor.name not in used:
+            message = f"nothing depends on the {'nuisance' if factor.nuisance else 'factor'} `{factor.name}`"
+            yield Breach(message, factor.place, "use it in an object, action or question, or remove it")
+
+
+@rule("WMS409")
+def factor_in_words_alone(task: Task) -> Iterator[Breach]:
+    """A factor that only the text of a question mentions."""
+    in_words_alone = _reached(task, _texts(task.spec)) - _reached(task, _deciding(task.spec))
+    for factor in task.spec.factors:
+        if not factor.nuisance and factor.name in in_words_alone:
+            message = f"`{factor.name}` changes the words of a question, but neither the scene nor an answer"
+            yield Breach(message, factor.place, "let an answer depend on it, or make it a nuisance")
+
+
+@rule("WMS506")
+def constant_answer(task: Task) -> Iterator[Breach]:
+    """An answer that is known beforehand and depends on no factor."""
+    varying = {f.name for f in task.spec.factors}
+    for question in task.spec.questions:
+        if not measured(task.spec, question.answer) and not task.depend.expression(question.answer) & varying:
+            message = "the answer to this is the same in every instance"
+            yield Breach(message, question.place, "let it depend on a factor, or measure it on the episode")
+
+
+RULES = (idle_factor, factor_in_words_alone, constant_answer)
+
+
+def _texts(spec: TaskSpec) -> Iterator[Expr]:
+    for question in spec.questions:
+        parts = (*question.text, *(part for text in question.texts for part in text.parts))
+        yield from (part.value for part in parts if isinstance(part, Said))
+
+
+def _deciding(spec: TaskSpec) -> Iterator[Expr]:
+    """All that decides what is there, what happens, what is seen, and what can be answered."""
+    yield spec.horizon
+    for thing in spec.things:
+        yield from (setting.value for setting in thing.properties.values())
+    yield from (observation.times for observation in spec.observations)
+    for q in spec.questions:
+        gates = (e for m in q.margins for e in (m.value, m.bound, m.unless))
+        changed = (c.value for c in q.counterfactuals)
+        some = (q.options, q.distinct, q.within, q.stable, *gates, *changed, *(e.condition for e in q.ensures))
+        yield q.answer
+        yield from (e for e in some if e is not None)
+
+
+def _reached(task: Task, expressions: Iterable[Expr]) -> frozenset[str]:
+    """What the expressions depend on, with the factors that conditions tie to that: these decide what can be."""
+    factors = {f.name for f in task.spec.factors}
+    ties = [task.depend.expression(r.condition) & factors for r in task.spec.requires]
+    domains = {f.name: f.domain.when for f in task.spec.factors if isinstance(f.domain, Choices) and f.domain.when}
+    ties += [(_sources(task, when) & factors) | {name} for name, when in domains.items()]
+    reached = _sources(task, expressions)
+    while (wider := reached.union(*(tie for tie in ties if tie & reached))) != reached:
+        reached = wider
+    return reached
+
+
+def _sources(task: Task, expressions: Iterable[Expr]) -> frozenset[str]:
+    return frozenset[str]().union(*map(task.depend.expression, expressions))

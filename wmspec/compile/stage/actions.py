@@ -1,0 +1,208 @@
+"""What is done to objects as prims, one function for each verb."""
+
+from __future__ import annotations
+
+import math
+from pkgutil import resolve_name
+
+from wmspec.compile.layout import motion
+from wmspec.compile.layout.geometry import pieces
+from wmspec.compile.layout.surfaces import WORLD, holder, under
+from wmspec.compile.layout.values import Values
+from wmspec.compile.stage.document import Document, Prim
+from wmspec.compile.stage.joints import has_drive, joined, joint_path
+from wmspec.compile.stage.objects import object_path
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.space import UP, Vector, dot, heading, multiply, rotate, times, turn
+from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.tables.colors import rgb
+from wmspec.lang.check.tables.verbs import VERBS
+
+#: What is round lies if the upward part of its axis (a unit vector) is below this, and slides if it goes along that.
+LYING, ALONG = 0.5, 0.99
+
+
+def add_action(doc: Document, action: Thing, values: Values, carried: dict[str, str]) -> None:
+    """The prim of an action that happens. Raises WmsError with its place if it cannot."""
+    name, verb = action.name, VERBS[action.verb]
+    there = (f"{name}.there", f"{name}.object", f"{name}.joint")
+    prim = doc.add(f"/World/Episode/Actions/{name}", "WmsAction", (), there)
+    prim.set("wms:verb", "token", verb.staged or action.verb, uniform=True)
+    if "object" in action.properties:
+        target = values.property(name, "object")
+        _able(action, target, values, carried)
+        prim.relate("wms:object", object_path(target), f"{name}.object")
+    prim.set("wms:start", "double", values.property(name, "start"), f"{name}.start", uniform=True)
+    if values.has(name, "duration"):
+        prim.set("wms:duration", "double", values.property(name, "duration"), f"{name}.duration", uniform=True)
+    resolve_name(verb.author)(prim, action, values)
+
+
+def _able(action: Thing, target: str, values: Values, carried: dict[str, str]) -> None:
+    """Complain if the object cannot do what the verb asks."""
+    if values.property(target, "fixed") and action.verb != "paint":
+        raise ImpossibleValue(f"`{target}` is fixed, so nothing can {action.verb} it", action.place)
+    if action.verb not in motion.CARRYING and target in carried and not VERBS[action.verb].whatever:
+        raise ImpossibleValue(
+            f"`{target}` is carried by `{carried[target]}`, so `{action.verb}` cannot move it",
+            action.place,
+            "use verbs that carry it, or none of them",
+        )
+    if {"launch", "vanish"} & {action.verb, VERBS[action.verb].staged} and joined(values, target):
+        remedy = "use `impulse`" if action.verb == "launch" else "leave out the joint, or this"
+        raise ImpossibleValue(f"a joint holds `{target}`, so it cannot {action.verb}", action.place, remedy)
+
+
+def _heading(action: Thing, values: Values) -> Vector:
+    climb = values.property(action.name, "climb") if values.has(action.name, "climb") else 0.0
+    return heading(motion.angle(values.property(action.name, "direction")), climb)
+
+
+def _toward(action: Thing) -> tuple[str, ...]:
+    return (f"{action.name}.direction", f"{action.name}.climb")
+
+
+def _vector(prim: Prim, name: str, value: Vector, *sources: str) -> None:
+    prim.set(name, "double3", value, *sources, uniform=True)
+
+
+# ---------------------------------------------------------------- sudden velocities
+
+
+def launch(prim: Prim, action: Thing, values: Values) -> None:
+    """A velocity and a spin, at once."""
+    name, target = action.name, values.property(action.name, "object")
+    speed = values.property(name, "speed")
+    _velocity(prim, action, values, speed, f"{name}.speed")
+    spin = _rolling(action, target, speed, values) if values.property(name, "rolling") else (0.0, 0.0, 0.0)
+    sources = (f"{name}.{p}" for p in ("speed", "direction", "rolling", "object"))
+    _vector(prim, "wms:spin", spin, *sources, f"{target}.form")
+
+
+def _velocity(prim: Prim, action: Thing, values: Values, speed: float, *sources: str) -> None:
+    prim.set("wms:speed", "double", speed, *sources, uniform=True)
+    _vector(prim, "wms:direction", _heading(action, values), *_toward(action))
+
+
+def _rolling(action: Thing, target: str, speed: float, values: Values) -> Vector:
+    """The angular velocity of a ball that rolls without slipping: up x velocity / radius."""
+    made = pieces(values, target)
+    if values.parts(target) or made[0].solid.symmetry != "ball":
+        raise ImpossibleValue(f"`{target}` is not a sphere, so it cannot set off rolling", action.place)
+    angle = motion.angle(values.property(action.name, "direction"))
+    rate = speed / (made[0].solid.reach(UP))
+    return (0.0 - math.sin(angle) * rate, math.cos(angle) * rate, 0.0)
+
+
+def slide(prim: Prim, action: Thing, values: Values) -> None:
+    """What friction stops after a distance d sets off with the speed sqrt(2 mu g d)."""
+    name, target = action.name, values.property(action.name, "object")
+    held, here = holder(values, target), values.pose(target).position
+    face = under(values, target, (WORLD, *here[:2]))
+    if held is None or face is None:
+        raise ImpossibleValue(
+            f"`{target}` rests on nothing, so it cannot slide", action.place, "say `on:` what it rests"
+        )
+    base = held[1]
+    if face.normal[2] < 1 - 1e-9:
+        raise ImpossibleValue(f"what `{target}` rests on is not level, so it would not stop there", action.place)
+    if _rolls(target, heading(motion.angle(values.property(name, "direction"))), values):
+        ball = pieces(values, target)[0].solid.symmetry == "ball"
+        remedy = "say `launch(..., rolling: true)`" if ball else "stand it up, or slide it along its axis"
+        raise ImpossibleValue(f"`{target}` is round and would roll on instead of sliding", action.place, remedy)
+    rub = math.sqrt(values.property(target, "friction") * values.property(base, "friction"))
+    speed = math.sqrt(2 * rub * values.gravity * values.property(name, "distance"))
+    if speed == 0:
+        raise ImpossibleValue(
+            f"nothing would stop `{target}` sliding: there is no friction or no gravity", action.place
+        )
+    sources = (f"{name}.distance", f"{name}.object", f"{target}.friction", f"{base}.friction", "world.gravity")
+    _velocity(prim, action, values, speed, *sources, f"{target}.{held[0]}")
+    _vector(prim, "wms:spin", (0.0, 0.0, 0.0))
+
+
+def _rolls(target: str, way: Vector, values: Values) -> bool:
+    """Whether an object is round where it rests, so that it rolls that way; it does not along its own axis."""
+    made = pieces(values, target)
+    if len(made) > 1 or made[0].solid.symmetry == "none":
+        return False
+    axis = rotate(values.pose(target).then(made[0].pose).orientation, UP)
+    return made[0].solid.symmetry == "ball" or (abs(axis[2]) < LYING and abs(dot(axis, way)) < ALONG)
+
+
+# ---------------------------------------------------------------- carried
+
+
+def glide(prim: Prim, action: Thing, values: Values) -> None:
+    """A constant velocity for a while."""
+    _velocity(prim, action, values, values.property(action.name, "speed"), f"{action.name}.speed")
+
+
+def follow(prim: Prim, action: Thing, values: Values) -> None:
+    """A path."""
+    stand = motion.before(values, action)
+    points, moments, turns = motion.way(values, action, stand.pose.position)
+    form = tuple(f"{action.name}.{p}" for p in ("path", "length", "width", "facing"))
+    prim.set("wms:points", "double3[]", points, *form, *_toward(action), f"{action.name}.way", uniform=True)
+    prim.set("wms:times", "double[]", moments, *form, *_toward(action), f"{action.name}.duration", uniform=True)
+    if turns:
+        turned = tuple(multiply(turn(yaw), stand.pose.orientation) for yaw in turns)
+        prim.set("wms:orientations", "quatd[]", turned, *form, *_toward(action), f"{action.name}.way", uniform=True)
+
+
+def teleport(prim: Prim, action: Thing, values: Values) -> None:
+    """Another place, at once."""
+    name = action.name
+    pose = motion.landed(values, action, motion.before(values, action)).pose
+    sources = (f"{name}.to", f"{name}.yaw", f"{name}.way")
+    _vector(prim, "wms:position", pose.position, *sources)
+    prim.set("wms:orientation", "quatd", pose.orientation, *sources, uniform=True)
+
+
+# ---------------------------------------------------------------- at once, in the midst of it
+
+
+def stop(prim: Prim, _action: Thing, _values: Values) -> None:
+    """No velocity and no spin, at once."""
+    prim.set("wms:speed", "double", 0.0, uniform=True)
+    _vector(prim, "wms:spin", (0.0, 0.0, 0.0))
+
+
+def paint(prim: Prim, action: Thing, values: Values) -> None:
+    """Another colour, at once."""
+    _vector(prim, "wms:color", rgb(values.property(action.name, "color")), f"{action.name}.color")
+
+
+def vanish(_prim: Prim, _action: Thing, _values: Values) -> None:
+    """Nothing more: it is nowhere from then on."""
+
+
+# ---------------------------------------------------------------- pushed, released, driven
+
+
+def impulse(prim: Prim, action: Thing, values: Values) -> None:
+    """A blow."""
+    strength = times(values.property(action.name, "impulse"), _heading(action, values))
+    _vector(prim, "wms:impulse", strength, f"{action.name}.impulse", *_toward(action))
+
+
+def force(prim: Prim, action: Thing, values: Values) -> None:
+    """A pull for a while."""
+    strength = times(values.property(action.name, "force"), _heading(action, values))
+    _vector(prim, "wms:force", strength, f"{action.name}.force", *_toward(action))
+
+
+def release(_prim: Prim, action: Thing, values: Values) -> None:
+    """Nothing more: it is held until then."""
+    target = values.property(action.name, "object")
+    if len(values.acting("drop", target)) + len(values.acting("release", target)) > 1:
+        raise ImpossibleValue(f"`{target}` is let go more than once", action.place, "keep one `release` or `drop`")
+
+
+def drive(prim: Prim, action: Thing, values: Values) -> None:
+    """Another target of a drive."""
+    joint = values.spec.thing(values.property(action.name, "joint"))
+    if not has_drive(joint, values):
+        raise ImpossibleValue(f"the joint `{joint.name}` has no drive", action.place, "give it a `stiffness:`")
+    prim.relate("wms:joint", joint_path(joint.name), f"{action.name}.joint")
+    prim.set("wms:target", "double", values.property(action.name, "target"), f"{action.name}.target", uniform=True)

@@ -1,0 +1,175 @@
+"""Joints as prims of UsdPhysics, which counts angles in degrees."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from wmspec.compile.layout import assets, placement
+from wmspec.compile.layout.values import Values
+from wmspec.compile.stage.document import Document, Prim
+from wmspec.compile.stage.objects import object_path
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.core.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, rotate, times, unit
+from wmspec.lang.check.ir.ir import Thing
+
+_TYPES = {
+    "hinge": "PhysicsRevoluteJoint",
+    "slider": "PhysicsPrismaticJoint",
+    "ball": "PhysicsSphericalJoint",
+    "fixed": "PhysicsFixedJoint",
+}
+#: Kinds with one coordinate: the drive's token, and how many of USD's units are one of ours.
+_COORDINATES = {"hinge": ("angular", 180 / math.pi), "slider": ("linear", 1.0)}
+
+
+def joint_path(name: str) -> str:
+    """Where the prim of a joint is."""
+    return f"/World/Joints/{name}"
+
+
+def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str, str]) -> None:
+    """The prim of a joint whose objects are there. Raises WmsError with its place if it makes no sense.
+
+    `carried` are the objects that actions carry about, each with one of these.
+    """
+    name = joint.name
+    of, to = values.property(name, "of"), values.property(name, "to") if values.has(name, "to") else None
+    sources = (f"{name}.present", f"{name}.of", f"{name}.to", f"{of}.present", *((f"{to}.present",) if to else ()))
+    if not all(map(values.there, (name, of, to) if to else (name, of))):
+        return
+    if values.property(of, "fixed"):
+        raise ImpossibleValue(
+            f"`{of}` is fixed, so no joint can move it", values.place(name, "of"), "exchange `of` and `to`"
+        )
+    if of == to:
+        raise ImpossibleValue(f"the joint `{name}` joins `{of}` to itself", values.place(name, "to"))
+    for end in (of, to):
+        if end and end in carried:
+            raise ImpossibleValue(
+                f"`{end}` is carried by `{carried[end]}`, so the joint `{name}` cannot hold it",
+                joint.place,
+                "leave one of the two out, or let a joint to the world with a drive move it",
+            )
+    if "/World/Joints" not in doc.prims:
+        doc.add("/World/Joints", "Scope", (), sources)
+    driven = _driven(joint, values)
+    schemas = (f"PhysicsDriveAPI:{_COORDINATES[joint.model][0]}",) if driven else ()
+    prim = doc.add(joint_path(name), _TYPES[joint.model], schemas, (*sources, *_drive_sources(name)))
+    frame = Pose(values.property(name, "at"), _frame(joint, values))
+    for number, body in enumerate((to, of)):
+        _side(prim, number, joint, body, frame, values)
+    if values.has(name, "touching") and values.property(name, "touching"):
+        prim.set("physics:collisionEnabled", "bool", True, f"{name}.touching")
+    if joint.model in _COORDINATES:
+        _coordinate(prim, joint, values, driven)
+
+
+def no_loops(values: Values) -> None:
+    """Raise WmsError with its place for a joint between what others join already: engines solve trees."""
+    groups: dict[str, set[str]] = {}
+    for joint in values.spec.things:
+        if joint.kind != "joint" or not values.there(joint.name):
+            continue
+        ends = [values.property(joint.name, end) for end in ("of", "to") if values.has(joint.name, end)]
+        if not all(map(values.there, ends)):
+            continue
+        of, to = (*("" if values.property(end, "fixed") else end for end in ends), "")[:2]  # "" is the world
+        first, second = groups.setdefault(of, {of}), groups.setdefault(to, {to})
+        if of in ("", to):
+            continue  # which is told of the joint itself
+        if first is second:
+            tied = f"joins `{of}` and `{to}`" if of and to else f"holds `{of or to}` to the world"
+            raise ImpossibleValue(
+                f"`{joint.name}` {tied}, which other joints do already, and joints cannot form loops",
+                joint.place,
+                "remove one of them",
+            )
+        first |= second
+        groups.update(dict.fromkeys(second, first))
+
+
+def joined(values: Values, owner: str) -> bool:
+    """Whether a joint holds an object."""
+    joints = (j.name for j in values.spec.things if j.kind == "joint" and values.there(j.name))
+    ends = ((name, end) for name in joints for end in ("of", "to"))
+    return any(values.property(name, end) == owner for name, end in ends if values.has(name, end))
+
+
+def has_drive(joint: Thing, values: Values) -> bool:
+    """Whether a joint has a drive, whose target an action can change."""
+    return _driven(joint, values)
+
+
+def _side(prim: Prim, number: int, joint: Thing, body: str | None, frame: Pose, values: Values) -> None:
+    """One of the two bodies, and the joint's frame as seen from there; the world if there is none."""
+    name = joint.name
+    here = _place(joint, body, values)
+    near = body or joint.of
+    sources = (f"{name}.at", f"{name}.axis", *((f"{near}.pose",) if near else ()))
+    ends = (f"{name}.of", f"{name}.to")
+    if body:
+        prim.relate(f"physics:body{number}", object_path(body), ends[1 - number])
+    turn = multiply(inverse(here.orientation), frame.orientation)
+    prim.set(f"physics:localPos{number}", "point3f", here.seen(frame.position), *sources, *ends)
+    prim.set(f"physics:localRot{number}", "quatf", turn, *sources, *ends)
+
+
+def _place(joint: Thing, body: str | None, values: Values) -> Pose:
+    """Where a body is in the space in which the joint is: the world, or the frame of an asset with all joints at 0."""
+    if not joint.of:
+        return values.pose(body) if body else HERE
+    if body:
+        return assets.at_zero(values, body)
+    frame = placement.frame(values, joint.of)
+    return Pose(rotate(inverse(frame.orientation), times(-1.0, frame.position)), inverse(frame.orientation))
+
+
+def _frame(joint: Thing, values: Values) -> Quaternion:
+    """Its x axis is that of the joint."""
+    if joint.model not in _COORDINATES:
+        return LEVEL
+    axis = values.property(joint.name, "axis")
+    if math.hypot(*axis) < 1e-9:
+        raise ImpossibleValue(f"the joint `{joint.name}` has no axis; it is 0 here", values.place(joint.name, "axis"))
+    return facing(unit(axis))
+
+
+def _driven(joint: Thing, values: Values) -> bool:
+    """Whether it has a drive. A drive that is damped alone slows the joint down."""
+    if joint.model not in _COORDINATES:
+        return False
+    stiffness, damping = (values.property(joint.name, name) for name in ("stiffness", "damping"))
+    if values.has(joint.name, "target") and stiffness == 0:
+        place = values.place(joint.name, "target")
+        raise ImpossibleValue(f"nothing takes `{joint.name}` to its target, as its stiffness is 0", place)
+    return bool(stiffness > 0 or damping > 0)
+
+
+def _coordinate(prim: Prim, joint: Thing, values: Values, driven: bool) -> None:
+    name, (kind, scale) = joint.name, _COORDINATES[joint.model]
+    prim.set("physics:axis", "token", "X", uniform=True)
+    limits = {p: values.property(name, p) for p in ("low", "high") if values.has(name, p)}
+    if limits.get("low", -math.inf) > limits.get("high", math.inf):
+        raise ImpossibleValue(f"`low` of `{name}` is above its `high`", values.place(name, "low"))
+    if not joint.of:  # a joint of an asset may start elsewhere, which is looked at there
+        help = "limits are counted from how its objects are placed, so 0 is between them"
+        assets.within_limits(values, joint, 0.0, help)
+    for side, attribute in (("low", "lowerLimit"), ("high", "upperLimit")):
+        if side in limits:
+            prim.set(f"physics:{attribute}", "float", limits[side] * scale, f"{name}.{side}")
+    if driven:
+        drive = f"drive:{kind}:physics"
+        target = values.property(name, "target") if values.has(name, "target") else 0.0
+        prim.set(f"{drive}:type", "token", "force", *_drive_sources(name), uniform=True)
+        prim.set(f"{drive}:stiffness", "float", values.property(name, "stiffness") / scale, f"{name}.stiffness")
+        prim.set(f"{drive}:damping", "float", values.property(name, "damping") / scale, f"{name}.damping")
+        prim.set(f"{drive}:targetPosition", "float", target * scale, f"{name}.target")
+        if values.has(name, "pace"):
+            prim.set(f"{drive}:targetVelocity", "float", values.property(name, "pace") * scale, f"{name}.pace")
+        if values.has(name, "strength"):
+            prim.set(f"{drive}:maxForce", "float", values.property(name, "strength"), f"{name}.strength")
+
+
+def _drive_sources(name: str) -> tuple[str, ...]:
+    return (f"{name}.stiffness", f"{name}.damping", f"{name}.target")

@@ -1,0 +1,100 @@
+"""Robots on the stage.
+
+An arm is a reference to what it is made of, its ways of joints and holds; cars and walkers are bodies that are carried
+along.
+"""
+
+from __future__ import annotations
+
+from wmspec.compile.layout.values import Values
+from wmspec.compile.robots import car
+from wmspec.compile.robots.base_pose import base
+from wmspec.compile.robots.plan import ARMS, arm_of, plan
+from wmspec.compile.robots.travel import travels
+from wmspec.compile.stage import materials
+from wmspec.compile.stage.document import Document
+from wmspec.compile.stage.objects import geometry, object_path
+from wmspec.core.resources import resource
+from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.tables.colors import rgb
+
+#: Of somebody (kg, kg m²): nothing comes of it here, but some importers take no body without a mass.
+WEIGHT, MOMENTS = 70.0, (16.0, 16.0, 1.0)
+
+
+def add_robot(doc: Document, robot: Thing, values: Values) -> None:
+    """The prim of a robot before it does anything: an arm's hand is drawn back.
+
+    Raises WmsError with its place if it cannot stand there.
+    """
+    pose, arm = base(values, robot.name), robot.model in ARMS
+    path = object_path(robot.name)
+    body = () if arm else ("PhysicsRigidBodyAPI", *(("PhysicsMassAPI",) if robot.model == "walker" else ()))
+    prim = doc.add(path, "Xform", body, (f"{robot.name}.model",) if arm else ())
+    sources = [f"{robot.name}.{name}" for name in ("on", "at", "yaw")]
+    if values.has(robot.name, "on"):
+        sources.append(f"{values.property(robot.name, 'on')}.pose")
+    prim.set("xformOp:translate", "double3", pose.position, *sources)
+    prim.set("xformOp:orient", "quatd", pose.orientation, *sources)
+    prim.set("xformOpOrder", "token[]", ("xformOp:translate", "xformOp:orient"), uniform=True)
+    if arm:
+        prim.reference = str(resource(arm_of(values, robot.name).asset))
+        return
+    prim.set("physics:kinematicEnabled", "bool", True)
+    if robot.model == "car":
+        _paint(doc, robot.name, values)
+    else:
+        prim.set("physics:mass", "float", WEIGHT)
+        prim.set("physics:diagonalInertia", "float3", MOMENTS)
+        prim.set("physics:principalAxes", "quatf", (1.0, 0.0, 0.0, 0.0))
+
+
+def _paint(doc: Document, name: str, values: Values) -> None:
+    """The forms of a car in its colours."""
+    doc.add(f"/World/Materials/{name}", "Scope")
+    for part, piece, tone in car.parts():
+        source = () if tone else (f"{name}.color",)
+        shade = rgb(tone or values.property(name, "color"))
+        material = materials.plain(doc, f"/World/Materials/{name}/{part}", shade, *source)
+        prim = geometry(doc, f"{object_path(name)}/{part}", piece, (), (f"{name}.form",))
+        prim.relate("material:binding", material)
+
+
+def add_action(doc: Document, action: Thing, values: Values) -> None:
+    """What a robot does. Raises WmsError with its place if it cannot."""
+    (_reach if values.spec.thing(action.of).model in ARMS else _follow)(doc, action, values)
+
+
+def _follow(doc: Document, action: Thing, values: Values) -> None:
+    """A way that carries a car or a walker."""
+    travel, way = travels(values)[action.name], (f"{action.name}.way", f"{action.name}.duration")
+    prim = doc.add(f"/World/Episode/Actions/{action.name}", "WmsAction", (), (f"{action.name}.there",))
+    prim.set("wms:verb", "token", "follow", uniform=True)
+    prim.relate("wms:object", object_path(action.of))
+    prim.set("wms:start", "double", values.property(action.name, "start"), f"{action.name}.start", uniform=True)
+    prim.set("wms:duration", "double", travel.times[-1], f"{action.name}.duration", uniform=True)
+    prim.set("wms:points", "double3[]", travel.points, *way, uniform=True)
+    prim.set("wms:times", "double[]", travel.times, f"{action.name}.duration", uniform=True)
+    prim.set("wms:orientations", "quatd[]", travel.turns, *way, uniform=True)
+
+
+def _reach(doc: Document, action: Thing, values: Values) -> None:
+    """A way of an arm's joints, and a `hold` below it if it takes something."""
+    reach = plan(values)[action.name]
+    path, here = f"/World/Episode/Actions/{action.name}", object_path(action.of)
+    there, way = (f"{action.name}.there", f"{action.name}.object"), f"{action.name}.way"
+    prim = doc.add(path, "WmsAction", (), there)
+    prim.set("wms:verb", "token", "reach", uniform=True)
+    prim.relate("wms:joints", tuple(f"{here}/{joint}" for joint in arm_of(values, action.of).joints))
+    prim.set("wms:start", "double", values.property(action.name, "start"), f"{action.name}.start", uniform=True)
+    prim.set("wms:duration", "double", reach.times[-1], f"{action.name}.duration", uniform=True)
+    prim.set("wms:times", "double[]", reach.times, f"{action.name}.duration", uniform=True)
+    prim.set("wms:values", "double[]", tuple(reach.values.reshape(-1).tolist()), way, uniform=True)
+    if reach.hold:
+        hold = doc.add(f"{path}/hold", "WmsAction", (), (*there, way))
+        hold.set("wms:verb", "token", "hold", uniform=True)
+        hold.relate("wms:object", object_path(reach.hold.object), f"{action.name}.object")
+        hold.relate("wms:hand", f"{here}/hand")
+        hold.set("wms:start", "double", reach.hold.start, way, uniform=True)
+        hold.set("wms:duration", "double", reach.hold.stop - reach.hold.start, way, uniform=True)
+        hold.set("wms:points", "double3[]", reach.hold.points, way, uniform=True)

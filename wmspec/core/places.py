@@ -1,0 +1,118 @@
+"""Where something stands: in a text, in a file, on a stage. What a diagnostic points to."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TypeAlias
+
+from wmspec.core.node import Node
+
+
+@dataclass(frozen=True)
+class Source:
+    """A text with the name it is shown by (a path, or `<text>`)."""
+
+    name: str
+    text: str = field(repr=False)
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        return [0, *(i + 1 for i, c in enumerate(self.text) if c == "\n")]
+
+    def position(self, offset: int) -> tuple[int, int]:
+        """Line and column of a character, both from 1."""
+        line = bisect_right(self._starts, offset)
+        return line, offset - self._starts[line - 1] + 1
+
+    def line(self, number: int) -> str:
+        """The text of a line (from 1), without its end."""
+        start = self._starts[number - 1]
+        end = self._starts[number] if number < len(self._starts) else len(self.text)
+        return self.text[start:end].rstrip("\r\n")
+
+
+#: A comment; a text, in which there are none, as the group.
+_COMMENT = re.compile(r'("(?:[^"\\]|\\.)*")|#[^\n]*')
+
+
+@dataclass(frozen=True)
+class Span:
+    """The characters `start`..`end` of a source."""
+
+    source: Source
+    start: int
+    end: int
+
+    @property
+    def line(self) -> int:
+        """The line on which the span begins, from 1."""
+        return self.source.position(self.start)[0]
+
+    @property
+    def column(self) -> int:
+        """The column at which the span begins, from 1."""
+        return self.source.position(self.start)[1]
+
+    @property
+    def text(self) -> str:
+        """The source text itself."""
+        return self.source.text[self.start : self.end]
+
+    @property
+    def words(self) -> str:
+        """The source text on one line, without comments."""
+        return " ".join(_COMMENT.sub(r"\1", self.text).split())
+
+    def to(self, other: Span) -> Span:
+        """From the start of this span to the end of the other."""
+        return Span(self.source, self.start, max(self.end, other.end))
+
+    def __str__(self) -> str:
+        return f"{self.source.name}:{self.line}:{self.column}"
+
+
+class Location(Node, kw_only=True):
+    """Where something stands in the text: file, line and column from 1, and character offsets."""
+
+    file: str
+    line: int
+    column: int
+    start: int
+    end: int
+
+    @classmethod
+    def of(cls, span: Span) -> Location:
+        """A span as the IR keeps it."""
+        return cls(file=span.source.name, line=span.line, column=span.column, start=span.start, end=span.end)
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True)
+class PrimPlace:
+    """A prim of a stage, by its path; of a scene that is read from none, what it is called there."""
+
+    path: str
+
+    def __str__(self) -> str:
+        return self.path
+
+
+@dataclass(frozen=True)
+class FilePlace:
+    """A file, or a line (from 1) of it, or an element there, such as `joint hinge`."""
+
+    path: str
+    line: int | None = None
+    element: str = ""
+
+    def __str__(self) -> str:
+        line = "" if self.line is None else f":{self.line}"
+        return f"{self.path}{line}" + (f": {self.element}" if self.element else "")
+
+
+Place: TypeAlias = Span | Location | PrimPlace | FilePlace

@@ -1,0 +1,106 @@
+"""Counter-based randomness: every draw is a pure function of what it is for, never of what was drawn before."""
+
+from __future__ import annotations
+
+import hashlib
+from bisect import bisect_right
+from itertools import accumulate
+from math import isqrt
+
+from wmspec.lang.check.ir.ir import Choices, Domain, Interval, Normal, Scalar
+
+#: A value that a factor or nuisance can have: a number, a truth value, a word, or a point.
+Level = Scalar | tuple[float, ...]
+
+_MASK = (1 << 64) - 1
+
+
+def bits(*key: object) -> int:
+    """64 random bits that depend on the key alone, the same on every machine."""
+    text = "\x1f".join(str(k) for k in key)
+    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "big")
+
+
+def uniform(*key: object) -> float:
+    """A number in [0, 1) that depends on the key alone."""
+    return (bits(*key) >> 11) / (1 << 53)
+
+
+def quantile(domain: Domain, share: float) -> Level:
+    """The value below which a `share`, 0 to 1, of the domain lies: drawn at random if the share is."""
+    match domain:
+        case Choices(values=values, weights=None):
+            return values[int(share * len(values))]
+        case Choices(values=values, weights=tuple(weights)):
+            reached = list(accumulate(weights))
+            return values[min(bisect_right(reached, share * reached[-1]), len(values) - 1)]
+        case Interval(low=low, high=high, logarithmic=True):
+            return float(low * (high / low) ** share)
+        case Interval(low=low, high=high):
+            return low + (high - low) * share
+        case Normal(mean=mean, deviation=deviation):
+            return mean + deviation * _normal(share)
+    raise AssertionError(domain)
+
+
+def _normal(share: float) -> float:
+    """The quantile of the standard normal distribution cut off at three deviations."""
+    from statistics import NormalDist
+
+    standard = NormalDist()
+    tail = standard.cdf(-3.0)
+    return standard.inv_cdf(tail + share * (1 - 2 * tail))
+
+
+class Permutation:
+    """A random permutation of 0..n-1 that depends on the key alone, forwards and backwards, in constant memory.
+
+    A Feistel network over `rows` times `columns`, no fewer than n, walked until it lands below n (Black & Rogaway,
+    "Ciphers with Arbitrary Finite Domains", 2002, methods 2 and 3). The bits of the key are blake2b's; within a round
+    they are mixed by multiplication and shift, after SplitMix64 (Steele, Lea & Flood, 2014).
+    """
+
+    def __init__(self, n: int, *key: object) -> None:
+        self.n = n
+        self.columns = isqrt(max(n - 1, 0)) + 1
+        self.rows = -(-n // self.columns)
+        self._keys = tuple((bits(*key, r, "row"), bits(*key, r, "column")) for r in range(3))
+
+    def __call__(self, i: int) -> int:
+        """Where `i` is sent. Raises IndexError outside 0..n-1."""
+        if not 0 <= i < self.n:
+            raise IndexError(f"{i} is not in 0..{self.n - 1}")
+        if self.n == 1:  # as the first digit of every sample has it
+            return 0
+        while True:
+            row, column = divmod(i, self.columns)
+            for a, b in self._keys:
+                row = (row + _mixed(column ^ a)) % self.rows
+                column = (column + _mixed(row ^ b)) % self.columns
+            i = row * self.columns + column
+            if i < self.n:
+                return i
+
+    def inverse(self, j: int) -> int:
+        """What is sent to `j`. Raises IndexError outside 0..n-1."""
+        if not 0 <= j < self.n:
+            raise IndexError(f"{j} is not in 0..{self.n - 1}")
+        while True:
+            row, column = divmod(j, self.columns)
+            for a, b in reversed(self._keys):
+                column = (column - _mixed(row ^ b)) % self.columns
+                row = (row - _mixed(column ^ a)) % self.rows
+            j = row * self.columns + column
+            if j < self.n:
+                return j
+
+
+def _mixed(x: int) -> int:
+    x = (x * 0x9E3779B97F4A7C15) & _MASK
+    x = ((x ^ (x >> 30)) * 0xBF58476D1CE4E5B9) & _MASK
+    return x ^ (x >> 29)
+
+
+def permuted(i: int, n: int, *key: object) -> int:
+    """Where the random permutation of 0..n-1 of this key sends `i`."""
+    return Permutation(n, *key)(i)

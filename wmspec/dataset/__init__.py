@@ -1,0 +1,1 @@
+"""Datasets: built, verified, attested and audited."""

@@ -1,0 +1,80 @@
+"""Is everything there that the manifest says: files as they were written, questions kept or rejected with a reason?"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+from wmspec.dataset.audit.cases import Case, Unit
+from wmspec.dataset.audit.model import Counts, Finding
+from wmspec.dataset.build import files
+from wmspec.dataset.build.reader import MENDED, DatasetReader
+
+#: Reasons that are no property of the design: something broke.
+BROKEN = ("error", "crashed", "timeout")
+
+
+def counts(dataset: DatasetReader, task: str) -> Counts:
+    """What the manifest says of a task."""
+    recorded = dataset.manifest["tasks"][task]
+    kept, rejected = sum(recorded["rows"].values()), dict(recorded["rejected"])
+    return Counts(task, recorded["dimension"], recorded["instances"], kept + sum(rejected.values()), kept, rejected)
+
+
+def whole(dataset: DatasetReader) -> list[Finding]:
+    """Whether every file is there as it was written: a failure of each task with a damaged one, which names them all.
+
+    Shards are held against the hashes in the manifest. The card and the Croissant metadata have to be there.
+    """
+    wrong: dict[str, list[str]] = {}
+    for path, why in dataset.damaged().items():
+        wrong.setdefault(Path(path).parent.name, []).append(f"{path} {why}")
+    findings = [
+        Finding("files", task, "fails", f"{'; '.join(those)}. Nothing else of the task was looked at; {MENDED}")
+        for task, those in wrong.items()
+    ]
+    gone = [name for name in (files.CARD, files.CROISSANT) if not (dataset.folder / name).is_file()]
+    findings += [Finding("files", "", "fails", f"{name} is gone; {MENDED}") for name in gone]
+    return findings or [
+        Finding("files", "", "holds", f"{len(dataset.manifest['shards']):,} files are as they were written")
+    ]
+
+
+def accounted(dataset: DatasetReader, counts: Counts, units: list[Unit]) -> Iterator[Finding]:
+    """Whether a task's rows are those that the manifest counts, each with one true option."""
+    rows = [case for unit in units for case in unit.cases]
+    by_engine = Counter(c.row["engine"] for c in rows)
+    wrong = [
+        f"{n} of {by_engine[e]:,} rows, {n:,} in the manifest"
+        for e, n in _rows(dataset, counts.task)
+        if by_engine[e] != n
+    ]
+    twice = [name for name, n in Counter(c.row["id"] for c in rows).items() if n > 1]
+    odd = [c.row["id"] for c in rows if not _one_truth(c)]
+    wrong += [f"{len(twice):,} rows have the id of another, such as {twice[0]}"] if twice else []
+    wrong += [f"{len(odd):,} rows have no or another true option, such as {odd[0]}"] if odd else []
+    if wrong:
+        yield Finding("counts", counts.task, "fails", "; ".join(wrong))
+    yield _judged(counts)
+
+
+def _rows(dataset: DatasetReader, task: str) -> Iterator[tuple[str, int]]:
+    yield from dataset.manifest["tasks"][task]["rows"].items()
+
+
+def _one_truth(case: Case) -> bool:
+    kinds, answer = case.row["option_kind"], case.row["answer"]
+    if case.open:
+        return answer is None
+    return [i for i, kind in enumerate(kinds) if kind == "truth"] == [answer]
+
+
+def _judged(counts: Counts) -> Finding:
+    """How many questions were kept. A task that yields none fails, and one in which something broke."""
+    reasons = ", ".join(f"{n:,} {reason}" for reason, n in counts.rejected.items())
+    lost = counts.asked - counts.kept
+    share = f"{counts.kept:,} of {counts.asked:,} questions kept of {counts.instances:,} instances"
+    what = f"{share}; rejected {lost / max(1, counts.asked):.1%}: {reasons}" if lost else f"{share}, none rejected"
+    broken = sum(counts.rejected.get(reason, 0) for reason in BROKEN)
+    return Finding("counts", counts.task, "fails" if not counts.kept or broken else "holds", what)

@@ -1,0 +1,28 @@
+"""The first page: of each task, whether it passes, and why not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from wmspec.dataset.audit.model import Finding, Probe, Summary
+
+
+def summary(
+    task: str, questions: int, groups: Mapping[str, int], findings: Sequence[Finding], probes: Sequence[Probe],
+    stable: float | None,
+) -> Summary:  # fmt: skip
+    """A task in one line. `findings` and `probes` are those of all its questions, `groups` has each one's groups."""
+    wrong, unknown = (dict.fromkeys(f.check for f in findings if f.verdict == v) for v in ("fails", "unclear"))
+    judged = [p for p in probes if p.judged]
+    best = max(judged, key=lambda p: p.accuracy - p.chance, default=None)
+    return Summary(
+        task=task,
+        verdict="fails" if wrong else "unclear" if unknown else "holds",
+        why=tuple(wrong or unknown),
+        questions=questions,
+        groups=min(groups.values(), default=0),
+        above=best.accuracy - best.chance if best else None,
+        best=best.sees if best else "",
+        least=max((p.least for p in judged), default=None),
+        stable=stable,
+    )

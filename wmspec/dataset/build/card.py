@@ -1,0 +1,272 @@
+"""The dataset card: what a person reads first, and what the Hugging Face hub and `load_dataset` read."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+
+from wmspec.lang.check.ir.ir import Choices, Factor, Interval, Normal
+from wmspec.core.rng import Level
+from wmspec.dataset.build.baselines import Baselines
+from wmspec.dataset.build.files import EXAMPLES
+from wmspec.dataset.build.manifest import Summary, TaskSummary
+from wmspec.dataset.build.plan import Plan, Task
+from wmspec.dataset.build.rows import COLUMNS, channels
+
+#: The configuration that has the questions of all tasks, and the columns that all of them have.
+ALL = "all"
+
+#: What each reason for rejecting a question means.
+REASONS = {
+    "ensure": "what the spec says must happen did not",
+    "margin": "the answer is nearer to turning than the spec allows",
+    "alike": "two options cannot be told apart",
+    "unseen": "something that moves or that is asked about cannot be seen well",
+    "overlap": "two bodies are inside one another at the start",
+    "disagreement": "the engines do not agree on the answer, or one of them rejects the question",
+    "invalid": "the combination of factors is impossible",
+    "unstable": "the answer does not survive a nudge, or the engine gave up on the episode",
+    "group": "the options are a closed set, and a sibling in the group yields no question",
+    "balance": "no choice of draws was found for which the answers come equally often",
+    "error": "something went wrong that has no reason of its own",
+    "crashed": "the engine crashed, twice, or there was not enough memory",
+    "timeout": "the engine took too long, twice",
+}
+
+#: Which questions are kept of several engines, by the consensus asked for.
+AGREED: dict[str, str] = {
+    "all": "Only questions on which all engines agree are kept.",
+    "majority": "Only questions on which more than half of the engines agree are kept, of those engines.",
+    "none": "Questions are kept whether the engines agree on them or not; the column `agreement` tells.",
+}
+
+#: The hub's names for numbers of rows: below each bound.
+_SIZES = ((10**3, "n<1K"), (10**4, "1K<n<10K"), (10**5, "10K<n<100K"), (10**6, "100K<n<1M"), (10**7, "1M<n<10M"))
+
+
+def card(plan: Plan, total: Summary, scores: Mapping[str, Baselines]) -> str:
+    """The README.md of a finished dataset: YAML for programs, then Markdown for people.
+
+    `scores` are the baselines of the tasks that have questions.
+    """
+    people = [
+        _opening(plan, total),
+        _loading(total),
+        _use(plan),
+        _baselines(scores),
+        _tasks(plan, total),
+        _rejected(total),
+        _columns(plan),
+        _citation(plan, total),
+    ]
+    return "\n\n".join([_front(plan, total), *people]) + "\n"
+
+
+# ---------------------------------------------------------------- for programs
+
+
+def _front(plan: Plan, total: Summary) -> str:
+    size = next((name for bound, name in _SIZES if total.rows < bound), "n>10M")
+    lines = ["---", "language:", "- en", "license:", *(f"- {json.dumps(name)}" for name in _licenses(plan))]
+    lines += ["task_categories:", "- visual-question-answering", "- multiple-choice", "size_categories:", f"- {size}"]
+    lines += ["tags:", "- wmspec", "- physics", "- world-models", "- synthetic"]
+    filled = _filled(total)
+    if filled:
+        lines.append("configs:")
+        lines += [*configuration(ALL, "*"), "  default: true", "  columns:", *(f"  - {name}" for name in COLUMNS)]
+    for name in filled:
+        lines += configuration(name, name)
+    return "\n".join([*lines, "---"])
+
+
+def configuration(name: str, folder: str) -> list[str]:
+    """A configuration of the hub's: the files of a task, or of all that `*` stands for."""
+    path = json.dumps(f"data/{folder}/test-*.parquet")
+    return [f"- config_name: {json.dumps(name)}", "  data_files:", "  - split: test", f"    path: {path}"]
+
+
+def _licenses(plan: Plan) -> list[str]:
+    if plan.licence:
+        return [plan.licence.lower()]
+    return sorted({t.spec.license.lower() or "unknown" for t in plan.tasks})
+
+
+def example(task: str) -> str:
+    """Where the picture of a task lies in the dataset's folder."""
+    return f"{EXAMPLES}/{task}.webp"
+
+
+def _filled(total: Summary) -> list[str]:
+    return [t.name for t in total.tasks if sum(t.rows.values())]
+
+
+# ---------------------------------------------------------------- for people
+
+
+def title(total: Summary) -> str:
+    """What the dataset is called."""
+    return f"{total.rows:,} questions about a physical world"
+
+
+def _opening(plan: Plan, total: Summary) -> str:
+    versions = ", ".join(f"{name} {number}" for name, number in sorted(plan.versions.items()))
+    engines, (width, height) = ", ".join(plan.engines), plan.size
+    drawn = (
+        f"executed in {engines} and drawn by {plan.renderer}" if plan.renderer else f"executed and drawn in {engines}"
+    )
+    alone = "One engine executed it, so that nothing tells whether another would agree."
+    return (
+        f"# {title(total)}\n\n"
+        f"Made by wmspec from {len(plan.tasks)} {'task' if len(plan.tasks) == 1 else 'tasks'} {drawn}; "
+        f"pictures of {width} × {height} pixels, seed {plan.seed}. "
+        f"{AGREED[plan.consensus] if len(plan.engines) > 1 else alone} "
+        "Every answer is read off the scene and its executed episode, by a program. "
+        f"The same specs, seed and versions ({versions}) give the same questions again, on the same machine to the "
+        "byte."
+    )
+
+
+def _loading(total: Summary) -> str:
+    name = next(iter(_filled(total)), "TASK")
+    return (
+        "## Loading\n\n"
+        "```python\n"
+        "from datasets import load_dataset\n\n"
+        'questions = load_dataset("path/to/this/folder", split="test")  # of all tasks\n'
+        f'questions = load_dataset("path/to/this/folder", "{name}", split="test")  # of one, with its factors\n'
+        'questions[0]["text"], questions[0]["context"]  # the pictures are PIL images\n'
+        "```\n\n"
+        "Or without anything but pandas: "
+        f'`pandas.read_parquet("data/{name}")`; pictures are the bytes of lossless WebP. '
+        "`manifest.json` has the specs' texts, all counts, every rejected question and the shards' checksums; "
+        "`plan.json` says which instances were asked for."
+    )
+
+
+def _use(plan: Plan) -> str:
+    agree = ", where they agree on the answer" if plan.consensus != "none" else ""
+    bodies = f"the engines named{agree}" if len(plan.engines) > 1 else "one engine"
+    limits = [
+        "Scenes are simple and drawn by rasterisers: a score says little about photographs.",
+        f"The physics is that of rigid bodies in {bodies}.",
+        "Questions are in English, from a few templates.",
+        "What could not be seen or told apart was rejected, so that what is left is not a fair sample of what happens.",
+        "Questions of one control group (`block`) share every draw: reckon intervals by group, not by question.",
+        "Rows of several engines are of the same episodes: they are no more questions.",
+    ]
+    return (
+        "## Use and limits\n\nFor measuring what models that see pictures understand of a physical world, factor by "
+        "factor. Not for training: a model that has seen it is not measured by it.\n\n"
+        + "\n".join(f"- {limit}" for limit in limits)
+    )
+
+
+def _baselines(scores: Mapping[str, Baselines]) -> str:
+    head = ["task", "questions with options", "control groups", "chance", "commonest answer", "commonest place"]
+    rows = [
+        [name, f"{b.asked:,}", f"{b.groups:,}", *(f"{share:.1%}" for share in (b.chance, b.answer, b.place))]
+        for name, b in scores.items()
+        if b.asked
+    ]
+    told = (
+        "What is right without looking: by guessing, by always saying the answer, or the place of it, that is most "
+        "often true. `wmspec audit` tells whether classifiers do better without what it takes."
+    )
+    return f"## Baselines\n\n{told}\n\n{_table(head, rows)}"
+
+
+def bibtex(plan: Plan, total: Summary) -> str:
+    """How to cite the dataset."""
+    version = plan.versions.get("wmspec", "")
+    return (
+        f"@misc{{wmspec-{plan.fingerprint[:8]}, title = {{{title(total)}}}, "
+        f"howpublished = {{Made with wmspec {version}}}, note = {{Fingerprint {plan.fingerprint}}}}}"
+    )
+
+
+def _citation(plan: Plan, total: Summary) -> str:
+    licence = ", ".join(_licenses(plan))
+    return (
+        f"## Licence and citation\n\nLicence of the data: {licence}. The specs, in `manifest.json`, have their own.\n\n"
+        f"```bibtex\n{bibtex(plan, total)}\n```"
+    )
+
+
+def _tasks(plan: Plan, total: Summary) -> str:
+    head = ["task", "dimension", "instances", *(f"questions, {e}" for e in plan.engines), "rejected"]
+    rows = [
+        [t.name, task.spec.dimension, t.instances, *t.rows.values(), sum(t.rejected.values())]
+        for task, t in zip(plan.tasks, total.tasks, strict=True)
+    ]
+    described = [_task(task, t) for task, t in zip(plan.tasks, total.tasks, strict=True)]
+    return "\n\n".join(["## Tasks", _table(head, rows), *described])
+
+
+def _task(task: Task, count: TaskSummary) -> str:
+    spec = task.spec
+    parts = [f"### {spec.name}", spec.description or spec.title]
+    if sum(count.rows.values()):
+        parts.append(f"![The pictures and options of one question of {spec.name}]({example(spec.name)})")
+    if spec.factors:
+        rows = [[f.name, "nuisance" if f.nuisance else "factor", _domain(f)] for f in spec.factors]
+        parts.append(_table(["name", "", "values"], rows))
+    facts = [("Licence of the spec", spec.license), ("Source", spec.source), ("Rejected", _reasons(count.rejected))]
+    parts += [f"{name}: {words}" for name, words in facts if words]
+    return "\n\n".join(p.strip() for p in parts if p.strip())
+
+
+def _domain(factor: Factor) -> str:
+    match factor.domain:
+        case Choices(values=values, weights=weights):
+            words = ", ".join(plain(v) for v in values)
+            words += f", weighted {', '.join(map(plain, weights))}" if weights else ""
+        case Interval(low=low, high=high, logarithmic=logarithmic):
+            words = f"{plain(low)} to {plain(high)}{', even in the logarithm' if logarithmic else ''}"
+        case Normal(mean=mean, deviation=deviation):
+            words = f"about {plain(mean)}, normally with a deviation of {plain(deviation)}"
+    if factor.nuisance:
+        words += ", drawn once per control group"
+    return f"{words} ({factor.unit})" if factor.unit else words
+
+
+def plain(value: Level) -> str:
+    """A factor's value as a person writes it."""
+    if isinstance(value, tuple):
+        return f"({', '.join(map(plain, value))})"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return value if isinstance(value, str) else f"{value:.4g}"
+
+
+def _rejected(total: Summary) -> str:
+    if not total.rejected:
+        return "## Rejected\n\nNothing was rejected."
+    asked = total.rows + sum(total.rejected.values())
+    rows = [[reason, n, f"{n / asked:.1%}", REASONS.get(reason, "")] for reason, n in total.rejected.items()]
+    counts = _table(["reason", "questions", "share", "meaning"], rows)
+    return f"## Rejected\n\nOf {asked:,} questions asked, one an engine:\n\n{counts}"
+
+
+def _reasons(rejected: dict[str, int]) -> str:
+    return ", ".join(f"{n} {reason}" for reason, n in rejected.items())
+
+
+def _columns(plan: Plan) -> str:
+    columns = COLUMNS.copy()
+    for task in plan.tasks:
+        columns |= channels(task.spec)
+    rows = [[f"`{name}`", meaning] for name, (_, meaning) in columns.items()]
+    rows += [
+        ["`factor.*`", "the value of each factor, in SI units"],
+        ["`group.*`", "the key that the instances differing in that factor alone share: group by it"],
+        ["`nuisance.*`", "the value of each nuisance, in SI units"],
+    ]
+    return "## Columns\n\n" + _table(["column", "what it holds"], rows)
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    return "\n".join(f"| {' | '.join(map(_cell, line))} |" for line in (head, ["---"] * len(head), *rows))
+
+
+def _cell(value: object) -> str:
+    return " ".join(str(value).replace("|", "\\|").split())

@@ -1,0 +1,148 @@
+"""Croissant metadata (https://docs.mlcommons.org/croissant/docs/croissant-spec-1.0.html) of a dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pyarrow as pa
+
+from wmspec.dataset.build.plan import Plan
+from wmspec.dataset.build.rows import CHANNELS, COLUMNS, schema
+from wmspec.dataset.build.shards import Record
+
+#: The context that the specification asks for, as far as it is used here.
+CONTEXT: dict[str, Any] = {
+    "@language": "en",
+    "@vocab": "https://schema.org/",
+    "citeAs": "cr:citeAs",
+    "column": "cr:column",
+    "conformsTo": "dct:conformsTo",
+    "containedIn": "cr:containedIn",
+    "cr": "http://mlcommons.org/croissant/",
+    "rai": "http://mlcommons.org/croissant/RAI/",
+    "data": {"@id": "cr:data", "@type": "@json"},
+    "dataType": {"@id": "cr:dataType", "@type": "@vocab"},
+    "dct": "http://purl.org/dc/terms/",
+    "examples": {"@id": "cr:examples", "@type": "@json"},
+    "equivalentProperty": "cr:equivalentProperty",
+    "extract": "cr:extract",
+    "field": "cr:field",
+    "fileProperty": "cr:fileProperty",
+    "fileObject": "cr:fileObject",
+    "fileSet": "cr:fileSet",
+    "format": "cr:format",
+    "includes": "cr:includes",
+    "isLiveDataset": "cr:isLiveDataset",
+    "jsonPath": "cr:jsonPath",
+    "key": "cr:key",
+    "md5": "cr:md5",
+    "parentField": "cr:parentField",
+    "path": "cr:path",
+    "recordSet": "cr:recordSet",
+    "references": "cr:references",
+    "regex": "cr:regex",
+    "repeated": "cr:repeated",
+    "replace": "cr:replace",
+    "samplingRate": "cr:samplingRate",
+    "sc": "https://schema.org/",
+    "separator": "cr:separator",
+    "source": "cr:source",
+    "subField": "cr:subField",
+    "transform": "cr:transform",
+}
+
+#: What every column holds, by its name.
+_MEANINGS = {name: meaning for columns in (COLUMNS, *CHANNELS.values()) for name, (_, meaning) in columns.items()}
+
+_TYPES = {pa.bool_(): "sc:Boolean", pa.int64(): "sc:Integer", pa.float64(): "sc:Float", pa.string(): "sc:Text"}
+
+
+@dataclass(frozen=True)
+class Described:
+    """A task that has questions: its name, its title, and the columns of its rows."""
+
+    name: str
+    title: str
+    columns: pa.Schema
+
+
+def croissant(plan: Plan, records: Mapping[str, Record], cited: str, published: str) -> dict[str, Any]:
+    """The metadata as JSON values: a set of files and a record set per task that has questions.
+
+    `cited` is how to cite it (BibTeX), `published` the day (YYYY-MM-DD).
+    """
+    rows = {t.spec.name: 0 for t in plan.tasks}
+    for shard in plan.shards():
+        rows[shard.task.spec.name] += records[shard.path].rows
+    filled = [Described(t.spec.name, t.spec.title, schema(t.spec)) for t in plan.tasks if rows[t.spec.name]]
+    description = f"{sum(rows.values())} questions about a physical world, made by wmspec"
+    licenses = [plan.licence] if plan.licence else sorted({t.spec.license for t in plan.tasks if t.spec.license})
+    name = "-".join(t.spec.name for t in plan.tasks[:3])
+    described = metadata(name, description, f"{plan.record['format']}.0.0", filled, licenses or ["unknown"])
+    return described | {"citeAs": cited, "datePublished": published}
+
+
+def metadata(
+    name: str, description: str, version: str, tasks: Sequence[Described], licenses: Iterable[str]
+) -> dict[str, Any]:
+    """The metadata of a dataset of these tasks as JSON values."""
+    described: dict[str, Any] = {
+        "@context": CONTEXT,
+        "@type": "sc:Dataset",
+        "conformsTo": "http://mlcommons.org/croissant/1.0",
+        "name": name or "wmspec",
+        "description": description,
+        "version": version,
+        "distribution": [_files(task.name) for task in tasks],
+        "recordSet": [_records(task) for task in tasks],
+    }
+    listed = list(licenses)
+    return described | {"license": listed} if listed else described
+
+
+def _files(name: str) -> dict[str, Any]:
+    return {
+        "@type": "cr:FileSet",
+        "@id": f"files/{name}",
+        "name": f"files/{name}",
+        "encodingFormat": "application/x-parquet",
+        "includes": f"data/{name}/test-*.parquet",
+    }
+
+
+def _records(task: Described) -> dict[str, Any]:
+    name = task.name
+    fields = [_field(name, f) for f in task.columns]
+    described = {"description": task.title} if task.title else {}
+    return {
+        "@type": "cr:RecordSet",
+        "@id": name,
+        "name": name,
+        **described,
+        "key": {"@id": f"{name}/id"},
+        "field": [f for part in fields for f in part],
+    }
+
+
+def _field(task: str, field: pa.Field) -> list[dict[str, Any]]:
+    """The Croissant fields of a column; a list of structs becomes one list per part."""
+    item = field.type.value_type if pa.types.is_list(field.type) else field.type
+    if not pa.types.is_struct(item):
+        return [_one(task, field, _TYPES[item])]
+    if item.field(0).name == "bytes":
+        return [_one(task, field, "sc:ImageObject", "bytes")]
+    return [_one(task, field, _TYPES[part.type], part.name, f".{part.name}") for part in item]
+
+
+def _one(task: str, column: pa.Field, kind: str, part: str = "", named: str = "") -> dict[str, Any]:
+    """The Croissant field of a column, or of one part of the structs in it."""
+    name = f"{task}/{column.name}{named}"
+    field: dict[str, Any] = {"@type": "cr:Field", "@id": name, "name": name, "dataType": kind}
+    if column.name in _MEANINGS:
+        field["description"] = _MEANINGS[column.name]
+    if pa.types.is_list(column.type):
+        field["repeated"] = True
+    transform = {"transform": {"jsonPath": part}} if part else {}
+    return field | {"source": {"fileSet": {"@id": f"files/{task}"}, "extract": {"column": column.name}, **transform}}

@@ -1,0 +1,29 @@
+"""A picture of each task for people: one of its questions, as the card shows it."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+
+from PIL import Image
+
+from wmspec.dataset.build.card import example
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.build.sheet import question_of
+
+#: The width of a picture (px), and its quality as WebP.
+WIDTH, QUALITY = 1000, 80
+
+
+def examples(dataset: DatasetReader) -> Iterator[tuple[str, bytes]]:
+    """The place and the content of the picture of every task that has questions.
+
+    Raises WmsError if a shard cannot be read.
+    """
+    for task in dataset.tasks:
+        shown = question_of(dataset, task)
+        if shown is not None:
+            out = io.BytesIO()
+            small = shown.resize((WIDTH, round(shown.height * WIDTH / shown.width)), Image.Resampling.LANCZOS)
+            small.save(out, "WEBP", quality=QUALITY, method=4)
+            yield example(task), out.getvalue()

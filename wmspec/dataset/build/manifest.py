@@ -1,0 +1,116 @@
+"""What a finished dataset holds: counted, and written down for programs."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from wmspec.runtime.questions.model import Rejected
+from wmspec.dataset.build.plan import Plan, Task
+from wmspec.dataset.build.shards import Record
+from wmspec.dataset.build.worker import Balance, Sharing
+
+#: Of how many reasons an example is told.
+REASONS = 3
+
+
+@dataclass(frozen=True)
+class TaskSummary:
+    """A task's count: instances made, questions kept of each engine, and rejected by reason, with the first of each."""
+
+    name: str
+    instances: int
+    rows: dict[str, int]
+    rejected: dict[str, int]
+    examples: dict[str, Rejected]
+
+    def __str__(self) -> str:
+        """How much was kept, and the reasons that most was rejected for."""
+        kept = f"{self.name}: {sum(self.rows.values()):,} questions of {self.instances:,} instances"
+        return "\n".join([kept, *top_reasons(self.rejected, self.examples)])
+
+
+def top_reasons(rejected: Mapping[str, int], examples: Mapping[str, Rejected]) -> list[str]:
+    """The reasons that most questions were rejected for, a line each, with an example."""
+    often = sorted(rejected.items(), key=lambda one: (-one[1], one[0]))[:REASONS]
+    return [f"  {n:,} {reason}, such as {_told(examples[reason])}" for reason, n in often]
+
+
+def by_reason(lost: Sequence[Rejected]) -> tuple[dict[str, int], dict[str, Rejected]]:
+    """How many questions were rejected for each reason, and the first of each."""
+    counted = Counter(str(r.reason) for r in lost)
+    return dict(sorted(counted.items())), {str(r.reason): r for r in reversed(lost)}
+
+
+def _told(one: Rejected) -> str:
+    question = f" question {one.question + 1}" if one.question else ""
+    return f"instance {one.index}{question} in {one.engine}: {one.detail}"
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The count of a whole dataset; of making it just now, how much of the work was shared, and what balance cost."""
+
+    tasks: tuple[TaskSummary, ...]
+    shared: Sharing = field(default_factory=Sharing)
+    balance: Mapping[str, Balance] = field(default_factory=dict)
+
+    @property
+    def rows(self) -> int:
+        """All questions kept."""
+        return sum(sum(t.rows.values()) for t in self.tasks)
+
+    @property
+    def rejected(self) -> dict[str, int]:
+        """All questions rejected, by reason."""
+        total: Counter[str] = Counter()
+        for task in self.tasks:
+            total.update(task.rejected)
+        return dict(sorted(total.items()))
+
+    def __str__(self) -> str:
+        lost = sum(self.rejected.values())
+        why = ", ".join(f"{n:,} {reason}" for reason, n in self.rejected.items())
+        told = f"{self.rows:,} questions, {lost:,} rejected" + (f" ({why})" if why else "")
+        cost = [f"{task}: {balance}" for task, balance in self.balance.items()]
+        return "\n".join([*map(str, self.tasks), *cost, *([str(self.shared)] if self.shared.episodes else []), told])
+
+
+def summary(plan: Plan, records: Mapping[str, Record]) -> Summary:
+    """Count what the shards' records say. `records` has every shard of the plan by its path."""
+    lost: dict[str, list[Rejected]] = {task.spec.name: [] for task in plan.tasks}
+    for shard in plan.shards():
+        lost[shard.task.spec.name] += records[shard.path].rejected
+    return Summary(tuple(_count(plan, task, lost[task.spec.name]) for task in plan.tasks))
+
+
+def _count(plan: Plan, task: Task, lost: list[Rejected]) -> TaskSummary:
+    asked = len(task.indices) * len(task.spec.questions)
+    by_engine = Counter(r.engine for r in lost)
+    rows = {engine: asked - by_engine[engine] for engine in plan.engines}
+    return TaskSummary(task.spec.name, len(task.indices), rows, *by_reason(lost))
+
+
+def manifest(plan: Plan, records: Mapping[str, Record], total: Summary) -> dict[str, Any]:
+    """The manifest as JSON values: the plan with the specs' texts, the counts, every rejection and every shard."""
+    record = plan.record
+    shards = [(s.path, records[s.path]) for s in plan.shards()]
+    return {
+        "format": record["format"],
+        "fingerprint": plan.fingerprint,
+        **{key: record[key] for key in ("versions", "seed", "engines", "size", "consensus", "shard")},
+        "licence": plan.licence,
+        "specs": {name: {"sha256": sha, "text": plan.texts[name]} for name, sha in record["specs"].items()},
+        "tasks": {t.spec.name: _task(t, c) for t, c in zip(plan.tasks, total.tasks, strict=True)},
+        "rows": total.rows,
+        "rejected": {"count": total.rejected, "list": [asdict(r) for _, s in shards for r in s.rejected]},
+        "shards": {path: {"rows": s.rows, "sha256": s.sha256} for path, s in shards},
+    }
+
+
+def _task(task: Task, count: TaskSummary) -> dict[str, Any]:
+    spec = task.spec
+    about = {key: getattr(spec, key) for key in ("dimension", "title", "description", "license", "source")}
+    return {**about, "instances": count.instances, "rows": count.rows, "rejected": count.rejected}

@@ -1,0 +1,132 @@
+"""What a dataset is to hold, known before the first question is made."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from wmspec.runtime.questions.consensus import Consensus
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.core.diagnostics import WmsError
+from wmspec.sim.scene.model import Look
+
+#: The version of the folder's layout and of its columns.
+FORMAT = 2
+
+
+@dataclass(frozen=True)
+class Task:
+    """A task and the indices of the instances to make of it, in the order of the rows."""
+
+    spec: TaskSpec
+    indices: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Shard:
+    """A part of a task's instances, one Parquet file: number `number` of `of`."""
+
+    task: Task
+    number: int
+    of: int
+    indices: tuple[int, ...]
+
+    @property
+    def path(self) -> str:
+        """Where it lies in the dataset's folder."""
+        return f"data/{self.task.spec.name}/test-{self.number:05d}-of-{self.of:05d}.parquet"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything that decides a dataset's bytes.
+
+    `texts` are the specs and what they use, by name. `size` is the pictures' (width, height) in pixels, `look` and
+    `samples` how they are drawn, `renderer` the engine that draws what every engine executes (each for itself if it is
+    empty), `consensus` how many engines must agree on a question for it to be kept, `shard` the
+    instances of a shard, `versions` those of wmspec and of the engines. `licence` is what the card says of the data; it
+    decides nothing else.
+
+    Raises WmsError if two tasks have the same name.
+    """
+
+    texts: dict[str, str]
+    tasks: tuple[Task, ...]
+    engines: tuple[str, ...]
+    size: tuple[int, int]
+    seed: int
+    consensus: Consensus
+    versions: dict[str, str]
+    look: Look = "parity"
+    samples: int | None = None
+    renderer: str = ""
+    shard: int = field(default=64)
+    licence: str = ""
+
+    def __post_init__(self) -> None:
+        names = [t.spec.name.casefold() for t in self.tasks]
+        for task in self.tasks:
+            if names.count(task.spec.name.casefold()) > 1:
+                raise WmsError(
+                    f"two of the specs define a task `{task.spec.name}`; rename one, or write them to different folders"
+                )
+        if self.shard < 1:
+            raise WmsError(f"a shard has at least one instance, not {self.shard}")
+
+    def shards(self) -> Iterator[Shard]:
+        """The shards of all tasks, in order."""
+        for task in self.tasks:
+            of = -(-len(task.indices) // self.shard)
+            for number in range(of):
+                yield Shard(task, number, of, task.indices[number * self.shard : (number + 1) * self.shard])
+
+    @cached_property
+    def record(self) -> dict[str, Any]:
+        """The plan as JSON values."""
+        return {
+            "format": FORMAT,
+            "versions": dict(sorted(self.versions.items())),
+            "seed": self.seed,
+            "engines": list(self.engines),
+            "size": list(self.size),
+            "look": self.look,
+            "samples": self.samples,
+            "renderer": self.renderer,
+            "consensus": self.consensus,
+            "shard": self.shard,
+            "specs": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(self.texts.items())},
+            "tasks": {t.spec.name: list(t.indices) for t in self.tasks},
+        }
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """A hash that two plans share if and only if they make the same dataset."""
+        return fingerprint(self.record)
+
+
+def fingerprint(record: dict[str, Any]) -> str:
+    """The hash of a plan as JSON values."""
+    return hashlib.sha256(json.dumps(record, ensure_ascii=False).encode()).hexdigest()
+
+
+def differences(there: dict[str, Any], here: dict[str, Any]) -> list[str]:
+    """What a folder's plan (as JSON values) has otherwise than another, in words."""
+    return [_differs(key, there.get(key), here[key]) for key in here if there.get(key) != here[key]]
+
+
+def _words(value: Any) -> str:
+    return "none" if value is None else " ".join(map(str, value)) if isinstance(value, list) else str(value).lower()
+
+
+def _differs(key: str, there: Any, here: Any) -> str:
+    if isinstance(here, dict) and isinstance(there, dict):
+        names = [n for n in {**there, **here} if there.get(n) != here.get(n)]
+        if key == "versions":
+            return f"versions ({', '.join(_differs(n, there.get(n), here.get(n)) for n in names)})"
+        what = "instances" if key == "tasks" and all(n in there and n in here for n in names) else key
+        return f"{what} ({', '.join(names) or 'in another order'})"
+    return f"{key} {_words(there)} there, {_words(here)} now"

@@ -1,0 +1,297 @@
+"""A question as a row of a table, its pictures in the layout that Hugging Face `datasets` decodes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from wmspec.runtime.questions.kinds import KINDS
+from wmspec.runtime.questions.model import Change, Picture, QuestionRow, Sighting, Strength, Vote
+from wmspec.runtime.questions.views import channels_of
+from wmspec.lang.check.ir.ir import Choices, Factor, TaskSpec
+from wmspec.dataset.build.pictures import lossless, png
+
+Row = dict[str, Any]
+
+_IMAGES = pa.list_(pa.struct([("bytes", pa.binary()), ("path", pa.string())]))
+_TEXTS = pa.list_(pa.string())
+_READINGS = pa.list_(pa.struct([("name", pa.string()), ("value", pa.float64())]))
+_VOTES = pa.list_(
+    pa.struct([("engine", pa.string()), ("answer", pa.int64()), ("value", pa.string()), ("rejected", pa.string())])
+)
+_STRENGTH = pa.struct([("name", pa.string()), ("unit", pa.string()), ("value", pa.float64())])
+_SCALARS = ("x", "y", "z", "qw", "qx", "qy", "qz", "share", "across", "down", "red", "green", "blue")
+_OBJECTS = pa.list_(
+    pa.struct(
+        [("picture", pa.int64()), ("name", pa.string()), ("look", pa.string()), ("asked", pa.bool_())]
+        + [(name, pa.float64()) for name in _SCALARS]
+    )
+)
+
+#: What every row says, whatever the task: the column's type and what it holds.
+COLUMNS: dict[str, tuple[pa.DataType, str]] = {
+    "id": (pa.string(), "task/index/question/engine, the same in every dataset made with this seed"),
+    "task": (pa.string(), "the task"),
+    "dimension": (pa.string(), "what is tested, from broad to narrow"),
+    "index": (pa.int64(), "which instance of the task's design"),
+    "block": (pa.int64(), "which repetition of the design; instances of a block share their nuisances"),
+    "crossed": (_TEXTS, "the factors that vary within the block"),
+    "question": (pa.int64(), "which of the task's questions"),
+    "question_name": (pa.string(), "the question's name; empty if it has none"),
+    "engine": (pa.string(), "who executed the episode"),
+    "renderer": (pa.string(), "who drew the pictures"),
+    "text": (pa.string(), "the question"),
+    "context": (_IMAGES, "the pictures shown with the question"),
+    "context_camera": (_TEXTS, "the camera of each picture shown"),
+    "context_time": (pa.list_(pa.float64()), "the time (s) of each picture shown"),
+    "context_objects": (
+        _OBJECTS,
+        (
+            "of each picture shown (from 0): the objects that can move or are asked about, by name, the words for "
+            "their looks, their middles (m) and turns (a quaternion), the share of the picture that shows them, where "
+            "(0 to 1, from the left and from the top) and in what mean colour (sRGB, 0 to 1)"
+        ),
+    ),
+    "option_text": (_TEXTS, "the options, if they are words; null if they are pictures, empty for an open question"),
+    "option_image": (_IMAGES, "the options, if they are pictures; empty if they are words"),
+    "option_kind": (_TEXTS, "what each option is: truth, label, counterfactual; of a closed set state, action, both"),
+    "option_name": (_TEXTS, "the name of each option: of the label's value or of the counterfactual"),
+    "option_change": (_TEXTS, "what each counterfactual changed: its kind, what, from what, to what"),
+    "option_objects": (_OBJECTS, "the same of each option that is a picture"),
+    "answer": (pa.int64(), "the place (from 0) of the true option; null for an open question"),
+    "answer_value": (pa.string(), "the answer, measured on the executed episode, in words"),
+    "answer_number": (pa.float64(), "the answer, if it is a number"),
+    "answer_unit": (pa.string(), "the SI unit of that number; empty for plain numbers"),
+    "answer_within": (pa.float64(), "for an open question: how far off a number is still right"),
+    "answer_standing": (pa.bool_(), "whether the answer holds from the start, whatever happens"),
+    "answer_moments": (
+        pa.int64(),
+        "how many moments it takes to see the answer: 1 if any shows it, 2 for a change, 3 for its course",
+    ),
+    "difference": (_STRENGTH, "how strong the stimulus is: the quantity, its SI unit, its value"),
+    "margin": (pa.float64(), "how far the answer is from turning, in multiples of the margin asked for"),
+    "measured": (_READINGS, "quantities measured, in SI units"),
+    "agreement": (_VOTES, "of each engine: the option that its outcome picks, its answer, or why it rejects"),
+    "seed": (pa.int64(), "the seed of the design"),
+}
+
+#: What rows also say if a question of the task has kinds of outcome.
+OUTCOMES: dict[str, tuple[pa.DataType, str]] = {
+    "option_outcome": (_TEXTS, "of what kind each option is as an outcome; null where the question names none")
+}
+
+#: What rows also say if the answers of a question of the task are balanced.
+REDRAWN: dict[str, tuple[pa.DataType, str]] = {
+    "redrawn": (pa.int64(), "how often the nuisances of the block were drawn before these, for the balance of answers")
+}
+
+#: What rows also say if the task asks for more than colours.
+CHANNELS: dict[str, dict[str, tuple[pa.DataType, str]]] = {
+    "depth": {
+        "context_depth": (_IMAGES, "of each picture shown: distance along the view axis in mm, 16 bits, 0 for none")
+    },
+    "ids": {
+        "context_ids": (
+            _IMAGES,
+            "of each picture shown: the place (from 1) in `context_names` of what is seen, 16 bits",
+        ),
+        "context_names": (_TEXTS, "the names of all objects"),
+    },
+}
+
+#: `"Sequence"`, because versions of `datasets` before 4 do not know `"List"`, and later ones read both.
+_FEATURE = {"_type": "Sequence", "feature": {"_type": "Image"}}
+
+
+def schema(spec: TaskSpec) -> pa.Schema:
+    """The columns of a task: the common ones, those of its balance, kinds of outcome and channels, then `factor.*`,
+    `level.*`, `group.*` and `nuisance.*`.
+
+    A factor's column is boolean, float64, string, or a list of float64 for points, as its values are; its metadata hold
+    its SI `unit`. `group.f` is the key that all instances differing in `f` alone share: the "all but f" groups are one
+    `groupby`. `level.f` is what the value of a factor or nuisance is called, of those whose values have names.
+    """
+    varied, drawn = _parted(spec.factors)
+    fields = [pa.field(name, kind) for name, (kind, _) in (redrawn(spec) | outcomes(spec) | channels(spec)).items()]
+    fields += [_column("factor", f) for f in varied]
+    fields += [pa.field(f"level.{f.name}", pa.string()) for f in (*varied, *drawn) if _named(f)]
+    fields += [pa.field(f"group.{f.name}", pa.string()) for f in varied]
+    fields += [_column("nuisance", f) for f in drawn]
+    return table_schema(fields)
+
+
+def table_schema(more: Iterable[pa.Field]) -> pa.Schema:
+    """The columns that every dataset has, and more, with what Hugging Face `datasets` has to know of them."""
+    fields = [*(pa.field(name, kind) for name, (kind, _) in COLUMNS.items()), *more]
+    features = {f.name: _FEATURE for f in fields if f.type == _IMAGES}
+    return pa.schema(fields, metadata={"huggingface": json.dumps({"info": {"features": features}})})
+
+
+def redrawn(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
+    """The columns of the balance of answers, if there is one."""
+    return REDRAWN if spec.plan.balance else {}
+
+
+def outcomes(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
+    """The columns of the kinds of outcome, if a question names some."""
+    return OUTCOMES if any(question.kinds for question in spec.questions) else {}
+
+
+def _named(factor: Factor) -> bool:
+    return isinstance(factor.domain, Choices) and factor.domain.names is not None
+
+
+def channels(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
+    """The columns of what a task keeps of its pictures beside their colours."""
+    wanted = channels_of(spec)
+    return {name: column for channel in CHANNELS if channel in wanted for name, column in CHANNELS[channel].items()}
+
+
+def _parted(factors: Iterable[Factor]) -> tuple[list[Factor], list[Factor]]:
+    everything = list(factors)
+    return [f for f in everything if not f.nuisance], [f for f in everything if f.nuisance]
+
+
+def _column(sort: str, factor: Factor) -> pa.Field:
+    return pa.field(f"{sort}.{factor.name}", _type(factor), metadata={"unit": factor.unit})
+
+
+def _type(factor: Factor) -> pa.DataType:
+    values = factor.domain.values if isinstance(factor.domain, Choices) else (0.0,)
+    if all(isinstance(v, bool) for v in values):
+        return pa.bool_()
+    if any(isinstance(v, tuple) for v in values):
+        return pa.list_(pa.float64())
+    return pa.string() if any(isinstance(v, str) for v in values) else pa.float64()
+
+
+def identity(task: str, index: int, question: int, engine: str) -> str:
+    """The stable name of a question: `collide/000123/q0/ENGINE`."""
+    return f"{task}/{index:06d}/q{question}/{engine}"
+
+
+def encode(question: QuestionRow) -> Row:
+    """The row of a question. Encodes its pictures (a few ms each), so call it where the question was made."""
+    return {
+        "id": identity(question.task, question.index, question.question, question.engine),
+        "task": question.task,
+        "dimension": question.dimension,
+        "index": question.index,
+        "block": question.block,
+        "crossed": list(question.crossed),
+        "question": question.question,
+        "question_name": question.name,
+        "engine": question.engine,
+        "renderer": question.renderer,
+        "text": question.text,
+        "context": [_image(p) for p in question.context],
+        "context_camera": [p.camera for p in question.context],
+        "context_time": [p.time for p in question.context],
+        "context_objects": _objects(question.objects),
+        **_options(question),
+        "answer": question.answer,
+        "answer_value": question.value,
+        "answer_number": question.number.value if question.number else None,
+        "answer_unit": question.number.unit if question.number else None,
+        "answer_within": question.number.within if question.number else None,
+        "answer_standing": question.standing,
+        "answer_moments": question.moments,
+        "difference": _strength(question.difference),
+        "margin": question.margin,
+        "measured": [{"name": n, "value": float(v)} for n, v in question.measured.items()],
+        "agreement": [_vote(v) for v in question.agreement],
+        "seed": question.seed,
+        **({} if question.redrawn is None else {"redrawn": question.redrawn}),
+        **_kept(question.context),
+        **{f"factor.{n}": v for n, v in question.factors.items()},
+        **{f"level.{n}": words for n, words in question.levels.items()},
+        **{f"group.{n}": v for n, v in question.groups.items()},
+        **{f"nuisance.{n}": v for n, v in question.nuisances.items()},
+    }
+
+
+def _options(question: QuestionRow) -> Row:
+    options, offered = question.options, KINDS[question.kind].offered(question.options)
+    if len(offered.texts or ()) + len(offered.pictures) != len(options):
+        raise ValueError("every option of a question has a text, or every one has a picture")
+    return {
+        "option_text": None if offered.texts is None else list(offered.texts),
+        "option_image": [_image(p) for p in offered.pictures],
+        "option_kind": [o.kind for o in options],
+        "option_name": [o.name for o in options],
+        "option_change": [_change(o.change) for o in options],
+        "option_objects": _objects([o.objects for o in options]),
+        **({"option_outcome": [o.outcome for o in options]} if question.sorted_outcomes else {}),
+    }
+
+
+def _objects(pictures: Iterable[Iterable[Sighting]]) -> list[Row]:
+    """The objects of pictures, each with the place of its picture."""
+    return [_object(place, seen) for place, objects in enumerate(pictures) for seen in objects]
+
+
+def _object(picture: int, seen: Sighting) -> Row:
+    numbers = (*seen.position, *seen.orientation, seen.share, seen.across, seen.down, *(seen.color or (None,) * 3))
+    known = {"picture": picture, "name": seen.name, "look": " ".join(seen.words), "asked": seen.asked}
+    return known | dict(zip(_SCALARS, numbers, strict=True))
+
+
+def _change(change: Change | None) -> str | None:
+    if change is None:
+        return None
+    if change.kind in ("without", "order", "add"):
+        return f"{change.kind} {change.target}"
+    text = f"{change.kind} {change.target}: {change.before} -> {change.after}"
+    return f"{text}; {_change(change.beside)}" if change.beside else text
+
+
+def _vote(vote: Vote) -> Row:
+    return {"engine": vote.engine, "answer": vote.answer, "value": vote.value, "rejected": vote.rejected}
+
+
+def _strength(strength: Strength | None) -> Row | None:
+    if strength is None:
+        return None
+    return {"name": strength.quantity, "unit": strength.unit, "value": strength.value}
+
+
+def _kept(context: tuple[Picture, ...]) -> Row:
+    """What is kept of the pictures shown beside their colours."""
+    row: Row = {}
+    if any(p.depth is not None for p in context):
+        row["context_depth"] = [_channel(millimetres(p.depth)) for p in context if p.depth is not None]
+    if any(p.ids is not None for p in context):
+        row["context_ids"] = [_channel((p.ids + 1).astype(np.uint16)) for p in context if p.ids is not None]
+        row["context_names"] = list(next(p.names for p in context if p.ids is not None))
+    return row
+
+
+def millimetres(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
+    """Metres (h, w) as whole millimetres; what is further than 65 m is as far as can be said."""
+    return np.asarray(np.clip(np.rint(depth * 1000.0), 0, 65535).astype(np.uint16))
+
+
+def _image(picture: Picture) -> dict[str, bytes | None]:
+    return encoded(picture.rgb)
+
+
+def encoded(pixels: NDArray[np.uint8]) -> dict[str, bytes | None]:
+    """A picture (h, w, 3) as a row holds it."""
+    return {"bytes": lossless(pixels), "path": None}
+
+
+def _channel(pixels: NDArray[np.uint16]) -> dict[str, bytes | None]:
+    return {"bytes": png(pixels), "path": None}
+
+
+def table(rows: list[Row], columns: pa.Schema) -> pa.Table:
+    """Rows as a table. Raises ValueError if a row has columns that the schema lacks, or lacks some of its own."""
+    for row in rows:
+        if row.keys() != set(columns.names):
+            raise ValueError(f"{row.get('id')} has other columns: {sorted(row.keys() ^ set(columns.names))}")
+    return pa.Table.from_pylist(rows, schema=columns)

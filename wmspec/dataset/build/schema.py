@@ -1,0 +1,163 @@
+"""What a manifest has, and what the rows of a task have: held against what somebody's folder says."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from typing import Annotated, Any
+
+import pyarrow as pa
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+
+from wmspec.runtime.questions.consensus import Consensus
+from wmspec.core.safe_io import is_name
+from wmspec.dataset.build.pictures import form
+from wmspec.dataset.build.rows import COLUMNS, Row
+
+#: Where a shard lies: its task is a name, and so it is in the folder.
+SHARD = re.compile(r"data/(\w[\w.-]{0,99})/test-\d{5}-of-\d{5}\.parquet")
+
+_Name = Annotated[str, StringConstraints(pattern=r"^\w[\w.-]{0,99}$")]
+_Count = Annotated[int, Field(ge=0, strict=True)]
+_Side = Annotated[int, Field(ge=1, le=8192, strict=True)]
+_Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(strict=True)
+
+
+class _Task(_Strict):
+    dimension: str
+    title: str
+    description: str
+    instances: _Count
+    rows: dict[_Name, _Count]
+    rejected: dict[str, _Count]
+
+
+class _Shard(_Strict):
+    rows: _Count
+    sha256: _Sha256
+
+
+class _Rejected(_Strict):
+    task: _Name
+    index: _Count
+    question: _Count
+    engine: str
+    reason: str
+    detail: str
+
+
+class _Rejections(_Strict):
+    count: dict[str, _Count]
+    list: list[_Rejected]
+
+
+class _Manifest(_Strict):
+    seed: int
+    engines: Annotated[list[_Name], Field(min_length=1)]
+    size: Annotated[list[_Side], Field(min_length=2, max_length=2)]
+    consensus: Consensus
+    versions: dict[str, str]
+    tasks: dict[_Name, _Task]
+    rows: _Count
+    rejected: _Rejections
+    shards: dict[Annotated[str, StringConstraints(pattern=f"^{SHARD.pattern}$")], _Shard]
+
+
+def manifest_fault(manifest: Any) -> str:
+    """What is wrong with a manifest as JSON values: empty if nothing is."""
+    try:
+        _Manifest.model_validate(manifest)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        where = ".".join(map(str, first["loc"]))[:120]
+        return f"`{where}`: {first['msg'].lower()}" if where else "it is no object"
+    return _miscounted(manifest)
+
+
+def _miscounted(manifest: Any) -> str:
+    kept = Counter[str]()
+    for path, shard in manifest["shards"].items():
+        kept[path.split("/")[1]] += shard["rows"]
+    for name, task in manifest["tasks"].items():
+        if (counted := sum(task["rows"].values())) != kept[name]:
+            return f"it counts {counted:,} rows of `{name}`, and {kept[name]:,} in its files"
+        if unknown := task["rows"].keys() - set(manifest["engines"]):
+            return f"`{name}` has rows of {sorted(unknown)[0]}, which is none of its engines"
+    if unknown := kept.keys() - manifest["tasks"].keys():
+        return f"it has files of `{sorted(unknown)[0]}`, which is none of its tasks"
+    if manifest["rows"] != kept.total():
+        return f"it counts {manifest['rows']:,} rows, and {kept.total():,} in its files"
+    lost = Counter(r["reason"] for r in manifest["rejected"]["list"])
+    return "" if lost == Counter(manifest["rejected"]["count"]) else "its rejections are not those that it counts"
+
+
+#: Columns that every file of rows has, and every row a value in.
+_NEEDED = (
+    "id", "task", "dimension", "index", "question", "engine", "renderer", "text", "context", "context_camera",
+    "context_time", "option_image", "option_kind", "option_name", "option_change", "measured", "agreement",
+)  # fmt: skip
+#: What of these is said by the schema to be there, but not in each of the list.
+_HOLED = ("option_change", "context_time")
+#: Lists that are as long as one another.
+_TOGETHER = (
+    ("context", "context_camera", "context_time"),
+    ("option_kind", "option_name", "option_change"),
+)
+
+
+def columns_fault(columns: pa.Schema) -> str:
+    """What is wrong with the columns of a file of rows: empty if nothing is."""
+    if twice := [name for name, count in Counter(columns.names).items() if count > 1]:
+        return f"it has two columns `{twice[0]}`"
+    if missing := [name for name in _NEEDED if name not in columns.names]:
+        return f"it has no column `{missing[0]}`"
+    for name, (kind, _) in COLUMNS.items():
+        if name in columns.names and (there := columns.field(name).type) != kind:
+            return f"column `{name}` is {there}, expected {kind}"
+    return ""
+
+
+def row_fault(row: Row, task: str, engines: Sequence[str]) -> str:
+    """What is wrong with a row, of which some columns were read: empty if nothing is."""
+    for name in _NEEDED:
+        value = row.get(name, "")
+        if value is None or (isinstance(value, list) and name not in _HOLED and None in value):
+            return f"`{name}` is null"
+    for name, known in (("task", [task]), ("engine", engines)):
+        if name in row and row[name] not in known:
+            return f"its {name} is `{str(row[name])[:60]}`, expected {' or '.join(known)}"
+    if "renderer" in row and not is_name(row["renderer"]):
+        return f"its renderer is `{str(row['renderer'])[:60]}`, which is no name"
+    if "index" in row and not row["index"] >= 0:
+        return f"its index is {row['index']}"
+    for names in _TOGETHER:
+        counts = {name: len(row[name]) for name in names if name in row}
+        if len(set(counts.values())) > 1:
+            return "it has " + ", ".join(f"{n} {name}" for name, n in counts.items())
+    return _options_fault(row)
+
+
+def _options_fault(row: Row) -> str:
+    if not row.keys() >= {"option_text", "option_image", "option_kind", "answer"}:
+        return ""
+    pictured, told, kinds = row["option_image"], row["option_text"] or [], row["option_kind"]
+    if len(pictured) + len(told) != len(kinds):
+        return f"it has {len(kinds)} options, {len(told)} with a text and {len(pictured)} with a picture"
+    answer = row["answer"]
+    if (answer is None) != (not kinds) or (kinds and not 0 <= answer < len(kinds)):
+        return f"its answer is {answer}, of {len(kinds)} options"
+    return "it has too many options" if len(kinds) > 26 else ""
+
+
+def pictures_fault(row: Row, names: Iterable[str]) -> str:
+    """What is wrong with the pictures of a row, but for what only decoding them tells: empty if nothing is."""
+    for name in names:
+        for number, each in enumerate(row.get(name) or ()):
+            if not form(each.get("bytes")):
+                return f"picture {number + 1} of `{name}` is no PNG or WebP"
+    return ""

@@ -1,0 +1,1 @@
+"""Evaluation of models and people: models, replies, exports, studies, reports."""

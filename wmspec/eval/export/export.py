@@ -1,0 +1,191 @@
+"""Writing the folder: the questions as each tool takes them, its task, the parser of replies, and how to run it."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import chain
+from pathlib import Path
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.resources import resource
+from wmspec.dataset.build import files
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.export.rows import COLUMNS, Row, exported, write
+from wmspec.eval.models.prompt import Prompt
+from wmspec.eval.models.question import Selection
+from wmspec.eval.models.reply import LETTERS, ORDINALS
+
+#: Says of a folder that it is an export, of what, and which files are its own.
+MARK = "export.json"
+
+
+@dataclass(frozen=True)
+class Export:
+    """What is exported: which questions of a dataset, under which prompt."""
+
+    dataset: DatasetReader
+    selection: Selection
+    prompt_name: str
+    prompt: Prompt
+
+    @cached_property
+    def tasks(self) -> dict[str, list[str]]:
+        """The tasks that have questions, with the questions' ids."""
+        tasks: dict[str, list[str]] = {}
+        for id in self.selection.ids(self.dataset):
+            tasks.setdefault(id.partition("/")[0], []).append(id)
+        return tasks
+
+    def rows(self, task: str) -> Iterator[Row]:
+        """The questions of a task, few in memory at a time."""
+        return exported(self.dataset, self.tasks[task], self.prompt)
+
+
+@dataclass
+class _Folder:
+    """A folder that is written, and what has been."""
+
+    place: Path
+    written: list[str] = field(default_factory=list)
+
+    def path(self, name: str) -> Path:
+        """Where a file of this name is to be written."""
+        self.written.append(name)
+        path = self.place / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path
+
+    def copy(self, name: str, to: str, **words: str) -> None:
+        """Copy a file that comes with wmspec, with what is said for words in braces."""
+        text = resource(name).read_text(encoding="utf-8")
+        for word, value in words.items():
+            text = text.replace(f"{{{word}}}", value)
+        self.path(to).write_text(text, encoding="utf-8")
+
+    def clear(self) -> None:
+        """Remove what an earlier export has written. Raises WmsError if the folder holds something else than one."""
+        if not self.place.exists() or not any(self.place.iterdir()):
+            return
+        try:
+            before = json.loads((self.place / MARK).read_bytes())["files"]
+        except (OSError, ValueError, LookupError, TypeError, RecursionError):
+            raise WmsError(f"{self.place} holds something else than an export; choose another folder with -o") from None
+        inside = self.place.resolve()
+        for path in [(self.place / str(name)).resolve() for name in before]:
+            if path.is_relative_to(inside):
+                path.unlink(missing_ok=True)
+
+
+def export(what: Export, tool: str, place: Path) -> int:
+    """Write a folder for a tool of `TOOLS`; returns the number of questions.
+
+    The files of an earlier export are replaced; what the tool has left there stays. Raises WmsError if the folder holds
+    something else or cannot be written.
+    """
+    folder = _Folder(place)
+    about = {
+        "to": tool,
+        "dataset": files.digest(what.dataset.folder / files.MANIFEST),
+        "prompt": what.prompt_name,
+        "prompt_hash": what.prompt.hash,
+    }
+    with files.explained(place):
+        folder.clear()
+        count = TOOLS[tool](what, folder)
+        folder.copy("eval/models/reply.py", "wmspec_reply.py")
+        (place / MARK).write_bytes(files.text({**about, "questions": count, "files": sorted(folder.written)}))
+    return count
+
+
+def _tables(what: Export, folder: _Folder) -> int:
+    return sum(write(folder.path(f"data/{task}.parquet"), what.rows(task)) for task in what.tasks)
+
+
+def _inspect(what: Export, folder: _Folder) -> int:
+    folder.copy("eval/export/files/inspect_task.py", "wmspec_task.py")
+    folder.copy("eval/export/files/inspect.md", "README.md")
+    return _tables(what, folder)
+
+
+def _lmms_eval(what: Export, folder: _Folder) -> int:
+    """A file for each task, which includes a template; and the group of all, in which every question counts alike."""
+    folder.copy("eval/export/files/lmms_utils.py", "utils.py")
+    folder.copy("eval/export/files/lmms_template.yaml", "_default_template_yaml")
+    folder.copy("eval/export/files/lmms-eval.md", "README.md")
+    for task in what.tasks:
+        data = f"dataset_kwargs:\n  data_files:\n    test: data/{task}.parquet\n"
+        folder.path(f"wmspec_{task}.yaml").write_text(f"task: wmspec_{task}\n{data}include: _default_template_yaml\n")
+    listed = "".join(f"  - wmspec_{task}\n" for task in what.tasks)
+    metrics = "".join(
+        f"  - metric: {name}\n    aggregation: mean\n    weight_by_size: true\n" for name in ("acc", "unparsed")
+    )
+    folder.path("wmspec.yaml").write_text(f"group: wmspec\ntask:\n{listed}aggregate_metric_list:\n{metrics}")
+    return _tables(what, folder)
+
+
+def _vlmevalkit(what: Export, folder: _Folder) -> int:
+    """One table. Its name has a hash of its content, because VLMEvalKit keeps what it knows of a table by its name."""
+    folder.place.mkdir(parents=True, exist_ok=True)
+    part, count = folder.place / "table.part", 0
+    with part.open("w", newline="", encoding="utf-8") as file:
+        out = csv.DictWriter(file, ["index", *_TSV], delimiter="\t", lineterminator="\n", restval="")
+        out.writeheader()
+        for row in chain.from_iterable(map(what.rows, what.tasks)):
+            out.writerow({"index": count, **_line(row)})
+            count += 1
+    table = f"Wmspec_{files.digest(part)[:8]}"
+    part.rename(folder.path(f"{table}.tsv"))
+    folder.copy("eval/export/files/vlmeval_run.py", "wmspec_run.py")
+    folder.copy("eval/export/files/vlmevalkit.md", "README.md", table=table)
+    return count
+
+
+_TSV = ("id", "image", "question", *LETTERS[:8], "answer", "category", "l2-category", "split", "wmspec")
+
+
+def _line(row: Row) -> Row:
+    """A question as VLMEvalKit has them, whose own prompt sends the pictures first; `wmspec` holds it as it is."""
+    pictures = [base64.b64encode(image["bytes"]).decode() for image in row["images"]]
+    options, pictured = row["options"], None in row["options"]
+    last = f" The last {len(options)} pictures are the options." if pictured else ""
+    places = [f"the {ordinal} of the last {len(options)} pictures" for ordinal in ORDINALS[: len(options)]]
+    truth = {name.removeprefix("answer_"): row[name] for name in ("options", "labels", "answer", *_NUMBER)}
+    asked = {"system": row["system"], "content": row["content"], "truth": truth}
+    return {
+        "id": row["id"],
+        "image": pictures[0] if len(pictures) == 1 else str(pictures),  # it reads lists as Python writes them
+        "question": row["question"] + last,
+        **dict(zip(LETTERS, places if pictured else options, strict=False)),
+        "answer": LETTERS[row["answer"]] if options else row["answer_number"],
+        "category": row["task"],
+        "l2-category": row["dimension"],
+        "split": "test",
+        "wmspec": json.dumps(asked),
+    }
+
+
+_NUMBER = ("answer_number", "answer_unit", "answer_within")
+
+
+def _hf(what: Export, folder: _Folder) -> int:
+    configs = (
+        f"- config_name: {task}\n  data_files:\n  - split: test\n    path: data/{task}.parquet\n" for task in what.tasks
+    )
+    columns = (f"| `{name}` | {meaning} |\n" for name, (_, meaning) in COLUMNS.items())
+    words = {"configs": "".join(configs), "columns": "".join(columns), "task": next(iter(what.tasks), "")}
+    folder.copy("eval/export/files/hf.md", "README.md", **words)
+    return _tables(what, folder)
+
+
+#: Tool -> what writes its folder.
+TOOLS: dict[str, Callable[[Export, _Folder], int]] = {
+    "inspect": _inspect,
+    "lmms-eval": _lmms_eval,
+    "vlmevalkit": _vlmevalkit,
+    "hf": _hf,
+}

@@ -1,0 +1,104 @@
+"""Questions ready to be asked: their requests, made by a prompt template, as rows that need nothing of wmspec."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.models.prompt import Prompt
+from wmspec.eval.models.question import Question, questions
+from wmspec.eval.models.request import Ask, Clip, Picture, Text
+
+Row = dict[str, Any]
+
+_IMAGES = pa.list_(pa.struct([("bytes", pa.binary()), ("path", pa.string())]))
+_CONTENT = pa.list_(pa.struct([("text", pa.string()), ("image", pa.int64())]))
+
+#: The columns of exported questions: type, and what they hold.
+COLUMNS: dict[str, tuple[pa.DataType, str]] = {
+    "id": (pa.string(), "the question's id"),
+    "task": (pa.string(), "the task"),
+    "dimension": (pa.string(), "what is tested, from broad to narrow"),
+    "question_name": (pa.string(), "the question's name; empty if it has none"),
+    "engine": (pa.string(), "who executed the episode"),
+    "group": (pa.string(), "the control group: questions of a group are not independent"),
+    "question": (pa.string(), "the question alone"),
+    "system": (pa.string(), "the system's words"),
+    "content": (_CONTENT, "what is sent, in order: each a text, or the place of a picture in `images`"),
+    "images": (_IMAGES, "the pictures"),
+    "options": (pa.list_(pa.string()), "the words of the options, null for a picture; empty for an open question"),
+    "labels": (pa.string(), "what the options are called by: letters or numbers"),
+    "answer": (pa.int64(), "the place of the true option; null for an open question"),
+    "answer_number": (pa.float64(), "of an open question: the true number"),
+    "answer_unit": (pa.string(), "its SI unit"),
+    "answer_within": (pa.float64(), "how far off a number is still right"),
+}
+
+# "Sequence", because `datasets` before version 4 does not know "List", and later ones read both.
+_FEATURES = b'{"info": {"features": {"images": {"_type": "Sequence", "feature": {"_type": "Image"}}}}}'
+SCHEMA = pa.schema([pa.field(n, kind) for n, (kind, _) in COLUMNS.items()], metadata={"huggingface": _FEATURES})
+
+#: Rows of a Parquet file's group: few, so that one row is read quickly.
+_GROUP = 64
+
+
+def exported(dataset: DatasetReader, ids: Collection[str], prompt: Prompt) -> Iterator[Row]:
+    """The rows of questions, few in memory at a time. Raises WmsError for a prompt that makes films."""
+    return (_row(question, prompt) for question in questions(dataset, ids))
+
+
+def _row(question: Question, prompt: Prompt) -> Row:
+    ask = Ask(question, prompt)
+    content: list[Row] = []
+    images: list[Row] = []
+    for part in ask.request.parts:
+        match part:
+            case Text(text):
+                content.append({"text": text, "image": None})
+            case Picture(png):
+                content.append({"text": None, "image": len(images)})
+                images.append({"bytes": png, "path": None})
+            case Clip():
+                raise WmsError("films cannot be exported; use another --prompt than `clip`")
+    is_open = not question.options
+    return {
+        "id": question.id,
+        "task": question.task,
+        "dimension": question.dimension,
+        "question_name": question.name,
+        "engine": question.engine,
+        "group": question.group,
+        "question": question.text,
+        "system": prompt.system,
+        "content": content,
+        "images": images,
+        "options": list(question.options),
+        "labels": ask.labels,
+        "answer": question.answer,
+        "answer_number": question.number if is_open else None,
+        "answer_unit": question.unit if is_open else None,
+        "answer_within": question.within if is_open else None,
+    }
+
+
+def write(path: Path, rows: Iterable[Row]) -> int:
+    """Write rows as Parquet; returns their number. Raises OSError if that fails."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    count = 0
+    with pq.ParquetWriter(path, SCHEMA, compression="zstd") as file:
+        batch: list[Row] = []
+        for row in rows:
+            batch.append(row)
+            count += 1
+            if len(batch) == _GROUP:
+                file.write_table(pa.Table.from_pylist(batch, schema=SCHEMA))
+                batch = []
+        if batch:
+            file.write_table(pa.Table.from_pylist(batch, schema=SCHEMA))
+    return count

@@ -1,0 +1,153 @@
+"""What the gallery knows of a question: one record for each instance, every engine's pictures in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import groupby
+from typing import Any
+
+from wmspec.dataset.build.reader import CHANNELS, DatasetReader
+from wmspec.dataset.build.rows import Row
+from wmspec.dataset.build.words import human, reading
+from wmspec.eval.gallery.paths import IDS, paths
+from wmspec.eval.gallery.replies import NONE, Replies
+
+Record = dict[str, Any]
+
+#: Puts a picture where the page finds it, under a task's name, and says where that is.
+Put = Callable[[str, bytes], str]
+
+
+#: How many rejected instances are told one by one.
+MOST_REJECTED = 2_000
+
+
+def about(dataset: DatasetReader, replies: Replies = NONE) -> Record:
+    """What the page says of the dataset, of its tasks, of what was rejected, and of who answered."""
+    manifest = dataset.manifest
+    rejected = manifest.get("rejected", {}).get("list", ())
+    return {
+        "fingerprint": str(manifest.get("fingerprint", ""))[:16],
+        "models": list(replies.models),
+        "rejected": [
+            [r["task"], r["index"], r["question"], r["engine"], r["reason"], r["detail"]]
+            for r in rejected[:MOST_REJECTED]
+        ],
+        "rejections": len(rejected),
+        "name": dataset.folder.resolve().name,
+        "engines": list(dataset.engines),
+        "rows": manifest["rows"],
+        "seed": manifest["seed"],
+        "size": manifest["size"],
+        "versions": manifest["versions"],
+        "tasks": {
+            name: {
+                "title": task["title"] or name,
+                "dimension": task["dimension"],
+                "description": task["description"],
+                "kept": sum(task["rows"].values()),
+                "rejected": task["rejected"],
+            }
+            for name, task in manifest["tasks"].items()
+        },
+    }
+
+
+def records(dataset: DatasetReader, per_task: int, put: Put, replies: Replies = NONE) -> Iterator[Record]:
+    """The records of at most `per_task` instances of each task, spread over those that were kept."""
+    for task in dataset.tasks:
+        units = dataset.units(task)
+        kept = sorted({row["index"] for row in dataset.rows(task, ["index"])})
+        shown = min(per_task, len(kept))
+        chosen = {kept[i * len(kept) // shown] for i in range(shown)}
+        columns = [name for name in dataset.columns(task) if name == IDS or name not in CHANNELS]
+        rows = sorted(dataset.rows(task, columns, chosen), key=lambda r: (r["index"], r["question"]))
+        for _, same in groupby(rows, key=lambda r: (r["index"], r["question"])):
+            yield _record(list(same), units, dataset.engines, put, replies)
+
+
+def _record(rows: list[Row], units: dict[str, str], engines: tuple[str, ...], put: Put, replies: Replies) -> Record:
+    first = rows[0]
+    margins = [row["margin"] for row in rows if row["margin"] is not None]
+    return {
+        "id": f"{first['task']}/{first['index']}" + (f"/q{first['question']}" if first["question"] else ""),
+        "task": first["task"],
+        "index": first["index"],
+        "factors": _varied(first, "factor", units),
+        "nuisances": _varied(first, "nuisance", units),
+        "difference": _difference(first),
+        "strength": _strength(first),
+        "margin": min(margins) if margins else None,
+        "accuracy": _accuracy([reply for row in rows for reply in replies.of(row["id"])]),
+        "answer": _answer(first),
+        "agreement": _agreement(rows),
+        "runs": [_run(row, put, replies) for row in sorted(rows, key=lambda r: engines.index(r["engine"]))],
+    }
+
+
+def _varied(row: Row, sort: str, units: dict[str, str]) -> dict[str, str]:
+    return {k.partition(".")[2]: human(v, units.get(k, "")) for k, v in row.items() if k.startswith(f"{sort}.")}
+
+
+def _difference(row: Row) -> str | None:
+    """How strong the stimulus is, where the row says so."""
+    difference = row.get("difference")
+    return f"{difference['name']}: {human(difference['value'], difference['unit'])}" if difference else None
+
+
+def _strength(row: Row) -> Record | None:
+    """The same as a number, to sort by."""
+    difference = row.get("difference")
+    return {"name": difference["name"], "value": difference["value"]} if difference else None
+
+
+def _accuracy(replies: list[Record]) -> dict[str, float]:
+    """The share of each model's replies that are right; `""` has that of all."""
+    by_model: dict[str, list[bool]] = {}
+    for reply in replies:
+        for name in ("", reply["model"]):
+            by_model.setdefault(name, []).append(reply["right"])
+    return {name: sum(right) / len(right) for name, right in by_model.items()}
+
+
+def _answer(row: Row) -> str:
+    """What one filters by: the true words, or the place of the true picture."""
+    return f"picture {'ABCDEFGHIJKLMNOPQRSTUVWXYZ'[row['answer']]}" if row["option_image"] else str(row["answer_value"])
+
+
+def _agreement(rows: list[Row]) -> str:
+    """Whether the outcomes of all engines pick the same option."""
+    votes = [(row, vote) for row in rows for vote in row["agreement"]]
+    if len({vote["engine"] for _, vote in votes}) < 2:
+        return "one engine"
+    agree = all(v["answer"] == row["answer"] and not v.get("rejected") for row, v in votes)
+    return "all agree" if agree else "some differ"
+
+
+def _run(row: Row, put: Put, replies: Replies) -> Record:
+    """What one engine makes of it."""
+    looks = zip(row["context"], row["context_camera"], row["context_time"], strict=True)
+    return {
+        "engine": row["engine"],
+        "renderer": row["renderer"],
+        "text": row["text"],
+        "context": [{"src": put(row["task"], p["bytes"]), "camera": c, "time": f"{t:.3g} s"} for p, c, t in looks],
+        "options": _options(row, put),
+        "true": row["answer"],
+        "value": row["answer_value"],
+        "measured": [[m["name"], reading(m["name"], m["value"])] for m in row["measured"]],
+        "margin": None if row["margin"] is None else f"{row['margin']:.2g}",
+        "paths": paths(row),
+        "replies": replies.of(row["id"]),
+        "votes": [[v["engine"], v["answer"], v.get("rejected")] for v in row["agreement"]],
+    }
+
+
+def _options(row: Row, put: Put) -> list[Record]:
+    shown = [put(row["task"], p["bytes"]) for p in row["option_image"]] or row["option_text"] or []
+    key = "src" if row["option_image"] else "text"
+    kinds, names, changes = row["option_kind"], row["option_name"], row["option_change"]
+    return [
+        {key: what, "kind": kind, "name": name, "change": change}
+        for what, kind, name, change in zip(shown, kinds, names, changes, strict=True)
+    ]

@@ -1,0 +1,175 @@
+"""A table and a folder of pictures as a finished dataset: shards, card, metadata, manifest."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from wmspec import __version__
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import read_plain
+from wmspec.dataset.build import files
+from wmspec.dataset.build.croissant import Described, metadata
+from wmspec.dataset.build.rows import table
+from wmspec.dataset.build.schema import SHARD, manifest_fault
+from wmspec.dataset.build.shards import parquet
+from wmspec.eval.image_import.pictures import Pictures
+from wmspec.eval.image_import.rows import CAMERA, rows, schema
+from wmspec.eval.image_import.table import Entry, read
+
+#: By what a manifest tells that its dataset was recast, and may be recast again.
+MADE_BY = "recast"
+
+
+@dataclass(frozen=True)
+class Recast:
+    """What was written: questions by task; pictures in the folder that no row names; rows that state no licence."""
+
+    questions: dict[str, int]
+    unused: tuple[str, ...]
+    unlicensed: int
+
+
+def recast(path: Path, folder: Path, output: Path, size: int) -> Recast:
+    """Make a dataset of a table. Nothing is written unless everything in the table is right.
+
+    Raises WmsError with all mistakes, or if the folder holds something else or cannot be written.
+    """
+    if not folder.is_dir():
+        raise WmsError(f"{folder} is no folder; give the one with the pictures as --images")
+    pictures = Pictures(folder, size)
+    entries = read(path, pictures)
+    tasks: dict[str, list[Entry]] = {}
+    for entry in entries:
+        tasks.setdefault(entry.task, []).append(entry)
+    _one_dimension(path, tasks)
+    _clear(output)
+    shards = {_path(name): _shard(of_one, pictures) for name, of_one in tasks.items()}
+    with files.explained(output):
+        (output / files.PROGRESS).mkdir(parents=True, exist_ok=True)
+    for name, content in shards.items():
+        files.write(output, name, content)
+    files.write(output, files.CARD, _card(path, tasks).encode())
+    files.write(output, files.CROISSANT, files.text(_metadata(tasks)))
+    files.write(output, files.MANIFEST, files.text(_manifest(path, tasks, shards, size)))
+    (output / files.PROGRESS).rmdir()
+    unlicensed = sum(not entry.license for entry in entries)
+    return Recast({name: len(of_one) for name, of_one in tasks.items()}, pictures.unused, unlicensed)
+
+
+def _one_dimension(path: Path, tasks: dict[str, list[Entry]]) -> None:
+    for name, entries in tasks.items():
+        other = next((e for e in entries if e.dimension != entries[0].dimension), None)
+        if other is not None:
+            here, there = entries[0], other
+            raise WmsError(
+                f"task `{name}` is of {there.dimension} here, and of {here.dimension} in line {here.line}",
+                FilePlace(str(path), there.line, "column `dimension`"),
+                "write one dimension, or two tasks",
+            )
+
+
+def _path(task: str) -> str:
+    return f"data/{task}/test-00000-of-00001.parquet"
+
+
+def _shard(entries: list[Entry], pictures: Pictures) -> bytes:
+    return parquet(table(rows(entries, pictures), schema(entries)))
+
+
+def _clear(output: Path) -> None:
+    """Remove what was recast to the folder before. Raises WmsError if it holds anything else."""
+    with files.explained(output):
+        there = sorted(p.name for p in output.iterdir()) if output.exists() else []
+    if not there:
+        return
+    try:
+        manifest: Any = json.loads(read_plain(output / files.MANIFEST))
+    except (OSError, ValueError, RecursionError):
+        manifest = None
+    if manifest_fault(manifest) or manifest.get("made by") != MADE_BY:
+        raise WmsError(f"{output} holds files that `wmspec recast` did not write; choose another folder with -o")
+    with files.explained(output):
+        (output / files.MANIFEST).unlink()
+        for shard in filter(SHARD.fullmatch, manifest["shards"]):
+            (output / shard).unlink(missing_ok=True)
+            if not any((output / shard).parent.iterdir()):
+                (output / shard).parent.rmdir()
+
+
+# ---------------------------------------------------------------- what is said of it
+
+
+def _manifest(path: Path, tasks: dict[str, list[Entry]], shards: dict[str, bytes], size: int) -> dict[str, Any]:
+    return {
+        "format": 1,
+        "made by": MADE_BY,
+        "table": {"name": path.name, "sha256": files.digest(path)},
+        "versions": {"wmspec": __version__},
+        "seed": 0,
+        "engines": [CAMERA],
+        "size": [size, size],
+        "consensus": "none",
+        "tasks": {name: _task(of_one) for name, of_one in tasks.items()},
+        "rows": sum(map(len, tasks.values())),
+        "rejected": {"count": {}, "list": []},
+        "shards": {
+            _path(name): {"rows": len(of_one), "sha256": hashlib.sha256(shards[_path(name)]).hexdigest()}
+            for name, of_one in tasks.items()
+        },
+    }
+
+
+def _task(entries: list[Entry]) -> dict[str, Any]:
+    return {
+        "dimension": entries[0].dimension,
+        "title": "",
+        "description": "Questions about photographs.",
+        "license": ", ".join(sorted({e.license for e in entries if e.license})),
+        "source": "; ".join(sorted({e.source for e in entries if e.source})),
+        "instances": len({e.episode or e.line for e in entries}),
+        "rows": {CAMERA: len(entries)},
+        "rejected": {},
+    }
+
+
+def _metadata(tasks: dict[str, list[Entry]]) -> dict[str, Any]:
+    described = [Described(name, "", schema(of_one)) for name, of_one in tasks.items()]
+    licenses = sorted({e.license for of_one in tasks.values() for e in of_one if e.license})
+    count = sum(map(len, tasks.values()))
+    return metadata(
+        "-".join([*tasks][:3]), f"{count} questions about photographs, recast by wmspec", "1.0.0", described, licenses
+    )
+
+
+def _card(path: Path, tasks: dict[str, list[Entry]]) -> str:
+    entries = [entry for of_one in tasks.values() for entry in of_one]
+    licenses = sorted({e.license for e in entries if e.license}) or ["unknown"]
+    lines = ["---", "license:", *(f"- {json.dumps(name)}" for name in licenses), "configs:"]
+    for name in tasks:
+        lines += [f"- config_name: {json.dumps(name)}", "  data_files:", "  - split: test"]
+        lines += [f"    path: {json.dumps(f'data/{name}/test-*.parquet')}"]
+    lines += ["---", "", f"# {len(entries):,} questions about photographs", ""]
+    lines += [
+        f"Recast by wmspec from `{path.name}`. The pictures were turned upright, brought to sRGB, made no larger than"
+    ]
+    lines += [
+        "asked for, and encoded without loss and without metadata.",
+        "",
+        "| task | dimension | questions |",
+        "|---|---|---|",
+    ]
+    lines += [f"| {name} | {of_one[0].dimension} | {len(of_one):,} |" for name, of_one in tasks.items()]
+    lines += ["", "## Pictures", "", "| files | source | licence |", "|---|---|---|"]
+    lines += dict.fromkeys(_credit(entry) for entry in entries)
+    return "\n".join(lines) + "\n"
+
+
+def _credit(entry: Entry) -> str:
+    names = [*entry.pictures, *(entry.options if entry.pictured else ())]
+    cells = (", ".join(dict.fromkeys(names)), entry.source or "not stated", entry.license or "not stated")
+    return f"| {' | '.join(' '.join(cell.replace('|', '/').split()) for cell in cells)} |"

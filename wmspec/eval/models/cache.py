@@ -1,0 +1,50 @@
+"""Replies by the content of what was asked, for all runs that share the file: the same request is not paid twice."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sqlite3
+import threading
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.eval.models.model import Model, Reply
+from wmspec.eval.models.request import Ask
+
+
+class Cached:
+    """A model whose replies are kept in a file. What is taken from there costs nothing."""
+
+    def __init__(self, model: Model, parameters: dict[str, Any], path: Path) -> None:
+        """Raises WmsError if the file is no cache or cannot be written."""
+        self.identity, self.asks = model.identity, model.asks
+        self._model, self._path = model, path
+        self._identity = json.dumps([model.identity, parameters], sort_keys=True)
+        self._turn = threading.Lock()
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = sqlite3.connect(path, timeout=60, check_same_thread=False)
+            self._file.execute("CREATE TABLE IF NOT EXISTS replies (key TEXT PRIMARY KEY, reply TEXT NOT NULL)")
+        except (OSError, sqlite3.Error) as error:
+            raise WmsError(f"--cache {path}: cannot be used ({error}); name another file") from None
+
+    def reply(self, ask: Ask) -> Reply:
+        """The reply kept, or the model's, which is kept unless it is an error."""
+        key = hashlib.sha256(f"{self._identity}\n{ask.request.digest}\n{ask.sample}".encode()).hexdigest()
+        known = self._run("SELECT reply FROM replies WHERE key = ?", key)
+        if known:
+            return replace(Reply(**json.loads(known[0][0])), cost=0.0)
+        reply = self._model.reply(ask)
+        if reply.outcome != "error":
+            self._run("INSERT OR REPLACE INTO replies VALUES (?, ?)", key, json.dumps(asdict(reply)))
+        return reply
+
+    def _run(self, command: str, *values: str) -> list[Any]:
+        try:
+            with self._turn, self._file:
+                return self._file.execute(command, values).fetchall()
+        except sqlite3.Error as error:
+            raise WmsError(f"--cache {self._path}: cannot be used ({error}); name another file") from None

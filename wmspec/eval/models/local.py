@@ -1,0 +1,104 @@
+"""Models whose weights are on this machine, by `transformers`."""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.eval.models.model import Reply, kept
+from wmspec.eval.models.pictures import opened
+from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
+
+_INSTALL = "install it with `pip install 'wmspec[local]'`"
+
+
+class LocalModel:
+    """A model that looks at pictures, in a folder as `save_pretrained` writes it. It is asked one thing at a time."""
+
+    asks = 1
+
+    def __init__(self, path: Path, parameters: dict[str, Any]) -> None:
+        """Raises WmsError if transformers is missing or cannot open what is there."""
+        try:
+            import torch
+            import transformers
+        except ImportError as error:
+            raise WmsError(f"hf:{path} needs {error.name}; {_INSTALL}") from None
+        if not (path / "config.json").is_file():
+            raise WmsError(f"hf:{path}: there is no config.json; name the folder that `save_pretrained` wrote")
+        try:
+            self._processor: Any = transformers.AutoProcessor.from_pretrained(
+                path, local_files_only=True, trust_remote_code=False
+            )
+            self._model: Any = transformers.AutoModelForImageTextToText.from_pretrained(
+                path, local_files_only=True, trust_remote_code=False, dtype="auto"
+            ).eval()
+        except (OSError, ValueError, ImportError, KeyError) as error:
+            raise WmsError(f"hf:{path}: transformers cannot open it: {str(error).splitlines()[0]}") from None
+        self._model.to("cuda" if torch.cuda.is_available() else "cpu")
+        self._version = f"{self._model.config.model_type}:{_digest(path)}"
+        self.identity = f"hf {self._version} transformers {transformers.__version__}"
+        self._generation = _generation(parameters)
+        self._turn = threading.Lock()
+
+    def reply(self, ask: Ask) -> Reply:
+        """What the model writes. Raises WmsError for a film: pictures work with every model, films do not."""
+        import torch
+
+        messages, began = _messages(ask.request), time.monotonic()
+        with self._turn, torch.inference_mode():
+            torch.manual_seed(ask.sample)
+            try:
+                batch = self._processor.apply_chat_template(
+                    messages, add_generation_prompt=True, tokenize=True, return_dict=True, return_tensors="pt"
+                ).to(self._model.device)
+                sent = int(batch["input_ids"].shape[1])
+                written = self._model.generate(**batch, **self._generation)[0, sent:]
+            except (RuntimeError, ValueError, IndexError, TypeError) as error:
+                return Reply(outcome="error", error=kept(f"{type(error).__name__}: {error}")[:2000])
+            text = self._processor.decode(written, skip_special_tokens=True)
+        return Reply(
+            text=kept(text),
+            model_version=self._version,
+            tokens_in=sent,
+            tokens_out=len(written),
+            seconds=round(time.monotonic() - began, 3),
+        )
+
+
+def _generation(parameters: dict[str, Any]) -> dict[str, Any]:
+    """Parameters as `generate` calls them."""
+    options = dict(parameters)
+    tokens, temperature = options.pop("max_tokens", 1024), options.pop("temperature", 0)
+    warm = {"do_sample": True, "temperature": float(temperature)} if temperature else {"do_sample": False}
+    return {"max_new_tokens": tokens, **warm, **options}
+
+
+def _messages(request: Request) -> list[dict[str, Any]]:
+    turn: list[dict[str, Any]] = []
+    for part in request.parts:
+        match part:
+            case Text(text):
+                turn.append({"type": "text", "text": f"{text}\n"})
+            case Picture(png):
+                turn.append({"type": "image", "image": opened(png)})
+            case Clip():
+                raise WmsError("models by transformers are shown pictures here; use another --prompt than `clip`")
+    system = [{"role": "system", "content": [{"type": "text", "text": request.system}]}] if request.system else []
+    return [*system, {"role": "user", "content": turn}]
+
+
+def _digest(path: Path) -> str:
+    """Twelve hex digits that tell weights from others: of every file its name and size, of small ones the content."""
+    digest = hashlib.sha256()
+    for file in sorted(
+        f for f in path.iterdir() if f.is_file() and f.suffix in {".json", ".safetensors", ".bin", ".jinja"}
+    ):
+        size = file.stat().st_size
+        digest.update(f"{file.name} {size} ".encode())
+        digest.update(file.read_bytes() if size < 64 << 20 else b"")
+    return digest.hexdigest()[:12]

@@ -1,0 +1,169 @@
+"""The request that a question makes: words and pictures, determined by template, ablation and order of the options."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+from wmspec.eval.models.pictures import clip, montage
+from wmspec.eval.models.prompt import Labels, Prompt
+from wmspec.eval.models.question import Question
+from wmspec.eval.models.reply import LETTERS
+
+Ablation = Literal["pictures", "question"]
+
+
+@dataclass(frozen=True)
+class Text:
+    """Words."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture as PNG."""
+
+    content: bytes
+
+
+@dataclass(frozen=True)
+class Clip:
+    """A film as mp4."""
+
+    content: bytes
+
+
+Part = Text | Picture | Clip
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a model is sent: the system's words, and the parts of one turn."""
+
+    system: str
+    parts: tuple[Part, ...]
+
+    @cached_property
+    def digest(self) -> str:
+        """The SHA-256 of everything in it."""
+        content = [self.system, *(_part_text(part) for part in self.parts)]
+        return hashlib.sha256(json.dumps(content).encode()).hexdigest()
+
+
+def _part_text(part: Part) -> list[str]:
+    match part:
+        case Text(text):
+            return ["text", text]
+        case Picture(content) | Clip(content):
+            return [type(part).__name__, hashlib.sha256(content).hexdigest()]
+
+
+@dataclass(frozen=True)
+class Ask:
+    """One asking of a question: which of its permutations, which sample, what is left out.
+
+    `order` are the places of the options in the dataset, as they are shown.
+    """
+
+    question: Question
+    prompt: Prompt
+    permutation: int = 0
+    sample: int = 0
+    ablation: Ablation | None = None
+
+    @property
+    def key(self) -> tuple[str, int, int]:
+        """What tells this asking from all others of a run."""
+        return self.question.id, self.permutation, self.sample
+
+    @property
+    def order(self) -> tuple[int, ...]:
+        """The options moved on by as many places as the permutation has."""
+        count = len(self.question.options)
+        return tuple((place + self.permutation) % count for place in range(count))
+
+    @property
+    def labels(self) -> Labels:
+        """What the options are called by."""
+        return self.prompt.labels.words if self.question.in_words else self.prompt.labels.pictures
+
+    def label(self, place: int) -> str:
+        """What the option at a place (as shown) is called."""
+        return LETTERS[place] if self.labels == "letters" else str(place + 1)
+
+    @cached_property
+    def request(self) -> Request:
+        """What is sent. Raises WmsError if a film cannot be made."""
+        writers = {
+            "pictures": self._pictures,
+            "question": self._question,
+            "option_words": self._option_words,
+            "option_pictures": self._option_pictures,
+            "instruction": self._instruction,
+        }
+        parts = (part for name in self.prompt.parts for part in writers[name]())
+        return Request(self.prompt.system, tuple(part for part in parts if part != Text("")))
+
+    def _line(self, name: str, **values: object) -> Text:
+        return Text(self.prompt.texts.line(name, **values))
+
+    def _pictures(self) -> Iterator[Part]:
+        if self.ablation == "pictures":
+            yield self._line("without_pictures")
+            return
+        shown = self.question.context if self.ablation is None else ()
+        if self.prompt.pictures == "montage":
+            yield from self._sheet(shown)
+        elif self.prompt.pictures == "clip" and len(shown) > 1:
+            yield self._line("clip", pictures=len(shown))
+            yield Clip(clip(shown))
+        else:
+            for number, png in enumerate(shown, 1):
+                yield self._line("picture", number=number)
+                yield Picture(png)
+
+    def _sheet(self, shown: tuple[bytes, ...]) -> Iterator[Part]:
+        options = [(self.label(place), self.question.pictures[which]) for place, which in self._pictured()]
+        rows = [[(str(number), png) for number, png in enumerate(shown, 1)], options]
+        labels = ", ".join(label for label, _ in options)
+        if shown:
+            yield self._line("montage_options" if options else "montage", pictures=len(shown), labels=labels)
+        elif options:
+            yield self._line("options_alone", labels=labels)
+        if shown or options:
+            yield Picture(montage(rows))
+
+    def _pictured(self) -> list[tuple[int, int]]:
+        return [] if self.question.in_words else list(enumerate(self.order))
+
+    def _question(self) -> Iterator[Part]:
+        yield self._line("without_question") if self.ablation == "question" else Text(self.question.text)
+
+    def _option_words(self) -> Iterator[Part]:
+        if self.question.in_words:
+            lines = (
+                self.prompt.texts.line("option_words", label=self.label(place), words=self.question.options[which])
+                for place, which in enumerate(self.order)
+            )
+            yield Text("\n".join(lines))
+
+    def _option_pictures(self) -> Iterator[Part]:
+        for place, which in self._pictured():
+            if self.prompt.pictures == "montage" and self.ablation != "pictures":
+                return
+            yield self._line("option_picture", label=self.label(place))
+            if self.ablation != "pictures":
+                yield Picture(self.question.pictures[which])
+
+    def _instruction(self) -> Iterator[Part]:
+        if self.question.options:
+            yield self._line(self.labels, count=len(self.question.options))
+        elif self.question.unit:
+            yield self._line("open", unit=self.question.unit)
+        else:
+            yield self._line("open_plain")

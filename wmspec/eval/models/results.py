@@ -1,0 +1,278 @@
+"""Results: one row a reply in Parquet, what was asked beside them in JSON. They can be scored again from the texts."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import is_name, plain, read_plain
+from wmspec.dataset.build.files import explained
+from wmspec.eval.models import reply as replies
+from wmspec.eval.models.journal import Key, Replies
+from wmspec.eval.models.model import Outcome, Reply
+from wmspec.eval.models.question import Question
+from wmspec.eval.models.request import Ask
+
+Row = dict[str, Any]
+Status = Literal["ok", "unparsed", "refused", "error"]
+
+#: The columns of results: type, and what they hold.
+COLUMNS: dict[str, tuple[pa.DataType, str]] = {
+    "id": (pa.string(), "the question's id in the dataset"),
+    "task": (pa.string(), "the task"),
+    "dimension": (pa.string(), "what is tested, from broad to narrow"),
+    "question_name": (pa.string(), "the question's name; empty if it has none"),
+    "engine": (pa.string(), "who executed the episode"),
+    "index": (pa.int64(), "which instance of the task's design"),
+    "block": (pa.int64(), "which repetition of the design"),
+    "group": (pa.string(), "the control group: the unit that intervals resample"),
+    "model": (pa.string(), "the model as it was named"),
+    "model_version": (pa.string(), "the model as it names itself"),
+    "prompt": (pa.string(), "the prompt's name"),
+    "prompt_hash": (pa.string(), "depends on everything in the template"),
+    "ablation": (pa.string(), "what was left out: pictures or question; null: nothing"),
+    "permutation": (pa.int64(), "by how many places the options were moved on"),
+    "sample": (pa.int64(), "which of several replies to the same request"),
+    "order": (pa.list_(pa.int64()), "the places of the options in the dataset, as they were shown"),
+    "labels": (pa.string(), "what the options were called by: letters or numbers"),
+    "options": (pa.list_(pa.string()), "the words of the options in the dataset's order, null for a picture"),
+    "answer": (pa.int64(), "the place of the true option in the dataset; null for an open question"),
+    "answer_number": (pa.float64(), "of an open question: the true number"),
+    "answer_unit": (pa.string(), "its SI unit"),
+    "answer_within": (pa.float64(), "how far off a number is still right"),
+    "text": (pa.string(), "the reply as it came"),
+    "parsed": (pa.int64(), "the place in the dataset of the option chosen; null if none could be read"),
+    "number": (pa.float64(), "of an open question: the number given"),
+    "right": (pa.bool_(), "whether the reply is right; what could not be read, was refused or failed is not"),
+    "status": (pa.string(), "ok, unparsed, refused (withheld by a filter) or error (no reply came)"),
+    "error": (pa.string(), "why no reply came"),
+    "tokens_in": (pa.int64(), "tokens sent"),
+    "tokens_out": (pa.int64(), "tokens received"),
+    "cost": (pa.float64(), "what it cost, in the currency of the prices"),
+    "seconds": (pa.float64(), "from the request to the reply, with what was tried again"),
+}
+SCHEMA = pa.schema([pa.field(name, kind) for name, (kind, _) in COLUMNS.items()])
+_ABOUT = b"wmspec"
+
+
+@dataclass(frozen=True)
+class Counts:
+    """How a run came out: replies by status, those right, and the share that guessing gets right (None if open)."""
+
+    replies: int
+    right: int
+    status: dict[str, int]
+    chance: float | None
+    tokens_in: int
+    tokens_out: int
+    cost: float | None
+
+
+def row(ask: Ask, reply: Reply, model: str, prompt: str) -> Row:
+    """The row of a reply, scored."""
+    question: Question = ask.question
+    is_open = not question.options
+    return scored(
+        {
+            "id": question.id,
+            "task": question.task,
+            "dimension": question.dimension,
+            "question_name": question.name,
+            "engine": question.engine,
+            "index": question.index,
+            "block": question.block,
+            "group": question.group,
+            "model": model,
+            "model_version": reply.model_version,
+            "prompt": prompt,
+            "prompt_hash": ask.prompt.hash,
+            "ablation": ask.ablation,
+            "permutation": ask.permutation,
+            "sample": ask.sample,
+            "order": list(ask.order),
+            "labels": ask.labels,
+            "options": list(question.options),
+            "answer": question.answer,
+            "answer_number": question.number if is_open else None,
+            "answer_unit": question.unit if is_open else None,
+            "answer_within": question.within if is_open else None,
+            "text": reply.text,
+            "status": reply.outcome,
+            "error": reply.error,
+            "tokens_in": reply.tokens_in,
+            "tokens_out": reply.tokens_out,
+            "cost": reply.cost,
+            "seconds": reply.seconds,
+        }
+    )
+
+
+def scored(row: Row) -> Row:
+    """A row with what its text comes to: `parsed`, `number`, `right` and `status`. Nothing but the row is needed."""
+    order = row["order"]
+    mark = replies.mark(
+        row["text"],
+        [row["options"][place] for place in order],
+        row["labels"],
+        answer=order.index(row["answer"]) if row["answer"] is not None else None,
+        number=row["answer_number"],
+        unit=row["answer_unit"],
+        within=row["answer_within"],
+    )
+    came = row["status"] in {"ok", "unparsed"}
+    status: Status = ("ok" if mark.parsed else "unparsed") if came else row["status"]
+    return {
+        **row,
+        "parsed": order[mark.place] if came and mark.place is not None else None,
+        "number": mark.number if came else None,
+        "right": came and mark.right,
+        "status": status,
+    }
+
+
+def counts(rows: Sequence[Row]) -> Counts:
+    """Count rows."""
+    shares = [1 / len(row["options"]) for row in rows if row["options"]]
+    costs = [row["cost"] for row in rows if row["cost"] is not None]
+    return Counts(
+        replies=len(rows),
+        right=sum(row["right"] for row in rows),
+        status=dict(sorted(Counter(row["status"] for row in rows).items())),
+        chance=sum(shares) / len(rows) if shares and len(shares) == len(rows) else None,
+        tokens_in=sum(row["tokens_in"] or 0 for row in rows),
+        tokens_out=sum(row["tokens_out"] or 0 for row in rows),
+        cost=sum(costs) if costs else None,
+    )
+
+
+# ---------------------------------------------------------------- files
+
+
+def sidecar(path: Path) -> Path:
+    """Where what was asked is said, beside the results."""
+    return path.with_suffix(".json")
+
+
+def check_free(path: Path) -> None:
+    """Raises WmsError if what would be written beside results is there, and is something else."""
+    beside = sidecar(path)
+    try:
+        ours = "asked" in json.loads(read_plain(beside))
+    except FileNotFoundError:
+        return
+    except (OSError, ValueError, TypeError, RecursionError):
+        ours = False
+    if not ours:
+        message = "it is in the way of what is said beside the results"
+        raise WmsError(message, FilePlace(str(beside)), "choose another name with -o")
+
+
+def write(path: Path, rows: Iterable[Row], about: dict[str, Any]) -> None:
+    """Write results, and what they are about. Raises WmsError, and leaves what was there, if that fails."""
+    metadata = json.dumps(about, indent=1, ensure_ascii=False) + "\n"
+    table = pa.Table.from_pylist(list(rows), schema=SCHEMA).replace_schema_metadata({_ABOUT: metadata})
+    sink = pa.BufferOutputStream()
+    pq.write_table(table, sink, compression="zstd")
+    _whole(sidecar(path), metadata.encode())
+    _whole(path, bytes(sink.getvalue()))
+
+
+def _whole(path: Path, content: bytes) -> None:
+    part = path.with_name(f"{path.name}.part")
+    with explained(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with part.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        part.replace(path)
+
+
+def read(path: Path) -> tuple[list[Row], dict[str, Any]]:
+    """The rows of results and what they are about. Raises WmsError if the file is none of ours."""
+    try:
+        table = pq.read_table(plain(path))
+        about = json.loads((table.schema.metadata or {})[_ABOUT])
+    except (OSError, pa.ArrowException, KeyError, ValueError, RecursionError):
+        raise WmsError(f"{path} holds no results; they are made with `wmspec evaluate DATASET -o {path}`") from None
+    if not set(SCHEMA.names) <= set(table.column_names) or not isinstance(about, dict):
+        raise WmsError(
+            "results of another version of wmspec", FilePlace(str(path)), "evaluate again, into another file"
+        )
+    return checked(table, path).to_pylist(), about
+
+
+#: Columns in which every row has something; names among them; and words that can be shown, whoever chose them.
+_FILLED = ("id", "task", "dimension", "engine", "index", "group", "model", "prompt", "permutation", "sample", "order",
+           "labels", "options", "text", "right", "status")  # fmt: skip
+_NAMES = ("task", "engine")
+_SHOWN = ("id", "dimension", "question_name", "group", "model", "prompt", "ablation")
+_WORDS = re.compile(r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{0,300}")
+
+
+def checked(table: pa.Table, path: Path) -> pa.Table:
+    """The columns of results that a table has, each of its type. Raises WmsError for a row that no run writes."""
+    known = [name for name in SCHEMA.names if name in table.column_names]
+    try:
+        table = table.select(known).cast(pa.schema([SCHEMA.field(name) for name in known]))
+        fault = _fault(table)
+    except (pa.ArrowException, ValueError, KeyError) as error:
+        fault = str(error).splitlines()[0][:200]
+    if fault:
+        raise WmsError(f"no results of wmspec: {fault}", FilePlace(str(path)), "evaluate again, into another file")
+    return table
+
+
+def _fault(table: pa.Table) -> str:
+    """What is wrong with rows of the right types: empty if nothing is."""
+    for name in _FILLED:
+        if name in table.column_names and table[name].null_count:
+            return f"row {pc.index(pc.is_null(table[name]), True).as_py() + 1}: `{name}` is null"
+    for name in (*_NAMES, *_SHOWN):
+        for word in table[name].unique().to_pylist() if name in table.column_names else ():
+            if word is not None and not (is_name(word) if name in _NAMES else _WORDS.fullmatch(word)):
+                return f"`{name}` is {word[:80]!r}, which is no name"
+    if unknown := set(table["status"].unique().to_pylist()) - set(get_args(Status)):
+        return f"a status is {min(unknown)[:80]!r}"
+    options = "options" if "options" in table.column_names else "order"
+    chosen = (table[name].to_pylist() for name in ("order", options, "answer", "parsed"))
+    for number, (order, words, *places) in enumerate(zip(*chosen, strict=True), 1):
+        known = range(len(words))
+        if None in order or sorted(order) != list(known) or not all(p is None or p in known for p in places):
+            return f"row {number}: it is of other options than its `order`, {order}"
+    return ""
+
+
+def known(rows: Iterable[Row]) -> Replies:
+    """The replies of rows."""
+    return {_key(row): _reply(row) for row in rows}
+
+
+def _key(row: Row) -> Key:
+    return row["id"], row["permutation"], row["sample"]
+
+
+def _reply(row: Row) -> Reply:
+    same = ("text", "error", "model_version", "tokens_in", "tokens_out", "cost", "seconds")
+    outcome: Outcome = row["status"] if row["status"] in {"refused", "error"} else "ok"
+    return Reply(outcome=outcome, **{name: row[name] for name in same})
+
+
+def rescore(path: Path) -> tuple[Counts, int]:
+    """Score results again from their texts, in place. Returns the counts, and how many scores have changed."""
+    rows, about = read(path)
+    again = [scored(row) for row in rows]
+    write(path, again, about | {"parser": replies.VERSION, "right": sum(row["right"] for row in again)})
+    return counts(again), sum(before["right"] != after["right"] for before, after in zip(rows, again, strict=True))

@@ -1,0 +1,225 @@
+"""A run: which askings there are, which of them still want a reply, and the results in the end."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from wmspec import __version__
+from wmspec.dataset.build import files
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.models import reply as replies
+from wmspec.eval.models import results
+from wmspec.eval.models.journal import Journal, Replies, same
+from wmspec.eval.models.limits import Limits, Meter, Pace
+from wmspec.eval.models.model import Model, Reply
+from wmspec.eval.models.prompt import Prompt
+from wmspec.eval.models.question import Question, Selection, questions
+from wmspec.eval.models.request import Ablation, Ask
+from wmspec.eval.models.results import Counts
+
+#: Told of every reply: how many are right so far, of how many, and what they cost.
+Progress = Callable[[int, int, float], None]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What determines the requests, whichever of them are sent: two runs with the same settings share their replies."""
+
+    model: str
+    prompt_name: str
+    prompt: Prompt
+    address: str | None = None
+    ablation: Ablation | None = None
+    seed: int = 0
+    parameters: tuple[tuple[str, Any], ...] = ()
+
+
+@dataclass(frozen=True)
+class Run:
+    """Which questions are asked how often: every circular permutation of the options, and so many samples of each."""
+
+    dataset: DatasetReader
+    settings: Settings
+    selection: Selection
+    permute: bool = False
+    samples: int = 1
+    limits: Limits = field(default_factory=Limits)
+
+    def asked(self) -> dict[str, Any]:
+        """The settings as JSON values, with the digest of the dataset's manifest. No secret is among them."""
+        settings = self.settings
+        return {
+            "dataset": files.digest(self.dataset.folder / files.MANIFEST),
+            "model": settings.model,
+            "base_url": settings.address,
+            "prompt": settings.prompt_name,
+            "prompt_hash": settings.prompt.hash,
+            "ablation": settings.ablation,
+            "parameters": dict(settings.parameters),
+            "seed": settings.seed,
+        }
+
+    def chosen(self) -> list[Question]:
+        """The questions, without their pictures. Raises WmsError if the dataset lacks what is wanted of it."""
+        return list(questions(self.dataset, self.selection.ids(self.dataset), pictures=False))
+
+    def first(self) -> Ask | None:
+        """The first asking, with pictures, None if there is none."""
+        for question in questions(self.dataset, self.selection.ids(self.dataset)[:1]):
+            return next(self.asks(question))
+        return None
+
+    def asks(self, question: Question) -> Iterator[Ask]:
+        """All askings of a question."""
+        turns = len(question.options) if self.permute and question.options else 1
+        for permutation in range(turns):
+            for sample in range(self.samples):
+                yield Ask(question, self.settings.prompt, permutation, sample, self.settings.ablation)
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a run ended: the counts of all results, and how many askings have no reply because a limit was reached."""
+
+    counts: Counts
+    missing: int
+
+
+def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> Ended:
+    """Ask what has no reply yet and write results to `output`; what was kept of a run that was killed is taken up.
+
+    Raises WmsError if nothing more can come of it; the replies are kept then, and the same run goes on with them.
+    """
+    results.check_free(output)
+    asked, chosen = run.asked(), run.chosen()
+    with Journal(output.with_suffix(".journal.jsonl"), asked) as journal:
+        have = _before(output, asked) | journal.replies
+        _ask(run, model, chosen, have, journal, progress)
+        wanted = {ask.key for question in chosen for ask in run.asks(question)}
+        rows = list(_rows(run, have))
+        missing = sum(key not in have for key in wanted)
+        results.write(output, rows, _about(run, asked, rows, missing))
+        journal.discard()
+    return Ended(results.counts(rows), missing)
+
+
+def _before(output: Path, asked: dict[str, Any]) -> Replies:
+    """The replies that are in results already."""
+    if not output.exists():
+        return {}
+    rows, about = results.read(output)
+    same(about.get("asked"), asked, output)
+    return results.known(rows)
+
+
+def _ask(run: Run, model: Model, chosen: list[Question], have: Replies, journal: Journal, progress: Progress) -> None:
+    """Ask all that has no reply, several at a time; `have` gains the replies."""
+    meter = Meter(run.limits, spent=sum(reply.cost or 0.0 for reply in have.values()))
+    pace = Pace(run.limits.a_minute)
+    right = total = 0
+
+    def one(ask: Ask) -> Reply:
+        pace.wait()
+        return model.reply(ask)
+
+    def settle(ready: Iterable[Future[Reply]]) -> None:
+        nonlocal right, total
+        for future in ready:
+            ask, reply = flying.pop(future), future.result()
+            journal.keep(ask.key, reply)
+            have[ask.key] = reply
+            total += 1
+            right += results.row(ask, reply, "", "")["right"]
+            progress(right, total, meter.spent + (reply.cost or 0.0))
+            meter.receive(reply)
+
+    flying: dict[Future[Reply], Ask] = {}
+    pool = ThreadPoolExecutor(model.asks, thread_name_prefix="ask")
+    try:
+        for ask in _open(run, chosen, have):
+            while len(flying) >= model.asks or (flying and not meter.may_send()):
+                settle(wait(flying, return_when=FIRST_COMPLETED).done)
+            if not meter.may_send():
+                break
+            meter.send()
+            flying[pool.submit(one, ask)] = ask
+        while flying:
+            settle(wait(flying, return_when=FIRST_COMPLETED).done)
+    except Exception:
+        wait(flying)  # what is on its way is paid for
+        _rescue(flying, journal)
+        raise
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _rescue(flying: dict[Future[Reply], Ask], journal: Journal) -> None:
+    """Keep the replies that came while another went wrong."""
+    for future, ask in flying.items():
+        if future.exception() is None:
+            journal.keep(ask.key, future.result())
+
+
+def _open(run: Run, chosen: list[Question], have: Replies) -> Iterator[Ask]:
+    """The askings without a reply, in order; the pictures of few questions in memory at a time."""
+
+    def wanting(question: Question) -> list[Ask]:
+        return [ask for ask in run.asks(question) if ask.key not in have or have[ask.key].outcome == "error"]
+
+    pending = {question.id for question in chosen if wanting(question)}
+    for question in questions(run.dataset, pending):
+        yield from wanting(question)
+
+
+def _rows(run: Run, have: Replies) -> Iterator[results.Row]:
+    """The rows of all replies, whatever asked for them, in the dataset's order, then by permutation and sample."""
+    turns: dict[str, list[tuple[int, int]]] = {}
+    for id, permutation, sample in have:
+        turns.setdefault(id, []).append((permutation, sample))
+    settings = run.settings
+    for question in questions(run.dataset, turns, pictures=False):
+        first = Ask(question, settings.prompt, ablation=settings.ablation)
+        for permutation, sample in sorted(turns[question.id]):
+            ask = replace(first, permutation=permutation, sample=sample)
+            yield results.row(ask, have[ask.key], settings.model, settings.prompt_name)
+
+
+def _about(run: Run, asked: dict[str, Any], rows: list[results.Row], missing: int) -> dict[str, Any]:
+    """What is said beside the results."""
+    counted = results.counts(rows)
+    manifest = run.dataset.manifest
+    template = run.settings.prompt.model_dump(mode="json")
+    return {
+        "format": 1,
+        "asked": asked,
+        "template": template,
+        "permute": run.permute,
+        "samples": run.samples,
+        "dataset": {key: manifest[key] for key in ("rows", "engines", "seed", "size", "consensus", "versions")},
+        "model_versions": sorted({row["model_version"] for row in rows if row["model_version"]}),
+        "versions": {"wmspec": __version__, "python": platform.python_version()} | _installed(),
+        "parser": replies.VERSION,
+        "replies": counted.replies,
+        "right": counted.right,
+        "status": counted.status,
+        "missing": missing,
+        "questions": hashlib.sha256("\n".join(row["id"] for row in rows).encode()).hexdigest()[:12],
+    }
+
+
+def _installed() -> dict[str, str]:
+    from importlib.metadata import PackageNotFoundError, version
+
+    versions = {}
+    for name in ("openai", "transformers", "torch"):
+        try:
+            versions[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return versions

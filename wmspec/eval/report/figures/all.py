@@ -1,0 +1,22 @@
+"""All figures, in the order in which the page shows them."""
+
+from __future__ import annotations
+
+from wmspec.eval.report.figures import accuracy, analyses, choices
+from wmspec.eval.report.figures.style import Drawn, settings
+from wmspec.eval.report.report import Report
+
+#: The figures of each section of the page.
+SECTIONS = {
+    "results": (accuracy.averages,),
+    "compared": (accuracy.dimensions, accuracy.comparisons),
+    "choices": (choices.pairs, choices.positions, choices.flips, choices.mistakes),
+    "analyses": (analyses.filtered, analyses.curves, analyses.entanglement),
+    "items": (analyses.items,),
+}
+
+
+def figures(report: Report) -> dict[str, tuple[Drawn, ...]]:
+    """The figures of each section: those that the results allow."""
+    with settings():
+        return {name: tuple(f for draw in draws for f in draw(report)) for name, draws in SECTIONS.items()}

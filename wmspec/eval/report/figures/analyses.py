@@ -1,0 +1,244 @@
+"""Figures of the paper's analyses: entanglement, stimulus differences, filtered prediction; and of items."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from wmspec.eval.report.curves import Curve
+from wmspec.eval.report.entanglement import DIMENSIONS, Entangled
+from wmspec.eval.report.figures.style import (
+    GREY,
+    INK,
+    PALE,
+    Drawn,
+    color,
+    drawn,
+    legend,
+    lines,
+    named,
+    panels,
+    percents,
+    signed,
+    whisker,
+)
+from wmspec.eval.report.filtered import ITS_OWN
+from wmspec.eval.report.replies import BASELINES, PEOPLE
+from wmspec.eval.report.report import Report
+
+Grid = NDArray[np.float64]
+
+
+# ---------------------------------------------------------------- entanglement
+
+
+def entanglement(report: Report) -> Iterator[Drawn]:
+    """s-RE of tasks by the paper's dimensions, measured beside shuffled; then of each model by dimension."""
+    models = [s for s in report.systems if s not in (*BASELINES, PEOPLE)]
+    mine = [e for e in report.entanglement if e.system in models and e.dimension and not e.asked]
+    if not mine:
+        return
+    tasks, columns = sorted({e.task for e in mine}), [d for d in DIMENSIONS if any(e.dimension == d for e in mine)]
+    value, shuffled = (_grid(mine, tasks, columns, which) for which in ("value", "mean"))
+    figure, axes = panels(2, 1.6 + 0.75 * len(columns), 0.9 + 0.3 * len(tasks), 2, sharey=True)
+    top = max(0.1, float(np.nanmax(value)))
+    for ax, grid, title in zip(axes, (value, shuffled), ("measured", "when shuffled"), strict=True):
+        _heat(ax, grid, tasks, columns, top)
+        ax.set_title(title)
+    reading = (
+        "s-RE: by how much accuracy moves, on average and in relation to itself, when only this property of the "
+        f"things shown is otherwise; mean over {len(models)} {'model' if len(models) == 1 else 'models'}. The right "
+        "side is the same with the levels dealt out anew: what chance alone yields. Where the left square is no "
+        "darker than the right one, nothing is entangled. Where a task varies several such factors, the one with "
+        "most is shown; what a question is about is left out."
+    )
+    yield drawn(figure, "entanglement", "Does accuracy hang on what the question is not about?", reading)
+    yield from _by_model(mine, models, columns)
+
+
+def _grid(mine: list[Entangled], tasks: list[str], columns: list[str], which: str) -> Grid:
+    """Of each task and dimension, the mean over models for the factor whose s-RE is furthest above its shuffled one."""
+    grid = np.full((len(tasks), len(columns)), np.nan)
+    for i, task in enumerate(tasks):
+        for j, column in enumerate(columns):
+            factors: dict[tuple[str, str], list[Entangled]] = {}
+            for e in mine:
+                if (e.task, e.dimension) == (task, column):
+                    factors.setdefault((e.question, e.factor), []).append(e)
+            if factors:
+                most = max(sorted(factors), key=lambda f: np.mean([e.value - e.mean for e in factors[f]]))
+                grid[i, j] = np.mean([getattr(e, which) for e in factors[most]])
+    return grid
+
+
+def _heat(ax: Axes, grid: Grid, rows: list[str], columns: list[str], top: float) -> None:
+    ax.imshow(grid, cmap="OrRd", vmin=0, vmax=top, aspect="auto")
+    ax.set_facecolor("#eef0f3")
+    for (i, j), value in np.ndenumerate(grid):
+        if not np.isnan(value):
+            ax.text(j, i, f"{100 * value:.0f}", ha="center", va="center", color="white" if value > 0.6 * top else INK)
+    ax.set_xticks(range(len(columns)), columns)
+    ax.xaxis.tick_top()
+    ax.set_yticks(range(len(rows)), rows)
+    ax.tick_params(length=0)
+    ax.spines[:].set_visible(False)
+
+
+def _by_model(mine: list[Entangled], models: list[str], columns: list[str]) -> Iterator[Drawn]:
+    grid = np.array([
+        [np.mean([e.value - e.mean for e in mine if (e.system, e.dimension) == (m, d)] or [np.nan]) for d in columns]
+        for m in models
+    ])  # fmt: skip
+    figure, (ax,) = panels(1, 1.8 + 0.85 * len(columns), 0.8 + 0.3 * len(models), 1)
+    _heat(ax, np.maximum(grid, 0), models, columns, max(0.05, float(np.nanmax(grid))))
+    reading = (
+        "s-RE beyond what shuffling yields (points), mean over tasks and factors: 0 means that it does not hang on it."
+    )
+    yield drawn(figure, "entanglement_models", "Which model hangs on what", reading)
+
+
+# ---------------------------------------------------------------- curves
+
+
+def curves(report: Report) -> Iterator[Drawn]:
+    """Accuracy against the stimulus difference, a panel for each question, with fitted curves."""
+    shown = [s for s in lines(report.systems) if any(c.system == s for c in report.curves)]
+    keys = list(dict.fromkeys((c.task, c.question, c.quantity) for c in report.curves))
+    if not keys or not shown:
+        return
+    figure, axes = panels(len(keys), 3.3, 2.7, 3)
+    for ax, key in zip(axes, keys, strict=True):
+        mine = [c for s in shown for c in report.curves if c.system == s and (c.task, c.question, c.quantity) == key]
+        _curves(ax, mine, report.systems)
+    legend(figure, shown, report.systems)
+    reading = (
+        "Accuracy against how different the things compared are. Dots are measured, lines are logistic fits where "
+        "accuracy hangs on the difference at all; small marks on the lower edge are thresholds, half-way from "
+        "guessing (dashed) to the best, with their 95 % intervals. A curve further left sees finer differences."
+    )
+    yield drawn(figure, "curves", "How small a difference is still seen?", reading)
+
+
+def _curves(ax: Axes, mine: list[Curve], systems: tuple[str, ...]) -> None:
+    first = mine[0]
+    ax.set_title(first.task + (f": {first.question}" if first.question else ""))
+    if first.scale == "log":
+        ax.set_xscale("log", base=2)
+    shown = sorted({round(p[0], 3) for curve in mine for p in curve.points})
+    ax.set_xticks(shown[:: -(-len(shown) // 6)])
+    ax.xaxis.set_major_formatter(lambda x, _: f"{x:.3g}")
+    ax.xaxis.set_minor_formatter(mpl.ticker.NullFormatter())
+    ax.axhline(first.chance, color=GREY, linestyle=(0, (4, 3)), linewidth=1)
+    for curve in mine:
+        tone = color(curve.system, systems)
+        x, y, _ = np.array(curve.points).T
+        ax.plot(x, y, "o", color=tone, markersize=4, alpha=0.9)
+        if curve.alpha is None or (curve.threshold is None and curve.low is None and curve.high is None):
+            ax.plot(x, y, ":", color=tone, linewidth=1)
+            continue
+        along = np.geomspace(x.min(), x.max(), 80) if curve.scale == "log" else np.linspace(x.min(), x.max(), 80)
+        ax.plot(along, curve.at(along), color=tone, linewidth=2.4 if curve.system == PEOPLE else 1.7)
+        if curve.threshold is not None:
+            low, high = (v if v is not None else edge for v, edge in ((curve.low, x.min()), (curve.high, x.max())))
+            ax.plot([low, high], [0.02, 0.02], color=tone, linewidth=2, alpha=0.6, solid_capstyle="round")
+            ax.plot(curve.threshold, 0.02, "^", color=tone, markersize=5)
+    ax.set_xlabel(first.quantity + (f" ({first.unit})" if first.unit else ""), fontsize=8)
+    percents(ax, "y", 0, 1.03)
+
+
+# ---------------------------------------------------------------- filtered prediction
+
+
+def filtered(report: Report) -> Iterator[Drawn]:
+    """Prediction on all episodes, and on those perceived rightly: a panel for each task."""
+    mine = [f for f in report.filtered if f.by == ITS_OWN and not np.isnan(f.perceived.value)]
+    tasks = sorted({f.task for f in mine})
+    if not tasks:
+        return
+    systems = [s for s in report.systems if any(f.system == s for f in mine)]
+    figure, axes = panels(len(tasks), 4.6, 0.7 + 0.28 * len(systems), 2, sharey=True)
+    for ax, task in zip(axes, tasks, strict=True):
+        ax.set_title(task)
+        for f in (f for f in mine if f.task == task):
+            y, tone = systems.index(f.system), color(f.system, report.systems)
+            whisker(ax, f.perceived, y, tone)
+            ax.plot([f.everything.value, f.perceived.value], [y, y], color=PALE, linewidth=1)
+            ax.plot(f.everything.value, y, "o", color="white", markeredgecolor=tone, markersize=7, clip_on=False)
+            ax.plot(f.perceived.value, y, "o", color=tone, markersize=6, clip_on=False)
+            sure = f.gain.low is not None and f.gain.high is not None and f.gain.low * f.gain.high > 0
+            ax.annotate(
+                signed(f.gain.value),
+                (1.02, y),
+                xycoords=("axes fraction", "data"),
+                va="center",
+                weight="bold" if sure else "normal",
+                color=INK if sure else GREY,
+            )
+        named(ax, systems)
+        percents(ax)
+    reading = (
+        "The empty dot is the accuracy on all predictions, the full one on those whose episode the system perceived "
+        "rightly (with its 95 % interval); at the right Δ in points, bold where its interval excludes 0. Where "
+        "perceiving rightly does not help, it is not the eyes that fail but the foresight."
+    )
+    yield drawn(figure, "filtered", "Does it foresee better what it saw rightly?", reading)
+
+
+# ---------------------------------------------------------------- items
+
+
+def items(report: Report) -> Iterator[Drawn]:
+    """Difficulty of questions beside ability of systems; and how good a short form is."""
+    if report.items is None:
+        return
+    difficulty = [i.difficulty for i in report.items.items]
+    figure, (ax,) = panels(1, 6.6, 0.9 + 0.25 * len(report.items.abilities) + 1.4, 1)
+    low, high = (
+        np.floor(min(difficulty) - 0.25),
+        np.ceil(max(*difficulty, *(a.ability for a in report.items.abilities)) + 0.25),
+    )
+    low = min(low, np.floor(min(a.ability for a in report.items.abilities)))
+    counts, edges = np.histogram(difficulty, np.linspace(low, high, 41))
+    names = [a.system for a in sorted(report.items.abilities, key=lambda a: -a.ability)]
+    ax.bar(
+        edges[:-1], -5 * counts / counts.max(), np.diff(edges), bottom=len(names) + 4.8, align="edge", color="#b9c2cf"
+    )  # fmt: skip
+    for y, name in enumerate(names):
+        ability = next(a.ability for a in report.items.abilities if a.system == name)
+        ax.plot([ability, ability], [y, len(names) + 4.8], color=PALE, linewidth=1, zorder=0)
+        ax.plot(ability, y, "o", color=color(name, report.systems), markersize=7)
+        ax.text(ability, y, f"  {name}  ", va="center", ha="left" if ability < (low + high) / 2 else "right")
+    ax.set_ylim(len(names) + 4.8, -0.8)
+    ax.set_yticks([])
+    ax.spines["left"].set_visible(False)
+    ax.set_xlabel("easier · weaker  ←  standard deviations of ability  →  harder · stronger")
+    reading = (
+        "Below, how many questions are how difficult; above, how able systems are, on the same axis: a system is "
+        "right on half of the questions at its place, beyond what guessing gets. Where no questions lie near a "
+        "system, they tell little about it."
+    )
+    yield drawn(figure, "items", "How difficult the questions are", reading)
+    if len(report.items.forms) > 1:
+        yield _forms(report)
+
+
+def _forms(report: Report) -> Drawn:
+    assert report.items is not None
+    figure, (ax,) = panels(1, 4.6, 2.8, 1)
+    size = [f.size for f in report.items.forms]
+    ax.plot(size, [f.at_random for f in report.items.forms], "--o", color=GREY, markersize=4, label="drawn at random")
+    ax.plot(size, [f.error for f in report.items.forms], "-o", color="#0072B2", label="chosen by task and difficulty")
+    ax.set_xscale("log")
+    ax.xaxis.set_minor_formatter(mpl.ticker.NullFormatter())
+    ax.set_xticks(size, [str(s) for s in size])
+    ax.set_xlabel("questions")
+    percents(ax, "y", 0, 1.15 * max(max(f.error, f.at_random) for f in report.items.forms))
+    ax.legend()
+    reading = (
+        f"By how much the score on so few questions misses that on all {len(report.items.items):,} (root mean square)."
+    )
+    return drawn(figure, "short_form", "How few questions would do?", reading)

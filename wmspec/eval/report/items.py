@@ -1,0 +1,222 @@
+"""Items: how difficult each question is, which labels are suspect, and a short form that stands for the whole.
+
+Difficulty is fitted by a two-parameter item-response model with guessing, c + (1 − c) σ(a (θ − b)), by its maximum a
+posteriori with scipy (θ ~ N(0, 1), b ~ N(0, 2), log a ~ N(0, 0.5)). With the few systems that there are, θ and b are
+recovered, a is not: it is not told. The short form is a stratified sample: questions in the order of their tasks and of
+their difficulty, cut into pieces of equal weight, and the middle one of each.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from wmspec.eval.report.intervals import Floats, rng
+from wmspec.eval.report.replies import BASELINES, PEOPLE, Replies
+from wmspec.eval.report.tables import Column
+
+#: So many systems an item-response fit needs; so many suspects are named; the sizes of short forms that are tried.
+LEAST_SYSTEMS, SUSPECTS, SIZES = 5, 30, (10, 20, 50, 100, 200, 500)
+#: A short form is good enough if it misses the whole score by no more than this, as a root mean square.
+TOLERANCE = 0.025
+#: How often short forms are drawn to tell their error.
+TRIES = 50
+
+
+@dataclass(frozen=True)
+class Item:
+    """A question: how difficult it is (b, in standard deviations of ability), and its accuracy over systems.
+
+    `rest` is the correlation of who is right on it with who is right on the rest (None if all or none are).
+    """
+
+    id: str
+    task: str
+    text: str
+    difficulty: float
+    accuracy: float
+    rest: float | None
+
+
+@dataclass(frozen=True)
+class Ability:
+    """A system's ability θ, in standard deviations."""
+
+    system: str
+    ability: float
+
+
+@dataclass(frozen=True)
+class Form:
+    """A short form of `size` questions.
+
+    How far its score is off the whole one (root mean square over systems, each of them left out where difficulty is
+    told, and over draws), and how far that of questions drawn at random is.
+    """
+
+    size: int
+    error: float
+    at_random: float
+
+
+@dataclass(frozen=True)
+class Items:
+    """What is known of the items: those that all systems answered.
+
+    `short` are the ids of the short form, each with how often it counts.
+    """
+
+    items: tuple[Item, ...]
+    abilities: tuple[Ability, ...]
+    forms: tuple[Form, ...]
+    short: tuple[tuple[str, int], ...]
+
+    @property
+    def suspects(self) -> tuple[Item, ...]:
+        """Items that better systems get wrong more often, worst first: their labels are worth a look, no more."""
+        negative = [item for item in self.items if item.rest is not None and item.rest < 0]
+        return tuple(sorted(negative, key=lambda item: (item.rest, item.id))[:SUSPECTS])
+
+
+def items(replies: Replies) -> Items | None:
+    """None if fewer than LEAST_SYSTEMS systems, baselines not counted, answered the same questions."""
+    systems = [s for s in replies.systems if s not in BASELINES and s != PEOPLE]
+    scores = replies.scores.loc[replies.asked.index, systems]
+    scores = scores.loc[:, scores.notna().mean() > 0.5].dropna() if systems else scores
+    if scores.shape[1] < LEAST_SYSTEMS or len(scores) < 2:
+        return None
+    about = replies.asked.loc[scores.index]
+    answers = scores.to_numpy()
+    options = about["options"].to_numpy(dtype=float)
+    guess = np.where(options > 0, 1 / np.maximum(options, 1), 0.0)
+    ability, difficulty = response(answers, guess)
+    rest = item_rest(answers)
+    text = replies.questions.table["text"] if replies.questions else pd.Series("", scores.index)
+    made = tuple(
+        Item(
+            str(name),
+            str(about.at[name, "task"]),
+            str(text[name]),
+            float(b),
+            float(p),
+            None if np.isnan(r) else float(r),
+        )
+        for name, b, p, r in zip(scores.index, difficulty, answers.mean(1), rest, strict=True)
+    )
+    forms, short = _short(answers, _weights(replies, scores), about["task"].to_numpy(dtype=str))
+    return Items(
+        made,
+        tuple(Ability(s, float(a)) for s, a in zip(scores.columns, ability, strict=True)),
+        forms,
+        tuple((str(scores.index[i]), int(n)) for i, n in zip(*np.unique(short, return_counts=True), strict=True)),
+    )
+
+
+# ---------------------------------------------------------------- item response
+
+
+def response(answers: Floats, guess: Floats) -> tuple[Floats, Floats]:
+    """Ability (m,) and difficulty (n,) from answers (n, m) and the chance of guessing each item (n,).
+
+    Items with the same answers and chance have the same difficulty, so each kind is fitted once.
+    """
+    from scipy.optimize import minimize
+
+    kinds, which, count = np.unique(np.column_stack([answers, guess]), axis=0, return_inverse=True, return_counts=True)
+    y, c, weight = kinds[:, :-1], kinds[:, -1:], count[:, None].astype(float)
+    start = np.concatenate([_standard(answers.mean(0)), np.zeros(2 * len(kinds))])
+    solution = minimize(_surprise, start, (y, c, weight), "L-BFGS-B", jac=True, options={"maxiter": 200, "maxcor": 20})
+    systems = answers.shape[1]
+    return solution.x[:systems], solution.x[systems : systems + len(kinds)][which.ravel()]
+
+
+def _standard(share: Floats) -> Floats:
+    from scipy.special import logit
+
+    ability = logit(np.clip(share, 0.01, 0.99))
+    return np.asarray((ability - ability.mean()) / max(float(ability.std()), 1e-6))
+
+
+def _surprise(q: Floats, y: Floats, c: Floats, weight: Floats) -> tuple[float, Floats]:
+    """The negative log posterior of θ (m), b (k), log a (k), and its gradient.
+
+    `y` is (k, m), `c` and `weight` (k, 1).
+    """
+    from scipy.special import expit
+
+    kinds, systems = y.shape
+    theta, b, log_a = np.split(q, [systems, systems + kinds])
+    a = np.exp(log_a)[:, None]
+    z = a * (theta - b[:, None])
+    s = expit(z)
+    p = np.clip(c + (1 - c) * s, 1e-9, 1 - 1e-9)
+    likely = (weight * (y * np.log(p) + (1 - y) * np.log1p(-p))).sum()
+    prior = theta @ theta / 2 + (weight[:, 0] * (b**2 / 8 + log_a**2 / 0.5)).sum()
+    dz = weight * (y - p) / (p * (1 - p)) * (1 - c) * s * (1 - s)
+    slope = np.concatenate([
+        (dz * a).sum(0) - theta,
+        -(dz * a).sum(1) - weight[:, 0] * b / 4,
+        (dz * z).sum(1) - weight[:, 0] * log_a / 0.25,
+    ])  # fmt: skip
+    return float(prior - likely), -slope
+
+
+def item_rest(answers: Floats) -> Floats:
+    """The correlation (n,) of every item's answers (n, m) with the sums of the others', NaN where there is none."""
+    rest = answers.sum(0) - answers
+    x, y = (v - v.mean(1, keepdims=True) for v in (answers, rest))
+    below = np.sqrt((x**2).sum(1) * (y**2).sum(1))
+    return np.asarray(np.divide((x * y).sum(1), below, out=np.full(len(answers), np.nan), where=below > 1e-12))
+
+
+# ---------------------------------------------------------------- a short form
+
+
+def _weights(replies: Replies, scores: pd.DataFrame) -> Floats:
+    """What every item counts in the mean of the tables' averages: of each kind, dimension and task as much."""
+    about = replies.asked.loc[scores.index]
+    task = about["task"]
+    kind = about["dimension"].str.split(".").str[0]
+    whole = (
+        kind
+        + "/"
+        + pd.Series([Column.of(t, d).dimension for t, d in zip(task, about["dimension"], strict=True)], task.index)
+    )
+    dimensions = pd.DataFrame({"k": kind, "d": whole}).drop_duplicates().groupby("k").size()
+    tasks = pd.DataFrame({"d": whole, "t": task}).drop_duplicates().groupby("d").size()
+    each = kind.nunique() * kind.map(dimensions) * whole.map(tasks) * task.map(task.value_counts())
+    return np.asarray(1 / each.to_numpy(dtype=float))
+
+
+def _short(answers: Floats, weights: Floats, task: NDArray[np.str_]) -> tuple[tuple[Form, ...], NDArray[np.intp]]:
+    """The errors of short forms, and the items of the smallest that is good enough, or of the largest."""
+    whole = weights @ answers
+    order = [np.lexsort((-np.delete(answers, j, axis=1).mean(1), task)) for j in range(answers.shape[1])]
+    forms = []
+    for size in (s for s in SIZES if s < len(answers) / 2):
+        random = rng("short form", size, len(answers))
+        missed = [
+            answers[sample(order[j], weights, size, random.random(size)), j].mean() - whole[j]
+            for j in range(answers.shape[1])
+            for _ in range(TRIES)
+        ]
+        drawn = answers[random.choice(len(answers), (TRIES, size), p=weights)].mean(1) - whole
+        forms.append(Form(size, _rms(np.array(missed)), _rms(drawn)))
+    if not forms:
+        return (), np.empty(0, np.intp)
+    size = next((f.size for f in forms if f.error <= TOLERANCE), forms[-1].size)
+    return tuple(forms), sample(np.lexsort((-answers.mean(1), task)), weights, size, np.full(size, 0.5))
+
+
+def _rms(gaps: Floats) -> float:
+    return float(np.sqrt(np.mean(gaps**2)))
+
+
+def sample(order: NDArray[np.intp], weights: Floats, size: int, where: Floats) -> NDArray[np.intp]:
+    """Of items in an order, one from each of `size` pieces of equal weight: the one at a share `where` of the piece."""
+    reached = np.cumsum(weights[order])
+    wanted = (np.arange(size) + where) / size * reached[-1]
+    return np.asarray(order[np.minimum(np.searchsorted(reached, wanted), len(order) - 1)])

@@ -1,0 +1,99 @@
+"""What a dataset says of its questions, as far as a report asks: everything but the pictures."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.build.rows import Row
+from wmspec.runtime.questions.model import FORESEEN
+
+_WANTED = (
+    "id", "task", "dimension", "index", "question", "question_name", "engine", "text", "option_text", "option_kind",
+    "option_name", "option_change", "answer", "answer_value", "difference",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Questions:
+    """The questions of a dataset.
+
+    `table` has a row for each, by its id: `task`, `index`, `question`, `engine`, `text`, `options` (how many), `kinds`,
+    `names` and `changes` of the options (tuples), `truth`, `query`, and `quantity`, `unit` and `difference` of the
+    stimulus. `truth` is equal for two questions of a control group exactly if they have the same answer; empty where
+    that cannot be told. A `query` is a question of a task of prediction that asks for what is seen, beside one that
+    asks for what comes.
+
+    `varied` has the factors' and nuisances' values of a task's questions, `groups` the keys of their control groups:
+    tables by id, with a column for each factor.
+    """
+
+    table: pd.DataFrame
+    varied: dict[str, pd.DataFrame]
+    groups: dict[str, pd.DataFrame]
+
+    @classmethod
+    def read(cls, folder: Path) -> Questions:
+        """Raises WmsError if there is no finished dataset in the folder, or if a file of it cannot be read."""
+        dataset = DatasetReader.open(folder)
+        rows = {task: _rows(dataset, task) for task in dataset.tasks}
+        return cls(
+            _table([row for of_task in rows.values() for row in of_task]),
+            {task: _prefixed(of_task, "factor", "nuisance") for task, of_task in rows.items() if of_task},
+            {task: _prefixed(of_task, "group") for task, of_task in rows.items() if of_task},
+        )
+
+
+def _rows(dataset: DatasetReader, task: str) -> list[Row]:
+    varied = ("factor.", "group.", "nuisance.")
+    columns = [c for c in dataset.columns(task) if c in _WANTED or c.startswith(varied)]
+    return list(dataset.rows(task, columns))
+
+
+def _table(rows: list[Row]) -> pd.DataFrame:
+    table = pd.DataFrame([_question(row) for row in rows]).set_index("id")
+    foresees = table["kinds"].map(lambda kinds: not FORESEEN.isdisjoint(kinds))
+    predicts = table["dimension"].str.split(".").str[0] == "prediction"
+    table["query"] = predicts & foresees.groupby(table["task"]).transform("any") & ~foresees
+    return table
+
+
+def _question(row: Row) -> dict[str, Any]:
+    strength = row["difference"] or {"name": "", "unit": "", "value": float("nan")}
+    return {
+        **{
+            key: row[key] for key in ("id", "task", "dimension", "index", "question", "question_name", "engine", "text")
+        },
+        "options": len(row["option_kind"] or ()),
+        "kinds": tuple(row["option_kind"] or ()),
+        "names": tuple(row["option_name"] or ()),
+        "changes": tuple(row["option_change"] or ()),
+        "truth": _truth(row),
+        "quantity": strength["name"],
+        "unit": strength["unit"],
+        "difference": strength["value"],
+    }
+
+
+def _truth(row: Row) -> str:
+    """What tells true answers apart: the words; of a picture, what really was what its counterfactuals changed."""
+    if row["option_text"] is not None:
+        return str(row["answer_value"])
+    was = {c.split(" -> ")[0] for c in row["option_change"] or () if c and " -> " in c}
+    return "; ".join(sorted(was))
+
+
+def _prefixed(rows: list[Row], *sorts: str) -> pd.DataFrame:
+    """The columns of some sorts by name, without those that are missing everywhere; lists become words."""
+    names = [key for key in rows[0] if key.split(".", 1)[0] in sorts and "." in key]
+    values = {name.split(".", 1)[1]: [_level(row[name]) for row in rows] for name in names}
+    return pd.DataFrame(values, index=pd.Index([row["id"] for row in rows], name="id"), dtype=object)
+
+
+def _level(value: Any) -> Any:
+    return json.dumps(value) if isinstance(value, list) else value

@@ -1,0 +1,222 @@
+"""Reading results: every reply, whose it is, and to which question; people's answers joined to one by majority."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import plain
+from wmspec.eval.models.agreement import majority
+from wmspec.eval.models.results import checked
+from wmspec.eval.report.questions import Questions
+
+#: What a row of results has at least; `docs/evaluate.md` says what each column holds.
+COLUMNS = (
+    "id", "task", "dimension", "question_name", "engine", "index", "group", "model", "prompt", "ablation",
+    "permutation", "sample", "order", "answer", "parsed", "right", "status", "cost", "tokens_in", "tokens_out",
+)  # fmt: skip
+#: What identifies a reply.
+KEY = ["id", "model", "prompt", "ablation", "permutation", "sample"]
+#: How a person's name begins as a model, and what all of them together are called.
+RATER, PEOPLE = "human:", "people"
+#: What answers without looking, or knows: they check the pipeline, and say nothing about the questions.
+BASELINES = ("random", "blind", "options-only", "oracle")
+#: Of fewer control groups no interval can be drawn: their instances are taken to be independent instead.
+LEAST_GROUPS = 5
+
+
+@dataclass(frozen=True)
+class Replies:
+    """All replies that can be judged.
+
+    `table` has a row for each, its columns those of the results and: `system`, who answered; `cluster`, what is
+    resampled together; `right`, 1 or 0; `skipped`, whether the reply has no answer in it (it is wrong then);
+    `options`, how many there were; `query`, whether it asks for what is seen in a task of prediction.
+    `failed` counts, by system, the requests that never got a reply: they are left out. `raters` has each person's
+    replies. `narrow` names the tasks with so few control groups that intervals are of these very groups, over
+    instances.
+    """
+
+    table: pd.DataFrame
+    failed: dict[str, int]
+    raters: pd.DataFrame
+    narrow: tuple[str, ...] = ()
+    questions: Questions | None = None
+
+    @cached_property
+    def systems(self) -> tuple[str, ...]:
+        """Who answered, by name, people last."""
+        return tuple(sorted(self.table["system"].unique(), key=lambda s: (s == PEOPLE, s)))
+
+    @property
+    def models(self) -> tuple[str, ...]:
+        """Who answered and is neither people nor a baseline."""
+        return tuple(s for s in self.systems if s != PEOPLE and s not in BASELINES)
+
+    @cached_property
+    def scores(self) -> pd.DataFrame:
+        """The share of right replies, NaN where there is none: a row for each question's id, a column for each system.
+
+        Several permutations and samples of a question count as one question.
+        """
+        return self._scores(self.table)
+
+    @cached_property
+    def parsed_scores(self) -> pd.DataFrame:
+        """The same with replies left out that have no answer in them, as the paper does."""
+        return self._scores(self.table[~self.table["skipped"]])
+
+    def _scores(self, table: pd.DataFrame) -> pd.DataFrame:
+        mean = table.groupby(["id", "system"], sort=True)["right"].mean().unstack("system")
+        return mean.reindex(columns=list(self.systems))
+
+    @cached_property
+    def about(self) -> pd.DataFrame:
+        """What is known of every question that was asked, by id: `task`, `dimension`, `engine`, `cluster`, ..."""
+        known = ["task", "dimension", "question_name", "engine", "index", "cluster", "options", "query"]
+        return self.table.drop_duplicates("id").set_index("id")[known].sort_index()
+
+    @property
+    def asked(self) -> pd.DataFrame:
+        """`about` without the queries: what the tables of results are about."""
+        return self.about[~self.about["query"]]
+
+
+def read(paths: Sequence[Path], dataset: Path | None) -> Replies:
+    """Read result files, or folders of them.
+
+    Raises WmsError if one cannot be read, lacks a column, or contradicts another, or if a question is not in the
+    dataset.
+    """
+    table = pd.concat([_file(path) for path in _files(paths)], ignore_index=True)
+    table = _once(table)
+    questions = Questions.read(dataset) if dataset else None
+    if questions is not None:
+        _belong(table, questions, dataset)
+    return replies(table, questions)
+
+
+def replies(table: pd.DataFrame, questions: Questions | None = None) -> Replies:
+    """Replies from rows of results (`COLUMNS`)."""
+    table = table.assign(
+        system=_systems(table),
+        cluster=_clusters(table),
+        skipped=table["status"].isin(["unparsed", "refused"]),
+        right=table["right"].eq(True).astype(float),
+        options=table["order"].map(lambda order: 0 if order is None else len(order)),
+        query=False if questions is None else table["id"].map(questions.table["query"]).astype(bool),
+    )
+    failed = table["status"] == "error"
+    counted = table[failed].groupby("system").size()
+    table = table[~failed]
+    rated = table["model"].str.startswith(RATER)
+    people = _majority(table[rated])
+    whole = pd.concat([table[~rated], people], ignore_index=True).sort_values(["system", *KEY[:1], *KEY[4:]])
+    failures = {str(k): int(n) for k, n in counted.items()}
+    return Replies(whole.reset_index(drop=True), failures, table[rated], tuple(_narrow(table)), questions)
+
+
+# ---------------------------------------------------------------- files
+
+
+def _files(paths: Sequence[Path]) -> list[Path]:
+    files: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            below = sorted(path.rglob("*.parquet"))
+            if not below:
+                raise WmsError(f"{path} holds no results; `wmspec evaluate` writes them as .parquet files")
+            files += below
+        else:
+            files.append(path)
+    return list(dict.fromkeys(files))
+
+
+def _file(path: Path) -> pd.DataFrame:
+    try:
+        file = pq.ParquetFile(plain(path))
+        lacking = [name for name in COLUMNS if name not in file.schema_arrow.names]
+        if lacking:
+            raise WmsError(
+                f"{path} is no file of results: it lacks the columns {', '.join(lacking)}; "
+                "give what `wmspec evaluate` or `wmspec study collect` wrote (a dataset goes to --dataset)"
+            )
+        table: pd.DataFrame = checked(file.read(list(COLUMNS)), path).to_pandas()
+        return table
+    except FileNotFoundError:
+        raise WmsError(f"{path} is not there; give a file or a folder that `wmspec evaluate` wrote") from None
+    except (OSError, pa.ArrowException) as error:
+        reason = str(error).splitlines()[0]
+        raise WmsError(
+            f"cannot be read ({reason})", FilePlace(str(path)), "evaluate again, what was answered is kept"
+        ) from None
+
+
+def _once(table: pd.DataFrame) -> pd.DataFrame:
+    """Every reply once. The same file may be given twice; two replies to one request cannot both count."""
+    table = table.assign(said=table["parsed"].astype(str) + table["status"]).drop_duplicates([*KEY, "said"])
+    twice = table[table.duplicated(KEY)]
+    if len(twice):
+        first = twice.iloc[0]
+        raise WmsError(
+            f"{len(twice):,} questions have two different replies of one model, such as {first['id']} of "
+            f"{first['model']}; "
+            "give one run of each model, or evaluate with several samples"
+        )
+    return table.drop(columns="said")
+
+
+def _belong(table: pd.DataFrame, questions: Questions, dataset: Path | None) -> None:
+    strange = table.loc[~table["id"].isin(questions.table.index), "id"].unique()
+    if len(strange):
+        close = suggestion(str(strange[0]), map(str, questions.table.index[:1000]))
+        raise WmsError(
+            f"{len(strange):,} questions answered are not in {dataset}, such as {strange[0]}; "
+            f"give the dataset that was evaluated{f' ({close})' if close.startswith('did') else ''}"
+        )
+
+
+# ---------------------------------------------------------------- who
+
+
+def _clusters(table: pd.DataFrame) -> pd.Series[str]:
+    """The control group; the instance in tasks with fewer than LEAST_GROUPS of them (see `Replies.narrow`)."""
+    instance = table["task"] + "/" + table["index"].astype(str)
+    return table["group"].where(~table["task"].isin(_narrow(table)), instance)
+
+
+def _narrow(table: pd.DataFrame) -> list[str]:
+    groups = table.groupby("task")["group"].nunique()
+    return sorted(map(str, groups.index[groups < LEAST_GROUPS]))
+
+
+def _systems(table: pd.DataFrame) -> pd.Series[str]:
+    """The model's name, with its prompt and what was kept from it where that is not the same in all its replies."""
+    name = table["model"].astype(str)
+    several = table.groupby("model")["prompt"].transform("nunique") > 1
+    name = name.where(~several, name + " · " + table["prompt"].astype(str))
+    ablation = table["ablation"].fillna("").astype(str)
+    name = name.where(ablation.isin(["", "none"]), name + " · " + ablation)
+    return name.where(~table["model"].str.startswith(RATER), PEOPLE)
+
+
+def _majority(rated: pd.DataFrame) -> pd.DataFrame:
+    """One reply for each question: what most raters chose. Among equals a draw decides that hangs on the id alone."""
+    if rated.empty:
+        return rated
+    chosen = [_vote(str(name), of_one) for name, of_one in rated.groupby("id", sort=True)]
+    return rated.loc[chosen].assign(model=PEOPLE, sample=0, permutation=0)
+
+
+def _vote(name: str, of_one: pd.DataFrame) -> int:
+    """The row of a rater who is of the majority."""
+    outcome = of_one["parsed"].astype(str) + of_one["right"].astype(str)
+    return int(outcome.index[outcome == majority(name, outcome)].min())

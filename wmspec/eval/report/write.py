@@ -1,0 +1,47 @@
+"""A report on disk: the page, the figures, the tables, and everything as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from wmspec.dataset.build.files import explained
+from wmspec.eval.report.figures.all import figures
+from wmspec.eval.report.frames import latex, long, wide
+from wmspec.eval.report.page import page
+from wmspec.eval.report.report import Report
+
+
+def write(report: Report, folder: Path) -> Path:
+    """Write everything to a folder, and return the page's path. Raises WmsError if it cannot be written."""
+    drawn, printed = figures(report), wide(report)
+    content = {"report.json": text(report), "report.html": page(report, drawn, printed)}
+    content |= {f"figures/{f.name}.svg": f.svg for section in drawn.values() for f in section}
+    content |= {
+        f"tables/{name}.csv": frame.to_csv(index=False, lineterminator="\n") for name, frame in long(report).items()
+    }
+    content |= {f"tables/{name}.tex": latex(caption, frame) for name, (caption, frame) in printed.items()}
+    if "thresholds" in printed:
+        content["tables/thresholds.csv"] = printed["thresholds"][1].to_csv(lineterminator="\n")
+    for name, written in content.items():
+        path = folder / name
+        with explained(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(written, encoding="utf-8")
+    return folder / "report.html"
+
+
+def text(report: Report) -> str:
+    """The report as JSON; what has no value is null."""
+    return json.dumps(_plain(asdict(report)), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

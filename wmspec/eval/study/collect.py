@@ -1,0 +1,206 @@
+"""What people answered as a file of results like a model's, and how well each of them and all together did."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from wmspec import __version__
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.eval.models import prompt, results
+from wmspec.eval.models import reply as replies
+from wmspec.eval.models.agreement import fleiss_kappa, majority
+from wmspec.eval.models.model import Reply
+from wmspec.eval.models.request import Ask
+from wmspec.eval.study import answers, store
+from wmspec.eval.study.answers import Visit
+from wmspec.eval.study.model import Item, Study, load
+from wmspec.eval.study.store import Store
+
+#: How a person's name begins as a model, and what the prompt is called.
+RATER, PROMPT = "human:", "study"
+#: Nobody has looked at pictures in less, in seconds.
+HASTY = 1.0
+
+
+@dataclass(frozen=True)
+class Rater:
+    """How one person did: steps answered, of how many; checks of attention passed, of how many; questions right, of how
+    many; the median of the seconds, the share of answers that came within HASTY, and the seconds spent elsewhere.
+    """
+
+    rater: str
+    slot: int
+    code: str
+    answered: int
+    steps: int
+    checks_passed: int
+    checks: int
+    right: int
+    questions: int
+    seconds: float | None
+    hasty: float
+    away: float
+    counted: bool
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """Of a task's questions with options, or of all: raters' choices, Fleiss' κ, and the share that most got right."""
+
+    task: str
+    questions: int
+    choices: int
+    kappa: float | None
+    majority: float
+
+
+@dataclass(frozen=True)
+class Collected:
+    """What came of a study; `missing` are the replies that its design still wants."""
+
+    raters: tuple[Rater, ...]
+    agreement: tuple[Agreement, ...]
+    replies: int
+    missing: int
+
+
+def collect(folder: Path, files: Sequence[Path], output: Path, least_checks: float = 0.0) -> Collected:
+    """Write the results of a study: of its server's file, and of the pages' files. The first answer to a step stands.
+
+    Who passed a smaller share of the checks of attention than `least_checks` is told of, and left out. Raises WmsError
+    if a file is not of this study, or if `output` holds something that is no results.
+    """
+    study = load(folder)
+    if output.exists():
+        results.read(output)
+    visits = _visits(study, folder, files)
+    if not any(visit.answers for visit in visits):
+        raise WmsError(f"{folder} has no answers yet; give the files that its page gave, or `wmspec study serve` it")
+    named = _named(visits)
+    raters = tuple(_rater(study, visit, name, least_checks) for name, visit in named.items())
+    rows = [row for rater in raters if rater.counted for row in _rows(study, named[rater.rater], rater.rater)]
+    places = {item.id: place for place, item in enumerate(study.items)}
+    rows.sort(key=lambda row: (places[row["id"]], row["model"]))
+    wanted = sum(item.kind == "question" for item in study.items) * study.raters
+    enough = sum(min(count, study.raters) for count in Counter(row["id"] for row in rows).values())
+    collected = Collected(raters, tuple(_agreement(rows)), len(rows), wanted - enough)
+    results.write(output, rows, _about(study, rows, collected))
+    return collected
+
+
+def _visits(study: Study, folder: Path, files: Sequence[Path]) -> list[Visit]:
+    """The visits of all sources, one for each session."""
+    served = folder / store.FILE
+    all_visits: list[Visit] = []
+    if served.exists():
+        try:
+            opened = Store(served, study)
+            all_visits += opened.visits()
+            opened.close()
+        except (sqlite3.Error, ValueError) as error:
+            raise WmsError(f"cannot be read ({error})", FilePlace(str(served)), "take it from a copy") from None
+    all_visits += [answers.read(path, study) for path in files]
+    visits: dict[str, Visit] = {}
+    for visit in all_visits:
+        before = visits.setdefault(visit.session, visit)
+        if before.slot != visit.slot:
+            raise WmsError(f"two files of answers say different things of the visit {visit.session[:8]}")
+        known = {answer.step: answer for answer in (*reversed(visit.answers), *reversed(before.answers))}
+        whole = tuple(known[step] for step in sorted(known))
+        visits[visit.session] = before.model_copy(update={"answers": whole, "code": before.code or visit.code})
+    return list(visits.values())
+
+
+def _named(visits: Iterable[Visit]) -> dict[str, Visit]:
+    """Visits by the rater's name: that of the link, else the beginning of the session's; no two are the same."""
+    visits = sorted((visit for visit in visits if visit.answers), key=lambda visit: visit.session)
+    count = Counter(visit.rater for visit in visits)
+    long = {visit.session: f"{visit.rater}-{visit.session[:8]}".strip("-") for visit in visits}
+    return {visit.rater if visit.rater and count[visit.rater] == 1 else long[visit.session]: visit for visit in visits}
+
+
+def _shown(study: Study, visit: Visit) -> Iterable[tuple[answers.Answer, Item, int]]:
+    for answer in visit.answers:
+        shown = study.step(visit.slot, answer.step)
+        if shown is not None:
+            yield (answer, *shown)
+
+
+def _rater(study: Study, visit: Visit, name: str, least_checks: float) -> Rater:
+    by_kind = defaultdict(list)
+    for answer, item, permutation in _shown(study, visit):
+        by_kind[item.kind].append((answer, item, permutation))
+    passed = sum(item.is_right(answer.text, permutation) for answer, item, permutation in by_kind["check"])
+    seconds = [answer.seconds for answer, _, _ in by_kind["question"]]
+    rows = _rows(study, visit, name)
+    return Rater(
+        rater=name,
+        slot=visit.slot + 1,
+        code=visit.code,
+        answered=len(visit.answers),
+        steps=len(study.slots[visit.slot]),
+        checks_passed=passed,
+        checks=len(by_kind["check"]),
+        right=sum(row["right"] for row in rows),
+        questions=len(rows),
+        seconds=median(seconds) if seconds else None,
+        hasty=sum(s < HASTY for s in seconds) / len(seconds) if seconds else 0.0,
+        away=sum(answer.away for answer in visit.answers),
+        counted=passed >= least_checks * len(by_kind["check"]),
+    )
+
+
+def _rows(study: Study, visit: Visit, name: str) -> list[results.Row]:
+    """The rows of one person's answers, scored as all results are."""
+    template = prompt.load("default")  # letters for all options, as the page has them
+    made = []
+    for answer, item, permutation in _shown(study, visit):
+        if item.kind == "question":
+            text = answer.text if item.options else f"{answer.text} {item.shown_unit}".rstrip()
+            reply = Reply(text=text, seconds=answer.seconds)
+            row = results.row(Ask(item.question(), template, permutation), reply, f"{RATER}{name}", PROMPT)
+            made.append(row | {"prompt_hash": study.fingerprint})
+    return made
+
+
+def _agreement(rows: Sequence[results.Row]) -> Iterable[Agreement]:
+    tasks: dict[str, dict[str, list[results.Row]]] = {}
+    for row in rows:
+        if row["options"]:
+            tasks.setdefault(row["task"], {}).setdefault(row["id"], []).append(row)
+    everything = {id: of_one for questions in tasks.values() for id, of_one in questions.items()}
+    for name, questions in (*tasks.items(), *((("", everything),) if len(tasks) > 1 else ())):
+        chosen = {id: [row["parsed"] for row in of_one] for id, of_one in questions.items()}
+        right = [majority(id, places) == questions[id][0]["answer"] for id, places in chosen.items()]
+        yield Agreement(
+            task=name,
+            questions=len(chosen),
+            choices=sum(map(len, chosen.values())),
+            kappa=fleiss_kappa(chosen.values()),
+            majority=sum(right) / len(right),
+        )
+
+
+def _about(study: Study, rows: Sequence[results.Row], collected: Collected) -> dict[str, Any]:
+    """What is said beside the results."""
+    counted = results.counts(rows)
+    return {
+        "format": 1,
+        "asked": {"dataset": study.dataset, "study": study.fingerprint, "seed": study.seed, "prompt": PROMPT},
+        "dataset": {"name": study.title},
+        "versions": {"wmspec": __version__},
+        "parser": replies.VERSION,
+        "replies": counted.replies,
+        "right": counted.right,
+        "status": counted.status,
+        "missing": collected.missing,
+        "raters": [asdict(rater) for rater in collected.raters],
+        "agreement": [asdict(agreement) for agreement in collected.agreement],
+    }

@@ -1,0 +1,154 @@
+"""A study: which questions, and what each person is shown in which order. It is a file, and never changes."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import read_plain
+from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.words import READABLE
+from wmspec.eval.models.question import Question
+from wmspec.eval.models.reply import LETTERS
+
+#: The study's file, the page's folder, and the folder of the texts that may be replaced.
+FILE, PAGE, TEXTS = "study.json", "page", "texts"
+
+Kind = Literal["question", "practice", "check"]
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Item(_Model):
+    """Something to be answered: a dataset's question with the names of its pictures, or a check of attention.
+
+    `answer` is the place of the true option among `words` or `pictures`, None for an open question.
+    """
+
+    id: str
+    kind: Kind
+    task: str
+    text: str
+    context: tuple[str, ...] = ()
+    words: tuple[str, ...] = ()
+    pictures: tuple[str, ...] = ()
+    answer: int | None = None
+    number: float | None = None
+    unit: str = ""
+    within: float | None = None
+    dimension: str = ""
+    name: str = ""
+    engine: str = ""
+    index: int = 0
+    block: int = 0
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """The words or pictures to choose from; none if the question is open."""
+        return self.words or self.pictures
+
+    @property
+    def shown_unit(self) -> str:
+        """The unit that people are asked for, such as cm for metres."""
+        return READABLE.get(self.unit, (self.unit, 1.0))[0]
+
+    def order(self, permutation: int) -> tuple[int, ...]:
+        """The places of the options as they are shown."""
+        count = len(self.options)
+        return tuple((place + permutation) % count for place in range(count))
+
+    def is_right(self, text: str, permutation: int) -> bool:
+        """Whether a letter is that of the true option."""
+        order = self.order(permutation)
+        return self.answer is not None and text in LETTERS and order.index(self.answer) == LETTERS.index(text)
+
+    def question(self) -> Question:
+        """The question as results know it, without pictures."""
+        options: tuple[str | None, ...] = self.words or (None,) * len(self.pictures)
+        return Question(
+            self.id, self.task, self.dimension, self.name, self.engine, self.index, self.block, self.text, (), options,
+            (), (), self.answer, self.number, self.unit, self.within,
+        )  # fmt: skip
+
+
+class Step(_Model):
+    """What one person is shown at a time: which item, and by how many places its options are moved on."""
+
+    item: int
+    permutation: int = 0
+
+
+class Study(_Model):
+    """A study. `slots` has the steps of each person; every question is in `raters` of them, once in each."""
+
+    format: Literal[1] = 1
+    title: str
+    dataset: str
+    seed: int
+    raters: int
+    items: tuple[Item, ...]
+    slots: tuple[tuple[Step, ...], ...]
+
+    @property
+    def fingerprint(self) -> str:
+        """Twelve hex digits that depend on everything in the study."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:12]
+
+    def step(self, slot: int, step: int) -> tuple[Item, int] | None:
+        """The item of a person's step and its permutation, None if there is no such step."""
+        if not (0 <= slot < len(self.slots) and 0 <= step < len(self.slots[slot])):
+            return None
+        shown = self.slots[slot][step]
+        return self.items[shown.item], shown.permutation
+
+    def public(self) -> dict[str, Any]:
+        """What the page may know: of truths, only those of the practice."""
+        return {
+            "study": self.fingerprint,
+            "title": self.title,
+            "items": [_public(item) for item in self.items],
+            "slots": [[[step.item, step.permutation] for step in slot] for slot in self.slots],
+        }
+
+
+def _public(item: Item) -> dict[str, Any]:
+    fields = item.model_dump(include={"kind", "task", "text", "context", "words", "pictures"})
+    practice = {"answer": item.answer, "truth": _truth(item)} if item.kind == "practice" else {}
+    return fields | {"unit": item.shown_unit, "open": not item.options} | practice
+
+
+def _truth(item: Item) -> list[float] | None:
+    """The true number of an open question and how far off is right, in the unit shown."""
+    if item.number is None:
+        return None
+    scale = READABLE.get(item.unit, ("", 1.0))[1]
+    return [item.number * scale, (item.within or 0.0) * scale]
+
+
+def load(folder: Path) -> Study:
+    """The study in a folder. Raises WmsError if there is none, or if its file is damaged."""
+    path = folder / FILE
+    try:
+        return Study.model_validate_json(read_plain(path))
+    except OSError:
+        raise WmsError(f"{folder} holds no study; make one with `wmspec study make DATASET -o {folder}`") from None
+    except ValidationError:
+        raise WmsError(
+            "not a study that `wmspec study make` wrote", FilePlace(str(path)), "make it again, with the same options"
+        ) from None
+
+
+def save(study: Study, folder: Path) -> None:
+    """Write a study's file. Raises WmsError if it cannot be written."""
+    path = folder / FILE
+    with explained(path):
+        part = path.with_suffix(".part")
+        part.write_text(study.model_dump_json(exclude_defaults=True) + "\n", encoding="utf-8")
+        part.replace(path)

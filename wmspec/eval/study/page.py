@@ -1,0 +1,80 @@
+"""The study's page: written once to be put anywhere, and made anew when it is served."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.core.resources import resource
+from wmspec.core.safe_io import plain
+from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.webpage import webpage
+from wmspec.eval.study.model import PAGE, TEXTS, Item, Study
+
+#: The longest text that is read, in bytes.
+_LONGEST = 64 << 10
+
+
+def write(study: Study, folder: Path) -> None:
+    """Write the texts that are not there yet, and the page. Raises WmsError if they cannot be written."""
+    with explained(folder):
+        (folder / TEXTS).mkdir(exist_ok=True)
+        for name, text in _texts(study):
+            place = folder / TEXTS / f"{name}.txt"
+            if not place.exists():
+                place.write_text(text, encoding="utf-8")
+        (folder / PAGE / "index.html").write_text(html(study, folder, served=False), encoding="utf-8")
+
+
+def html(study: Study, folder: Path, served: bool) -> str:
+    """The page, which sends answers to the server that it came from or, if not `served`, gives them as a file.
+
+    Raises WmsError if one of its texts cannot be read.
+    """
+    texts = {name: _read(folder / TEXTS / f"{name}.txt") for name, _ in _texts(study)}
+    return webpage("wmspec.eval.study", study.public() | {"served": served, "texts": texts})
+
+
+def unfinished(folder: Path) -> list[Path]:
+    """The texts in which there still is something in brackets for the maker of a study to say."""
+    return [path for path in sorted((folder / TEXTS).glob("*.txt")) if re.search(r"\[[^\]]{20,}\]", _read(path))]
+
+
+def _texts(study: Study) -> Iterator[tuple[str, str]]:
+    """The names of the texts, and what they say if nobody says otherwise."""
+    for name in ("consent", "instructions"):
+        yield name, resource(f"eval/study/texts/{name}.txt").read_text(encoding="utf-8")
+    firsts = {item.task: item for item in reversed(study.items) if item.kind != "check"}
+    for task, first in sorted(firsts.items()):
+        if not re.fullmatch(r"\w[\w.-]*", task):
+            raise WmsError(f"a task cannot be called {task!r}: its instructions are a file of that name")
+        yield f"task-{task}", _instructions(first)
+
+
+def _instructions(item: Item) -> str:
+    """What is done in a task, as its first question has it."""
+    shown = len(item.context)
+    looks = f"{shown} pictures of a scene" if shown > 1 else "a picture of a scene" if shown else "a question"
+    if item.pictures:
+        does = f"choose one of {len(item.pictures)} other pictures"
+    elif item.words:
+        does = "choose one of the answers below"
+    else:
+        does = "give a number"
+    numbered = " They are numbered in their order." if shown > 1 else ""
+    return f"In this part you see {looks}.{numbered} Read the question, then {does}.\n"
+
+
+def _read(path: Path) -> str:
+    try:
+        text = plain(path).read_bytes()[: _LONGEST + 1]
+        if len(text) > _LONGEST:
+            raise WmsError(f"longer than {_LONGEST >> 10} KiB", FilePlace(str(path)), "shorten it")
+        return text.decode("utf-8")
+    except OSError:
+        raise WmsError("is missing", FilePlace(str(path)), "`wmspec study make` writes it again") from None
+    except UnicodeDecodeError:
+        raise WmsError("is not UTF-8", FilePlace(str(path)), "save it as UTF-8") from None

@@ -1,0 +1,172 @@
+"""A small server for a study: its page, its pictures, and two things to say to it: that one begins, and an answer."""
+
+from __future__ import annotations
+
+import ipaddress
+import json
+import re
+import sqlite3
+import sys
+from dataclasses import asdict
+from functools import partial
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.eval.study import page, store
+from wmspec.eval.study.answers import Answer, Person
+from wmspec.eval.study.model import PAGE, Study, load
+from wmspec.eval.study.store import Full, Place, Store
+
+#: The longest request that is read, in bytes; and how long a silent connection stays open, in seconds.
+LARGEST, PATIENCE = 4096, 60.0
+
+
+class Server(ThreadingHTTPServer):
+    """A study on an address; `serve_forever` runs it."""
+
+    daemon_threads = True
+
+    def __init__(self, folder: Path, host: str, port: int) -> None:
+        """Raises WmsError if there is no study, or if the address cannot be had."""
+        self.study: Study = load(folder)
+        self.page = page.html(self.study, folder, served=True).encode()
+        shown = {name for item in self.study.items for name in (*item.context, *item.pictures)}
+        self.pictures = {f"/pictures/{name}": folder / PAGE / "pictures" / Path(name).name for name in shown}
+        self.store = Store(folder / store.FILE, self.study)
+        self.is_local = _is_loopback(host)
+        try:
+            super().__init__((host, port), partial(_Handler))
+        except OSError as error:
+            self.store.close()
+            raise WmsError(
+                f"{host}:{port} cannot be listened on: {error.strerror or error}; try another --port"
+            ) from None
+
+    @property
+    def url(self) -> str:
+        """Where the page is."""
+        return f"http://{self.server_address[0]!s}:{self.server_address[1]}/"
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A visitor who is gone is no error."""
+        if not isinstance(sys.exception(), OSError):
+            super().handle_error(request, client_address)
+
+    def server_close(self) -> None:
+        """Stop listening, and close the file of answers."""
+        super().server_close()
+        self.store.close()
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+class _Handler(BaseHTTPRequestHandler):
+    """One connection."""
+
+    server: Server
+    server_version, sys_version = "wmspec", ""
+    protocol_version = "HTTP/1.1"
+    timeout = PATIENCE
+
+    def do_GET(self) -> None:
+        """The page, or a picture of it: nothing else on the disk can be named."""
+        path = self.path.partition("?")[0]
+        if not self._is_meant():
+            return
+        if path == "/":
+            self._send(HTTPStatus.OK, self.server.page, "text/html; charset=utf-8")
+        elif path in self.server.pictures:
+            try:
+                content = self.server.pictures[path].read_bytes()
+            except OSError:
+                self._tell(HTTPStatus.NOT_FOUND, "not here")
+                return
+            self._send(HTTPStatus.OK, content, "image/png", "public, max-age=86400")
+        else:
+            self._tell(HTTPStatus.NOT_FOUND, "not here")
+
+    def do_POST(self) -> None:
+        """Somebody begins (or comes back), or answers."""
+        body = self._body()
+        if body is None:
+            return
+        try:
+            place = self._done(body)
+        except (ValidationError, ValueError):
+            self._tell(HTTPStatus.BAD_REQUEST, "not understood")
+        except sqlite3.Error:
+            self._tell(HTTPStatus.SERVICE_UNAVAILABLE, "cannot be kept now")
+        except Full:
+            self._tell(HTTPStatus.GONE, "all questions have been answered")
+        else:
+            if place is None:
+                self._tell(HTTPStatus.CONFLICT, "no such visit or question")
+            else:
+                self._json(HTTPStatus.OK, asdict(place))
+
+    def _done(self, body: bytes) -> Place | None:
+        match self.path.split("/"):
+            case ["", "visits"]:
+                return self.server.store.begin(Person.model_validate_json(body))
+            case ["", "visits", session, "answers"]:
+                return self.server.store.keep(session, Answer.model_validate_json(body))
+        return None
+
+    def _is_meant(self) -> bool:
+        """Whether the request names an address of ours: pages of others cannot reach a local server by a name."""
+        name = re.sub(r":\d+$", "", self.headers.get("Host", "")).strip("[]")
+        if not self.server.is_local or _is_loopback(name):
+            return True
+        self._tell(HTTPStatus.MISDIRECTED_REQUEST, "call it by its address")
+        return False
+
+    def _body(self) -> bytes | None:
+        """The request's JSON, None if it is refused. Pages of others cannot send this type without being allowed to."""
+        if not self._is_meant():
+            return None
+        if self.headers.get_content_type() != "application/json":
+            self._tell(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "JSON is expected")
+            return None
+        length = self.headers.get("Content-Length", "")
+        if not re.fullmatch(r"\d{1,9}", length, re.ASCII):
+            self._tell(HTTPStatus.LENGTH_REQUIRED, "a length is expected")
+            return None
+        if int(length) > LARGEST:
+            self._tell(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "too long")
+            return None
+        return self.rfile.read(int(length))
+
+    def _tell(self, status: HTTPStatus, why: str) -> None:
+        self.close_connection = True  # what it still sends is not read
+        self._json(status, {"error": why})
+
+    def _json(self, status: HTTPStatus, value: dict[str, Any]) -> None:
+        self._send(status, json.dumps(value).encode(), "application/json")
+
+    def _send(self, status: HTTPStatus, content: bytes, kind: str, cache: str = "no-store") -> None:
+        self.send_response(status)
+        for name, value in (
+            ("Content-Type", kind),
+            ("Content-Length", str(len(content))),
+            ("Cache-Control", cache),
+            ("X-Content-Type-Options", "nosniff"),
+            ("X-Frame-Options", "DENY"),
+            ("Referrer-Policy", "no-referrer"),
+            *((("Connection", "close"),) if self.close_connection else ()),
+        ):
+            self.send_header(name, value)
+        self.end_headers()
+        self.wfile.write(content)
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """Nothing is logged: who visits when is nobody's business but the file of answers."""

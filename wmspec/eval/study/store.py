@@ -1,0 +1,155 @@
+"""The answers of a study that is served: an SQLite file that has an answer once and for good, or not at all."""
+
+from __future__ import annotations
+
+import secrets
+import sqlite3
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.eval.study.answers import Answer, Person, Visit
+from wmspec.eval.study.model import Study
+
+#: Its name in the study's folder.
+FILE = "answers.sqlite"
+#: More visits than anybody has: a flood must not fill the disk.
+MOST_VISITS = 20_000
+
+_TABLES = """
+create table if not exists study (fingerprint text primary key);
+create table if not exists visit (
+  session text primary key, rater text not null, slot integer not null, code text not null, began text not null
+);
+create table if not exists answer (
+  session text not null references visit, step integer not null, text text not null,
+  seconds real not null, away real not null, at text not null, primary key (session, step)
+) without rowid;
+"""
+
+
+@dataclass(frozen=True)
+class Place:
+    """How far a visit is: its share, the steps that are answered, and the code that tells that it is over."""
+
+    slot: int
+    done: tuple[int, ...]
+    code: str | None
+
+
+class Full(Exception):
+    """Nobody else is wanted."""
+
+
+class Store:
+    """The file, open. Any thread may use it."""
+
+    def __init__(self, path: Path, study: Study) -> None:
+        """Open the file, or begin one. Raises WmsError if it is of another study, or cannot be written."""
+        self._study, self._lock = study, threading.Lock()
+        try:
+            # Waits for another process; a commit is on the disk before it returns.
+            self._file = sqlite3.connect(path, timeout=30, isolation_level=None, check_same_thread=False)
+            self._file.execute("pragma synchronous=full")
+            with self._write():
+                for statement in filter(str.strip, _TABLES.split(";")):
+                    self._file.execute(statement)
+                known = [name for (name,) in self._file.execute("select fingerprint from study")]
+                if not known:
+                    self._file.execute("insert into study values (?)", [study.fingerprint])
+        except sqlite3.Error as error:
+            raise WmsError(
+                f"cannot be opened ({error})", FilePlace(str(path)), "move it away, answers begin anew"
+            ) from None
+        if known and known != [study.fingerprint]:
+            raise WmsError("answers to another study", FilePlace(str(path)), "serve the folder that it was made in")
+
+    @contextmanager
+    def _write(self) -> Iterator[None]:
+        """All of it or nothing, and nobody else meanwhile."""
+        with self._lock:
+            self._file.execute("begin immediate")
+            try:
+                yield
+            except BaseException:
+                self._file.execute("rollback")
+                raise
+            self._file.execute("commit")
+
+    def close(self) -> None:
+        """Close the file."""
+        with self._lock:
+            self._file.close()
+
+    def begin(self, person: Person) -> Place:
+        """Give a person a share of the questions, or the one that they have. Raises Full if all has been answered."""
+        with self._write():
+            if self._slot(person.session) is None:
+                values = [person.session, person.rater, self._free(), secrets.token_hex(4).upper()]
+                self._file.execute("insert into visit values (?, ?, ?, ?, datetime('now'))", values)
+            return self._place(person.session)
+
+    def keep(self, session: str, answer: Answer) -> Place | None:
+        """Keep an answer; when this returns, it outlasts a kill and a power cut. The first to a step stands.
+
+        None if there is no such visit or step, or if it is no answer to it.
+        """
+        with self._write():
+            slot = self._slot(session)
+            shown = None if slot is None else self._study.step(slot, answer.step)
+            if shown is None or not answer.fits(shown[0]):
+                return None
+            self._file.execute(
+                "insert into answer values (?, ?, ?, ?, ?, datetime('now')) on conflict do nothing",
+                [session, answer.step, answer.text, answer.seconds, answer.away],
+            )
+            return self._place(session)
+
+    def visits(self) -> list[Visit]:
+        """All visits with their answers, in the order in which they began."""
+        with self._lock:
+            answers: dict[str, list[Answer]] = {}
+            for session, step, text, seconds, away in self._file.execute(
+                "select session, step, text, seconds, away from answer order by session, step"
+            ):
+                answers.setdefault(session, []).append(Answer(step=step, text=text, seconds=seconds, away=away))
+            rows = self._file.execute("select session, rater, slot, code from visit order by rowid").fetchall()
+        return [
+            Visit(
+                session=s,
+                rater=r,
+                slot=slot,
+                code=code,
+                study=self._study.fingerprint,
+                answers=tuple(answers.get(s, ())),
+            )
+            for s, r, slot, code in rows
+        ]
+
+    def _slot(self, session: str) -> int | None:
+        row = self._file.execute("select slot from visit where session = ?", [session]).fetchone()
+        return None if row is None else int(row[0])
+
+    def _free(self) -> int:
+        """The share that fewest have taken, of those that nobody has finished. Raises Full if there is none."""
+        taken: dict[int, int] = dict.fromkeys(range(len(self._study.slots)), 0)
+        for slot, count in self._file.execute(
+            "select slot, (select count(*) from answer where answer.session = visit.session) from visit"
+        ):
+            if count == len(self._study.slots[slot]):
+                taken.pop(slot, None)
+            elif slot in taken:
+                taken[slot] += 1
+        if not taken or self._file.execute("select count(*) from visit").fetchone()[0] >= MOST_VISITS:
+            raise Full
+        return min(taken, key=lambda slot: (taken[slot], slot))
+
+    def _place(self, session: str) -> Place:
+        slot, code = self._file.execute("select slot, code from visit where session = ?", [session]).fetchone()
+        done = self._file.execute("select step from answer where session = ? order by step", [session]).fetchall()
+        whole = len(done) == len(self._study.slots[slot])
+        return Place(slot, tuple(step for (step,) in done), code if whole else None)

@@ -1,0 +1,1 @@
+"""Checks expressions: names, operators, calls, members, lists."""

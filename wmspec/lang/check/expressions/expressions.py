@@ -1,0 +1,206 @@
+"""Checking expressions: every name resolved, every unit turned to SI, every kind known.
+
+`Expressions` knows the task; the sorts of expressions have a file each: names, members, calls, operators, lists.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NoReturn
+
+from wmspec.core.diagnostics import Note, Remedy, Report
+from wmspec.core.places import Span
+from wmspec.lang.check.expressions import calls, lists, members, names, operators
+from wmspec.lang.check.expressions.libraries import having
+from wmspec.lang.check.expressions.scope import Scope
+from wmspec.lang.check.expressions.typed import ZERO, Failed, Typed, constant, example, fits
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.types import units
+from wmspec.lang.check.types.types import DIRECTION, OBJECT, TEXT, TRUTH, Quantity, Type, Vector, article, either
+from wmspec.lang.check.types.units import NUMBER, Dimension
+from wmspec.lang.parse import syntax as s
+
+__all__ = ["ZERO", "Expressions", "Failed", "Typed", "constant", "fits"]
+
+#: How deeply expressions may nest, those counted in that names stand for: who evaluates them goes as deep.
+MOST_DEPTH = 120
+
+
+class Expressions:
+    """Checks the expressions of one task. Declarations are checked when they are first needed, in any order.
+
+    `unknown` are the names that were told to stand for nothing; the variants of a task share them.
+    """
+
+    def __init__(self, scope: Scope, report: Report, unknown: set[str]) -> None:
+        self.scope = scope
+        self.report = report
+        self.subject: ir.Expr | None = None  # the acting object, inside an action's arguments
+        self._unknown = unknown
+        self.doubtful: set[str] = set()
+        """Named values that may be wrong themselves: no misfit of theirs is told (again)."""
+        self._blamed: set[Span] = set()
+        """Values that were given to a library and do not fit there: of each this is told once."""
+        self.measured = False  # whether measured functions may stand here
+        self._known: dict[tuple[str, str], Typed | None] = {}
+        self._open: list[tuple[tuple[str, str], Span]] = []
+        self._depth = self._deepest = 0
+        self._height: dict[tuple[str, str], int] = {}
+        self.domain_of: Callable[[s.Factor], Type]  # set by who checks domains, which are made of expressions
+
+    def value(self, e: s.Expr, wanted: tuple[Type, ...], what: str) -> Typed:
+        """Check an expression that must be of one of the wanted kinds. `what` names the place in messages."""
+        typed = self.infer(e, wanted)
+        for kind in wanted:
+            if fits(typed.type, kind):
+                return Typed(typed.expr, kind)
+        self.misfit(e, typed.type, wanted, what)
+
+    def infer(self, e: s.Expr, wanted: tuple[Type, ...] = ()) -> Typed:
+        """Check an expression of any kind; `wanted` helps to read bare words and suggest others."""
+        self._depth += 1
+        try:
+            self._deepen(0, e.span)
+            return self._infer(e, wanted)
+        finally:
+            self._depth -= 1
+
+    def _infer(self, e: s.Expr, wanted: tuple[Type, ...]) -> Typed:
+        match e:
+            case s.Number():
+                return self._number(e, wanted)
+            case s.Text() | s.Truth():
+                return Typed(ir.Value(value=e.value), TEXT if isinstance(e, s.Text) else TRUTH)
+            case s.Name():
+                return names.name(self, e, wanted)
+            case s.Member():
+                return members.member(self, e)
+            case s.Index():
+                return members.index(self, e)
+            case s.Call():
+                return calls.call(self, e)
+            case s.Operation():
+                return operators.operation_of(self, e, wanted)
+            case s.Items() | s.Called():
+                return lists.items(self, e, wanted)
+            case s.Range():
+                return lists.range_(self, e)
+
+    def measuring(self, e: s.Expr, wanted: tuple[Type, ...] = (), what: str = "") -> Typed:
+        """Check an expression in which measured functions may stand; of any kind if none is wanted."""
+        before, self.measured = self.measured, True
+        try:
+            return self.value(e, wanted, what) if wanted else self.infer(e)
+        finally:
+            self.measured = before
+
+    def fail(self, code: str, message: str, span: Span, help: str = "", notes: tuple[Note, ...] = ()) -> NoReturn:
+        """Report a mistake and give up on the value."""
+        self.report.add(code, message, span, help, notes)
+        raise Failed
+
+    def unknown(self, e: s.Name, message: str, help: str, code: str = "WMS201") -> NoReturn:
+        """Report a name that stands for nothing here: each once, and none where names are missing."""
+        doubled = self.scope.doubled and "did you mean" not in help  # one of two may have been meant to be called so
+        if not e.id or not self.scope.whole or doubled or e.id in self._unknown:
+            raise Failed
+        self._unknown.add(e.id)
+        if self.scope.alone and "did you mean" not in help:
+            library, brought = having(self.scope.strange())
+            if e.id in brought:
+                self._unknown |= brought
+                self.fail(code, message, e.span, f"write `use {library}` above, which has it")
+        close = self.scope.names.get(help.partition("did you mean `")[2].partition("`")[0])
+        near = close is not None and close.name.span.source is e.span.source
+        notes = (Note("it is declared here", close.name.span),) if close is not None and near else ()
+        self.fail(code, message, e.span, help, notes)
+
+    def misfit(
+        self, e: s.Expr, actual: Type, wanted: tuple[Type, ...], what: str, beside: s.Expr | None = None
+    ) -> NoReturn:
+        """Report a value of the wrong kind, which may be the fault of what is `beside` it.
+
+        Where a named value is involved, that may be what is wrong: of each, this is told once.
+        """
+        span = e.span
+        wants = either([article(str(k)) for k in wanted])
+        examples = [f"`{example(k)}`" for k in wanted[:2] if example(k)]
+        quantities = isinstance(actual, Quantity | Vector) and isinstance(wanted[0], Quantity | Vector)
+        help = f"write something like {' or '.join(examples)}" if examples else ""
+        if isinstance(e, s.Text) and e.value in names.fitting(self, wanted):
+            help = Remedy.of(f"write `{e.value}`, without quotes", span.text, e.value)
+        if actual == OBJECT and DIRECTION in wanted:
+            help = f"write `toward({span.text})`"
+        elif isinstance(e, s.Name):
+            help = names.instead(self, e, wanted) or help
+        shown = "a bare 0" if actual == Quantity(ZERO) else article(str(actual))
+        message = f"{what} wants {wants}, but this is {shown}"
+        if isinstance(e, s.Name) and names.undeclared(self, e, actual) and set(wanted) & set(names.BLOCKS.values()):
+            self.unknown(e, message, help, "WMS302")
+        named = {n.id: d for n in s.names((e, beside)) if isinstance(d := self.scope.names.get(n.id), s.Let | s.Factor)}
+        if named.keys() & self.doubtful:
+            raise Failed
+        self.doubtful |= named.keys()
+        own = (d for d in named.values() if d.name.span.source is span.source)
+        notes = tuple(Note(f"`{d.name.id}` is declared here", d.name.span) for d in own)
+        code = "WMS301" if quantities else "WMS302"
+        if (given := next((n for n in s.numbers((e, beside)) if n.span.source is not span.source), None)) is not None:
+            if given.span in self._blamed:
+                raise Failed
+            self._blamed.add(given.span)
+            self.fail(code, f"where this is used, {message}", given.span, "", (Note("it is used here", span),))
+        self.fail(code, message, span, help, notes[:2])
+
+    def _number(self, e: s.Number, wanted: tuple[Type, ...]) -> Typed:
+        scale, dimension = self.unit(e.unit, e.span, wanted) if e.unit else (1.0, NUMBER)
+        if not math.isfinite(e.value * scale):
+            self.fail("WMS304", "this number is too large", e.span)
+        if e.value == 0 and e.unit is None:
+            dimension = ZERO
+        return Typed(ir.Value(value=units.convert(e.value, scale)), Quantity(dimension))
+
+    def unit(self, unit: str, span: Span, wanted: tuple[Type, ...] = ()) -> tuple[float, Dimension]:
+        """The SI value and dimension of a unit as written."""
+        try:
+            return units.parse_unit(unit)
+        except units.UnknownUnit as error:
+            dimensions = [kind.dimension for kind in wanted if isinstance(kind, Quantity | Vector)]
+            help = units.remedy(str(error), span.text, dimensions)
+            self.fail("WMS103", f"unknown unit `{error}`", span, help)
+
+    def once(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed:
+        """Check a declaration the first time it is needed; a circle of declarations is a mistake."""
+        if any(key == k for k, _ in self._open):
+            notes = tuple(Note(f"`{'.'.join(k)}` needs this", where) for k, where in self._open[1:])
+            self._known[key] = None
+            self.fail("WMS209", "this value depends on itself", span, "break the circle with a constant", notes)
+        if key not in self._known:
+            self._known[key] = self._made(key, span, make)
+        known = self._known[key]
+        if known is None:
+            raise Failed
+        self._deepen(self._height[key], span)
+        return known
+
+    def _made(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed | None:
+        """A declaration, checked as it stands: not in the midst of the action or answer that needs it."""
+        before = self.subject, self.measured, self._deepest
+        self.subject, self.measured, self._deepest = None, False, self._depth
+        self._open.append((key, span))
+        self._depth += 1
+        try:
+            self._deepen(0, span)
+            return make()
+        except Failed:
+            return None
+        finally:
+            self._depth -= 1
+            self._open.pop()
+            self._height[key] = self._deepest - self._depth
+            self.subject, self.measured, self._deepest = *before[:2], max(before[2], self._deepest)
+
+    def _deepen(self, more: int, span: Span) -> None:
+        self._deepest = max(self._deepest, self._depth + more)
+        if self._depth + more > MOST_DEPTH:
+            self.fail("WMS105", "too many values depend on one another here", span, "make the chain shorter")

@@ -1,0 +1,133 @@
+"""The value of an expression. Operators are a table; names, properties and functions come from the environment."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterator
+from typing import Any, Protocol
+
+from wmspec.core.diagnostics import ImpossibleValue
+from wmspec.lang.check.ir.ir import Call, Expr, Items, Operation, Property, Ref, Value
+
+
+class Environment(Protocol):
+    """Where an expression finds what it refers to."""
+
+    def ref(self, name: str) -> Any:
+        """A factor, nuisance or `let`."""
+
+    def property(self, owner: str, name: str) -> Any:
+        """A property of an object, camera or light, or an argument of an action."""
+
+    def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:
+        """A function of arguments and options that have been evaluated."""
+
+
+class NoValue(ImpossibleValue):
+    """An expression has no value; whoever wanted it knows where it stands."""
+
+
+def _divide(a: float, b: float) -> float:
+    if b == 0:
+        raise NoValue("division by zero")
+    return a / b
+
+
+_OPERATORS: dict[str, Callable[..., Any]] = {
+    "+": operator.add,
+    "*": operator.mul,
+    "/": _divide,
+    "==": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "not": operator.not_,
+    "x": operator.itemgetter(0),
+    "y": operator.itemgetter(1),
+    "z": operator.itemgetter(2),
+}
+
+
+def evaluate(expr: Expr, env: Environment) -> Any:
+    """The value: a float (SI), bool, str (words and names), or a tuple of values. Raises WmsError if there is none."""
+    return _KINDS[type(expr)](expr, env)
+
+
+def _items(expr: Items, env: Environment) -> tuple[Any, ...]:
+    return tuple(_all(expr.items, env))
+
+
+def _all(exprs: tuple[Expr, ...], env: Environment) -> list[Any]:
+    """The values of several expressions, most of which are constants."""
+    return [e.value if type(e) is Value else _KINDS[type(e)](e, env) for e in exprs]
+
+
+def _operation(expr: Operation, env: Environment) -> Any:
+    if expr.each is None:
+        return _operate(expr.operator, expr.operands, env)
+    values = _all(expr.operands, env)
+    rows = ([*values[: expr.each], item, *values[expr.each + 1 :]] for item in values[expr.each])
+    return tuple(_operate(expr.operator, tuple(Value(value=v) for v in row), env) for row in rows)
+
+
+def _operate(operator: str, operands: tuple[Expr, ...], env: Environment) -> Any:
+    own = _OWN_WAY.get(operator)
+    return own(operands, env) if own else _OPERATORS[operator](*_all(operands, env))
+
+
+def _call(expr: Call, env: Environment) -> Any:
+    arguments = tuple(_all(expr.arguments, env))
+    options = {option.name: evaluate(option.value, env) for option in expr.options}
+    if expr.each is None:
+        return env.call(expr.function, arguments, **options)
+    before, items, after = arguments[: expr.each], arguments[expr.each], arguments[expr.each + 1 :]
+    return tuple(env.call(expr.function, (*before, item, *after), **options) for item in items)
+
+
+def _if(operands: tuple[Expr, ...], env: Environment) -> Any:
+    return evaluate(operands[1] if evaluate(operands[0], env) else operands[2], env)
+
+
+def _minus(operands: tuple[Expr, ...], env: Environment) -> Any:
+    values = _all(operands, env)
+    return -values[0] if len(values) == 1 else values[0] - values[1]
+
+
+#: Operators that do not simply take the values of all their operands.
+_OWN_WAY: dict[str, Callable[[tuple[Expr, ...], Environment], Any]] = {
+    "if": _if,
+    "and": lambda operands, env: all(evaluate(e, env) for e in operands),
+    "or": lambda operands, env: any(evaluate(e, env) for e in operands),
+    "-": _minus,
+}
+
+
+#: How an expression of each kind is worked out.
+_KINDS: dict[type, Callable[[Any, Environment], Any]] = {
+    Value: lambda expr, _: expr.value,
+    Ref: lambda expr, env: env.ref(expr.name),
+    Property: lambda expr, env: env.property(evaluate(expr.owner, env), expr.name),
+    Items: _items,
+    Call: _call,
+    Operation: _operation,
+}
+
+
+def parts(expr: Expr) -> Iterator[Expr]:
+    """The expression and all that it is made of."""
+    stack: list[Expr] = [expr]
+    while stack:
+        node = stack.pop()
+        yield node
+        match node:
+            case Property():
+                stack.append(node.owner)
+            case Items():
+                stack.extend(node.items)
+            case Call():
+                stack.extend(node.arguments)
+                stack.extend(option.value for option in node.options)
+            case Operation():
+                stack.extend(node.operands)

@@ -1,0 +1,1 @@
+"""Expands libraries, templates and asset files."""

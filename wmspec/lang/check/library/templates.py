@@ -1,0 +1,102 @@
+"""Templates: what objects of one model have in common, put into each of them before anything is checked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from wmspec.core.diagnostics import Note, Report, suggestion
+from wmspec.core.places import Span
+from wmspec.lang.check.expressions.libraries import having
+from wmspec.lang.check.library.substitute import Substitute, TooLarge
+from wmspec.lang.check.tables.vocabulary import PROPERTIES
+from wmspec.lang.parse import syntax as s
+
+
+class Templates:
+    """The templates of a task."""
+
+    def __init__(self, statements: Iterable[s.Statement], substitute: Substitute, report: Report) -> None:
+        self._substitute = substitute
+        self._report = report
+        self._used: set[str] = set()
+        self.known: dict[str, s.Template] = {}
+        for statement in statements:
+            if isinstance(statement, s.Template):
+                self.known.setdefault(statement.name.id, statement)
+                self._once_each(statement)
+
+    def expanded(self, statement: s.Statement) -> s.Statement:
+        """An object or set with what its template says; anything else as it is."""
+        if not isinstance(statement, s.Block) or statement.kind not in ("object", "objects") or statement.model is None:
+            return statement
+        name = statement.model
+        bare = replace(statement, model=None)
+        if name.id not in self.known:
+            library, _ = having({name.id})
+            help = f"write `use {library}` above, which has it" if library else suggestion(name.id, self.known)
+            self._report.add("WMS201", f"there is no template `{name.id}`", name.span, help)
+            known = tuple(p for p in bare.properties if p.name.id in PROPERTIES["object"])
+            return replace(bare, properties=known)
+        self._used.add(name.id)
+        return self._made(bare, self.known[name.id], name.span)
+
+    def unused(self) -> Iterable[s.Block]:
+        """An object of each template that no object is made of, so that its mistakes are found too."""
+        for name, template in self.known.items():
+            if name not in self._used:
+                block = s.Block("object", template.name, (), template.span)
+                yield self._made(block, template, template.name.span)
+
+    def _made(self, block: s.Block, template: s.Template, span: Span) -> s.Block:
+        try:
+            return self._filled(block, template)
+        except TooLarge:
+            notes = (Note("the template is declared here", template.name.span),)
+            self._report.add("WMS105", "what this template makes is too large", span, "make it simpler", notes)
+            return block
+
+    def _filled(self, block: s.Block, template: s.Template) -> s.Block:
+        parameters = {p.name.id for p in template.parameters}
+        given = {p.name.id: p.value for p in block.properties if p.name.id in parameters}
+        self._without_place(p for p in block.properties if p.name.id in parameters)
+        own = tuple(p for p in block.properties if p.name.id not in parameters and self._known(p, template))
+        values: dict[str, s.Expr] = {}
+        for p in template.parameters:  # a default may be made of the parameters before it
+            value = given.get(p.name.id)
+            values[p.name.id] = self._substitute.expression(p.value, values) if value is None else value
+        written = {p.name.id for p in own} | {"at" for p in own if p.at is not None}
+        for either in ({"on", "inside"}, {"mass", "density"}):
+            written |= either if written & either else set()
+        kept = (p for p in template.properties if p.name.id not in written)
+        common = tuple(self._substitute.property(p, values) for p in kept)
+        if "at" in written:  # the object's own place goes before the template's
+            common = tuple(replace(p, at=None) for p in common)
+        parts = tuple(self._substitute.part(p, values) for p in template.parts)
+        return replace(block, properties=(*common, *own), parts=(*parts, *block.parts))
+
+    def _known(self, p: s.Property, template: s.Template) -> bool:
+        """Whether an object can have the property; else complain, with the template's parameters in mind."""
+        table = PROPERTIES["object"]
+        if p.name.id in table:
+            return True
+        names = [*table, *(x.name.id for x in template.parameters)]
+        message = f"`{template.name.id}` has no parameter `{p.name.id}`, nor has an object such a property"
+        notes = (Note("the template is declared here", template.name.span),)
+        self._report.add("WMS203", message, p.name.span, suggestion(p.name.id, names), notes)
+        return False
+
+    def _without_place(self, parameters: Iterable[s.Property]) -> None:
+        for p in parameters:
+            if p.at is not None:
+                self._report.add("WMS101", "`at` follows `on:` and `inside:` only", p.at.span, "remove it")
+
+    def _once_each(self, template: s.Template) -> None:
+        self._without_place(template.parameters)
+        seen: dict[str, Span] = {}
+        for p in template.parameters:
+            if p.name.id in seen:
+                notes = (Note("declared here first", seen[p.name.id]),)
+                message = f"`{template.name.id}` has two parameters `{p.name.id}`"
+                self._report.add("WMS202", message, p.name.span, "remove one", notes)
+            seen.setdefault(p.name.id, p.name.span)

@@ -1,0 +1,1 @@
+"""Checks the statements of a task: objects, actions, factors, questions."""

@@ -1,0 +1,157 @@
+"""Checking counterfactuals: exactly one change each."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import cast
+
+from wmspec.core.diagnostics import Note
+from wmspec.core.places import Location
+from wmspec.lang.check.expressions import actions
+from wmspec.lang.check.expressions.bounds import within
+from wmspec.lang.check.expressions.expressions import Expressions
+from wmspec.lang.check.expressions.members import named
+from wmspec.lang.check.expressions.typed import Typed, constant
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.library.files import beside
+from wmspec.lang.check.statements.objects import Things
+from wmspec.lang.check.tables.vocabulary import FILES, Slot
+from wmspec.lang.check.types.types import ACTION, CAMERA, JOINT, LIGHT, OBJECT, PART, ROBOT, WORLD, article
+from wmspec.lang.parse import syntax as s
+
+#: What has properties that a counterfactual can change.
+_CHANGED = (OBJECT, PART, CAMERA, LIGHT, JOINT, ROBOT, WORLD)
+
+
+class Counterfactuals:
+    """Checks the counterfactuals of a task; a mistake is reported and raises `Failed`."""
+
+    def __init__(self, check: Expressions, things: Things) -> None:
+        self.check = check
+        self.things = things
+        self.added: list[ir.Thing] = []
+        """The actions that counterfactuals add."""
+
+    def counterfactual(self, written: s.Counterfactual) -> ir.Counterfactual:
+        """A counterfactual: exactly one change."""
+        name = written.name.id
+        if len(written.changes) != 1:
+            many = len(written.changes)
+            what = f"a counterfactual changes exactly one thing, but `{name}` changes {many}"
+            remedy = "make one counterfactual of each change" if many else "say what would be different"
+            self.check.fail("WMS503", what, written.name.span, remedy)
+        (change,) = written.changes
+        match change.kind:
+            case "without":
+                owner = self._action(change.target, "`without`")
+                return self._made(name, change, owner, "", None, "")
+            case "order":
+                return self._order(name, change)
+            case "add":
+                return self._added(name, change)
+            case _:
+                return self._changed(name, change)
+
+    def _made(
+        self, name: str, change: s.Change, owner: str, prop: str, value: ir.Expr | None, sort: str
+    ) -> ir.Counterfactual:
+        return ir.Counterfactual(
+            name=name,
+            change=cast(ir.Change, change.kind),
+            owner=owner,
+            property=prop,
+            value=value,
+            sort=sort,
+            place=Location.of(change.span),
+        )
+
+    def _action(self, e: s.Expr, what: str) -> str:
+        """The name of an action."""
+        expr = self.check.value(e, (ACTION,), what).expr
+        if not isinstance(expr, ir.Value):
+            self.check.fail("WMS503", f"{what} names an action", e.span, "which action is meant is a constant")
+        return str(expr.value)
+
+    def _added(self, name: str, change: s.Change) -> ir.Counterfactual:
+        """An action more, which is called as the counterfactual is."""
+        written = s.Action(s.Name(name, change.target.span), change.target, change.timings, change.span)
+        if name in self.check.scope.names:
+            notes = (Note("declared here", self.check.scope.names[name].name.span),)
+            what = f"the added action is called `{name}`, and something is called so already"
+            self.check.fail("WMS202", what, change.span, "give the counterfactual another name", notes)
+        self.check.scope.names[name] = written
+        self.added.append(replace(self.things.action(written), added=True))
+        return self._made(name, change, name, "", None, "")
+
+    # ------------------------------------------------------------ the order of two actions
+
+    def _order(self, name: str, change: s.Change) -> ir.Counterfactual:
+        assert change.value is not None
+        first, second = self._action(change.target, "`order`"), self._action(change.value, "`order`")
+        if first == second:
+            message = "an action cannot exchange turns with itself"
+            self.check.fail("WMS503", message, change.value.span, "name two actions")
+        if self._turn(first) == self._turn(second) is not None:
+            message = f"`{first}` and `{second}` begin and end together, so their order makes no difference"
+            self.check.fail("WMS503", message, change.span, "let one begin `after` the other")
+        return self._made(name, change, first, second, None, "")
+
+    def _turn(self, name: str) -> tuple[float, float] | None:
+        """When an action starts and how long it lasts, if both are constants."""
+        action = actions.named(self.check, name)
+        start = self._start(action)
+        timing = next((t for t in action.timings if t.kind == "for"), None)
+        duration = constant(self.check.infer(timing.value).expr) if timing is not None else 0.0
+        return None if start is None or duration is None else (start, duration)
+
+    def _start(self, action: s.Action) -> float | None:
+        """The constant start of an action; `with` another it is the other's."""
+        expr = actions.start(self.check, action)[0].expr
+        if isinstance(expr, ir.Property) and isinstance(expr.owner, ir.Value):
+            return self._start(actions.named(self.check, str(expr.owner.value)))
+        return constant(expr)
+
+    # ------------------------------------------------------------ an argument or a property
+
+    def _changed(self, name: str, change: s.Change) -> ir.Counterfactual:
+        assert change.value is not None
+        owner, prop, slot = self._target(change)
+        typed = self._value(change, change.value, owner, slot, prop)
+        within(self.check, typed.expr, slot, change.value.span, f"`{prop}`")
+        expr = beside(self.check, prop, change.value, typed.expr) if prop in FILES else typed.expr
+        if expr == ir.Property(owner=ir.Value(value=owner), name=prop):
+            self.check.fail("WMS503", "this is what it was before", change.value.span, "change the value")
+        return self._made(name, change, owner, prop, expr, str(typed.type))
+
+    def _value(self, change: s.Change, value: s.Expr, owner: str, slot: Slot, prop: str) -> Typed:
+        if change.kind == "action":
+            action = actions.named(self.check, owner)
+            self.check.subject = actions.subject(self.check, action, actions.act(self.check, action))
+        try:
+            return self.check.value(value, slot.types, f"`{prop}`")
+        finally:
+            self.check.subject = None
+
+    def _target(self, change: s.Change) -> tuple[str, str, Slot]:
+        """What a change is made to: its owner, its name and its slot."""
+        target = change.target
+        example = "push.speed" if change.kind == "action" else "ball.mass"
+        if not isinstance(target, s.Member):
+            message = f"`{change.kind}` changes one named value"
+            self.check.fail("WMS503", message, target.span, f"write something like `{example}`")
+        owner = self.check.infer(target.value)
+        wanted = (ACTION,) if change.kind == "action" else _CHANGED
+        if owner.type not in wanted or not isinstance(owner.expr, ir.Value):
+            what = "an action" if change.kind == "action" else "an object or camera"
+            actual = article(str(owner.type))
+            message = f"`{change.kind}` changes {what}, but this is {actual}"
+            if owner.type in wanted:
+                message = f"`{change.kind}` changes one named value, and which {owner.type} this is depends on a factor"
+            self.check.fail("WMS503", message, target.value.span)
+        name, prop = str(owner.expr.value), target.name
+        if owner.type == ACTION:
+            return name, prop.id, actions.slot_of(self.check, name, prop)
+        of = named(self.check, name)
+        if prop.id not in of.slots:
+            self.check.fail(*of.lacks(prop))
+        return name, prop.id, of.slots[prop.id]

@@ -1,0 +1,269 @@
+"""Checking what is there and what is done to it: objects and their parts, cameras, lights, joints, robots, actions."""
+
+from __future__ import annotations
+
+import re
+from typing import cast
+
+from wmspec.core.diagnostics import Note, Remedy, suggestion
+from wmspec.core.places import Location, Span
+from wmspec.lang.check.expressions import actions
+from wmspec.lang.check.expressions.actions import DURATION, START, Act
+from wmspec.lang.check.expressions.bounds import within
+from wmspec.lang.check.expressions.expressions import Expressions
+from wmspec.lang.check.expressions.members import setting
+from wmspec.lang.check.expressions.owners import Owner, owner, parts
+from wmspec.lang.check.expressions.typed import Failed
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.library.files import beside, texts
+from wmspec.lang.check.statements.defaults import default_value
+from wmspec.lang.check.tables.property_schema import inherited
+from wmspec.lang.check.tables.verbs import ROBOTS
+from wmspec.lang.check.tables.vocabulary import COLORS, FILES, JOINTS, MEASURES, PROPERTIES, Slot
+from wmspec.lang.check.types.types import A_TIME, article, either
+from wmspec.lang.parse import syntax as s
+from wmspec.sim.shapes import SHAPES
+
+_ARTICLE = re.compile(r"(the|an?)\b\s*", re.IGNORECASE)
+_MODELS = {"joint": tuple(JOINTS), "robot": tuple(ROBOTS)}
+
+
+class Things:
+    """Checks blocks and actions; a mistake in one property is reported and the others are still looked at."""
+
+    def __init__(self, check: Expressions) -> None:
+        self.check = check
+        self.scope = check.scope
+        self.report = check.report
+        self._reported: set[Span] = set()
+
+    # ------------------------------------------------------------ blocks
+
+    def block(self, block: s.Block) -> tuple[ir.Thing, ...]:
+        """A thing, with the defaults of what it leaves out; the parts of an object follow it."""
+        self._fits_kind(block)
+        of = owner(block)
+        whole = ir.Thing(
+            kind=cast(ir.ThingKind, block.kind),  # sets have become objects by now
+            name=of.name,
+            model=block.model.id if block.model else "",
+            of=block.whole,
+            set=self.scope.sets.get(of.name, ""),
+            properties=self._properties(of),
+            place=Location.of(of.span),
+        )
+        if block.kind == "joint":
+            self._joins_two(whole, block)
+        return whole, *(self._part(whole, part) for part in parts(block))
+
+    def _fits_kind(self, block: s.Block) -> None:
+        """Complain about a model or parts where they mean nothing."""
+        kind, model = block.kind, block.model
+        if block.parts and kind != "object":
+            self.report.add("WMS405", f"{article(kind)} has no parts", block.parts[0].name.span, "only an object has")
+        if kind in _MODELS and (model is None or model.id not in _MODELS[kind]):
+            self._once(model or block)
+            known = ", ".join(_MODELS[kind])
+            if model is None:
+                name = self.scope.sets.get(block.name.id, block.name.id)
+                message = f"the {kind} `{name}` does not say which kind it is"
+                remedy = f"write `: KIND` after its name: {known}"
+                self.check.fail("WMS206", message, block.name.span, remedy)
+            message = f"there is no kind of {kind} `{model.id}`"
+            self.check.fail("WMS201", message, model.span, suggestion(model.id, _MODELS[kind]))
+        if kind not in ("object", *_MODELS) and model is not None:
+            message = f"{article(kind)} has no template"
+            self.report.add("WMS405", message, model.span, "only an object has")
+        seen: dict[str, Span] = {}
+        for part in block.parts:
+            if part.name.id in seen:
+                notes = (Note("declared here first", seen[part.name.id]),)
+                message = f"`{block.name.id}` has two parts `{part.name.id}`"
+                self.report.add("WMS202", message, part.name.span, "give one of them another name", notes)
+            seen.setdefault(part.name.id, part.name.span)
+
+    def _once(self, written: s.Name | s.Block) -> None:
+        """Give up silently on what was reported of another member of the same set."""
+        if written.span in self._reported:
+            raise Failed
+        self._reported.add(written.span)
+
+    def _part(self, whole: ir.Thing, of: Owner) -> ir.Thing:
+        """A part: what it does not say of its looks is that of its object."""
+        properties = self._properties(of)
+        for name in inherited(of.said, whole.properties):
+            value = ir.Property(owner=ir.Value(value=whole.name), name=name)
+            properties[name] = ir.Setting(value=value, place=Location.of(of.span))
+        place = Location.of(of.span)
+        return ir.Thing(kind="part", name=of.name, of=whole.name, properties=properties, place=place)
+
+    def _properties(self, of: Owner) -> dict[str, ir.Setting]:
+        """The properties that are written, and the defaults of the others."""
+        properties: dict[str, ir.Setting] = {}
+        spans: dict[str, Span] = {}
+        here = Location.of(of.span)
+        for p in of.written:
+            for name, span in [(p.name.id, p.name.span)] + ([("at", p.at.span)] if p.at else []):
+                if name in spans:
+                    notes = (Note("set here first", spans[name]),)
+                    self.report.add("WMS202", f"`{name}` is set twice", span, "remove one", notes)
+                spans.setdefault(name, span)
+            try:
+                for name, made in self._written(of, p).items():
+                    properties.setdefault(name, made)
+            except Failed:
+                continue
+        for name, slot in of.slots.items():
+            if name not in spans and slot.default is not None:
+                properties[name] = ir.Setting(value=default_value(slot), place=here)
+            elif name not in spans and not slot.optional and not of.strange:
+                message = f"the {of.type.kind} `{of.name}` needs `{name}`: {slot.meaning}"
+                self.report.add("WMS206", message, of.span)
+        self._in_vain(of, properties)
+        return properties
+
+    def _in_vain(self, of: Owner, properties: dict[str, ir.Setting]) -> None:
+        """Complain about what says nothing: a second word on the weight, measures that the shape does not have."""
+        if (
+            of.type.kind == "object"
+            and not of.type.asset
+            and "file" not in of.said
+            and {"mass", "density"} <= of.said.keys()
+        ):
+            notes = (Note("its mass is said here", of.said["mass"].span),)
+            message = "`density` says nothing beside `mass`"
+            self.report.add("WMS203", message, of.said["density"].name.span, "remove one of them", notes)
+        shape = properties["shape"].value if "shape" in properties else None
+        for name in MEASURES:
+            if name in of.said and isinstance(shape, ir.Value) and not SHAPES[str(shape.value)].takes(name):
+                takes = [f"`{m}:`" for m in MEASURES if SHAPES[str(shape.value)].takes(m)]
+                takes = takes[:1] if takes[:1] == ["`size:`"] else takes
+                remedy = f"say how large it is with {either(takes[:3])}"
+                self.report.add("WMS203", f"a {shape.value} has no `{name}`", of.said[name].name.span, remedy)
+
+    def _written(self, of: Owner, p: s.Property) -> dict[str, ir.Setting]:
+        """A written property, and where it is placed with `at`."""
+        if p.name.id not in of.slots:
+            if p.name.id in PROPERTIES[of.type.kind] and not of.said.keys() <= PROPERTIES[of.type.kind].keys():
+                raise Failed  # what it needs may be misspelt
+            self.check.fail(*of.lacks(p.name))
+        if p.at is not None and p.name.id not in ("on", "inside"):
+            remedy = "write `at: (x, y, z)`"
+            self.check.fail("WMS101", "`at` follows `on:` and `inside:` only", p.at.span, remedy)
+        settings = {p.name.id: self._setting(of, p)}
+        if p.at is not None:
+            at = s.Property(s.Name("at", p.at.span), p.at, None, p.span)
+            settings["at"] = self._setting(of, at)
+        return settings
+
+    def _setting(self, of: Owner, p: s.Property) -> ir.Setting:
+        name, slot = p.name.id, of.slots[p.name.id]
+        typed = setting(self.check, of, p, slot)
+        within(self.check, typed.expr, slot, p.value.span, f"`{name}`")
+        if name in ("called", "plural"):
+            self._noun(of, p)
+        expr = beside(self.check, name, p.value, typed.expr) if name in FILES else typed.expr
+        return ir.Setting(value=expr, place=Location.of(p.value.span))
+
+    def _noun(self, of: Owner, p: s.Property) -> None:
+        """Complain about a name with what texts put before it: `the blue crate`; and about one without letters."""
+        for text in texts(self.check, p.value, set()):
+            noun = text.value.strip()
+            before = _ARTICLE.match(noun)
+            noun = noun[before.end() :] if before else noun
+            color, _, rest = noun.partition(" ")
+            noun = rest.strip() if rest and color in COLORS and "color" in of.said else noun
+            if not noun:
+                self.check.fail("WMS304", f"`{p.name.id}` says no name", text.span, 'write a noun, as in `"crate"`')
+            if noun != text.value:
+                remedy = Remedy.of(f'write `"{noun}"`', text.span.text, f'"{noun}"')
+                what = f"texts put article and colour before what is said with `{p.name.id}`"
+                self.check.fail("WMS304", what, text.span, remedy)
+
+    def _joins_two(self, joint: ir.Thing, block: s.Block) -> None:
+        of, to = joint.properties.get("of"), joint.properties.get("to")
+        if of is not None and to is not None and of.value == to.value and isinstance(of.value, ir.Value):
+            self.check.fail("WMS304", f"`{joint.name}` joins `{of.value.value}` to itself", block.name.span)
+
+    # ------------------------------------------------------------ actions
+
+    def action(self, action: s.Action) -> ir.Thing:
+        """An action: its verb, arguments and timings."""
+        does = actions.act(self.check, action)
+        self._all_known(does)
+        properties: dict[str, ir.Setting] = {}
+        for name, slot in does.verb.arguments.items():
+            if name in does.written:
+                try:
+                    properties[name] = self._argument(action, does, name, slot)
+                except Failed:
+                    continue
+            elif slot.default is not None:
+                properties[name] = ir.Setting(value=default_value(slot), place=Location.of(action.name.span))
+            elif not slot.optional and not does.strange:
+                self.report.add("WMS205", f"`{does.name}` needs `{name}`: {slot.meaning}", does.call.span)
+        if does.name == "drive" and not does.robot:
+            self._driven(action, does)
+        return ir.Thing(
+            kind="action",
+            name=action.name.id,
+            verb=does.name,
+            of=does.robot,
+            properties=properties | self._timings(action, does),
+            place=Location.of(action.name.span),
+        )
+
+    def _argument(self, action: s.Action, does: Act, name: str, slot: Slot) -> ir.Setting:
+        typed = actions.argument(self.check, action, does, name)
+        span = does.written[name].value.span
+        within(self.check, typed.expr, slot, span, f"`{name}`")
+        return ir.Setting(value=typed.expr, place=Location.of(span))
+
+    def _all_known(self, does: Act) -> None:
+        """Complain about arguments that the verb does not know and those that are given twice."""
+        given: set[str] = set()
+        for name, argument in does.assigned:
+            if not name:
+                named = argument.name or s.Name(argument.span.text, argument.span)
+                hint = suggestion(named.id, does.verb.arguments)
+                self.report.add("WMS205", f"`{does.name}` has no argument `{named.id}`", named.span, hint)
+            elif name in given:
+                self.report.add("WMS205", f"`{name}` is given twice", argument.span, "remove one")
+            given.add(name)
+
+    def _driven(self, action: s.Action, does: Act) -> None:
+        """Complain about a drive that the joint lacks."""
+        joint = actions.argument(self.check, action, does, "joint").expr if "joint" in does.written else None
+        block = self.scope.names.get(str(joint.value)) if isinstance(joint, ir.Value) else None
+        if not isinstance(block, s.Block):
+            return
+        if "stiffness" not in owner(block).said:
+            message = f"nothing drives `{block.name.id}`: it has no stiffness"
+            notes = (Note(f"`{block.name.id}` is declared here", block.name.span),)
+            self.report.add("WMS206", message, does.call.span, "add `stiffness:` to the joint", notes)
+
+    def _timings(self, action: s.Action, does: Act) -> dict[str, ir.Setting]:
+        """When an action starts and how long it lasts, from `at`, `for`, `after` and `with`."""
+        spans: dict[bool, Span] = {}
+        for timing in action.timings:
+            lasts = timing.kind == "for"
+            if lasts in spans:
+                notes = (Note("said here first", spans[lasts]),)
+                what = "how long this lasts" if lasts else "when this starts"
+                self.report.add("WMS202", f"{what} is said twice", timing.span, "remove one", notes)
+            spans.setdefault(lasts, timing.span)
+        begin, span = actions.start(self.check, action)
+        within(self.check, begin.expr, START, span, "`at`")
+        settings = {"start": ir.Setting(value=begin.expr, place=Location.of(span))}
+        lasting = next((t for t in action.timings if t.kind == "for"), None)
+        if lasting is None and does.verb.lasts:
+            message = f"`{does.name}` needs to know how long: `for TIME`"
+            self.check.fail("WMS205", message, does.call.span, "add for instance `for 2 s`")
+        if lasting is not None:
+            if not does.verb.lasts:
+                message = f"`{does.name}` happens at once and cannot last"
+                self.check.fail("WMS205", message, does.call.span, "remove `for`")
+            typed = self.check.value(lasting.value, (A_TIME,), "`for`")
+            within(self.check, typed.expr, DURATION, lasting.value.span, "`for`")
+            settings["duration"] = ir.Setting(value=typed.expr, place=Location.of(lasting.value.span))
+        return settings

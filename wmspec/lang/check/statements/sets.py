@@ -1,0 +1,135 @@
+"""Sets of objects and joints: as many members as there can be at most, each there if its index is below the number."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+from math import prod
+from typing import Any
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.lang.check.expressions.expressions import Expressions
+from wmspec.lang.check.expressions.typed import constant
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.ir.evaluate import evaluate, parts
+from wmspec.lang.check.library.substitute import Substitute, TooLarge
+from wmspec.lang.check.statements.factors import Factors
+from wmspec.lang.check.tables.vocabulary import SETS
+from wmspec.lang.check.types.types import A_NUMBER
+from wmspec.lang.parse import syntax as s
+
+#: The most members of a set, and the most combinations of factors that are tried to find the largest number.
+MOST_MEMBERS, MOST_TRIED = 500, 10_000
+
+
+class Sets:
+    """Makes the members of sets and declares them."""
+
+    def __init__(self, check: Expressions, factors: Factors, substitute: Substitute) -> None:
+        self.check = check
+        self.factors = factors
+        self.substitute = substitute
+
+    def members(self, whole: s.Block) -> tuple[s.Block, ...]:
+        """The members of a set as blocks; none if its number is wrong, and what is no set as it is. Raises Failed."""
+        if whole.count is None:
+            return (whole,)
+        count = self.check.value(whole.count, (A_NUMBER,), "the number of a set").expr
+        largest = self._largest(whole.count, count)
+        varies = constant(count) is None
+        try:
+            members = tuple(self._member(whole, i, varies) for i in range(largest))
+        except TooLarge:
+            self.check.fail("WMS105", "this set is too large for what is in it", whole.name.span, "make it simpler")
+        for member in members:
+            self.check.scope.declare(member, whole.name.id)
+        return members
+
+    def _member(self, whole: s.Block, i: int, varies: bool) -> s.Block:
+        assert whole.count is not None
+        self.substitute.thing()
+        values = {"index": s.Number(float(i), None, whole.name.span)}
+        properties = tuple(self.substitute.property(p, values) for p in whole.properties)
+        if varies:
+            properties = _present(properties, values["index"], whole.count)
+        made = tuple(self.substitute.part(p, values) for p in whole.parts)
+        name = s.Name(f"{whole.name.id}_{i}", whole.name.span)
+        return s.Block(SETS[whole.kind], name, properties, whole.span, whole.model, parts=made)
+
+    def _largest(self, written: s.Expr, count: ir.Expr) -> int:
+        """The largest number over all values of the factors that it depends on."""
+        numbers = list(self._numbers(written, count))
+        if odd := [n for n in numbers if n != int(n)]:
+            message = f"a set has a whole number of members, and this can be {odd[0]:g}"
+            self.check.fail("WMS304", message, written.span, "make it whole numbers")
+        if min(numbers) < 0:
+            message = f"a set has no fewer than 0 members, and this can be {min(numbers):g}"
+            self.check.fail("WMS304", message, written.span, "make it whole numbers from 0 on")
+        if not 1 <= max(numbers) <= MOST_MEMBERS:
+            message = f"the most members that this set can have are {max(numbers):g}"
+            self.check.fail("WMS304", message, written.span, f"make that a number from 1 to {MOST_MEMBERS}")
+        return int(max(numbers))
+
+    def _numbers(self, written: s.Expr, count: ir.Expr) -> Iterator[float]:
+        lets: dict[str, ir.Expr] = {}
+        domains: dict[str, tuple[Any, ...]] = {}
+        self._needs(written, count, lets, domains)
+        if prod(len(d) for d in domains.values()) > MOST_TRIED:
+            message = f"this number depends on too many factors; {MOST_TRIED:,} combinations are the most"
+            self.check.fail("WMS304", message, written.span, "make it a factor of its own")
+        for row in product(*domains.values()):
+            try:
+                yield float(evaluate(count, _Numbers(dict(zip(domains, row, strict=True)), lets)))
+            except WmsError as error:
+                self.check.fail("WMS304", str(error), written.span)
+
+    def _needs(
+        self, written: s.Expr, expr: ir.Expr, lets: dict[str, ir.Expr], domains: dict[str, tuple[Any, ...]]
+    ) -> None:
+        """Collect the `let`s and factors that a number depends on."""
+        for part in parts(expr):
+            if isinstance(part, ir.Property | ir.Call) or part == ir.Ref(name="end"):
+                message = "the number of a set is worked out from factors, `let`s and numbers alone"
+                self.check.fail("WMS304", message, written.span)
+            if not isinstance(part, ir.Ref) or part.name in lets or part.name in domains:
+                continue
+            declared = self.check.scope.names[part.name]
+            if isinstance(declared, s.Let):
+                lets[part.name] = self.factors.let(declared).value
+                self._needs(written, lets[part.name], lets, domains)
+            elif isinstance(declared, s.Factor):
+                domain = self.factors.factor(declared).domain
+                if not isinstance(domain, ir.Choices):
+                    message = (
+                        f"`{part.name}` can have any value between others, and a set has a whole number of members"
+                    )
+                    self.check.fail("WMS304", message, written.span, "make it a list or a range with steps")
+                domains[part.name] = domain.values
+
+
+class _Numbers:
+    """Factors and `let`s alone, as an environment for `evaluate`."""
+
+    def __init__(self, factors: dict[str, Any], lets: dict[str, ir.Expr]) -> None:
+        self._known = factors
+        self._lets = lets
+
+    def ref(self, name: str) -> Any:
+        if name not in self._known:
+            self._known[name] = evaluate(self._lets[name], self)
+        return self._known[name]
+
+    def property(self, *_: Any, **_options: Any) -> Any:
+        raise AssertionError("a set's number has no properties in it")
+
+    call = property
+
+
+def _present(properties: tuple[s.Property, ...], index: s.Expr, count: s.Expr) -> tuple[s.Property, ...]:
+    """The properties with `present: index < count`, beside what was said of it."""
+    there: s.Expr = s.Operation("<", (index, count), count.span)
+    present = next((p for p in properties if p.name.id == "present"), None)
+    if present is not None:
+        there = s.Operation("and", (there, present.value), present.value.span)
+    name = s.Name("present", count.span)
+    return *(p for p in properties if p is not present), s.Property(name, there, None, count.span)

@@ -1,0 +1,293 @@
+"""Checking a task statement by statement: every mistake is reported, then the next statement is looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TypeVar
+
+from wmspec.core.diagnostics import Diagnostic, Note, Report
+from wmspec.core.limits import SECONDS
+from wmspec.core.places import Source, Span
+from wmspec.lang.check.expressions.expressions import Expressions
+from wmspec.lang.check.expressions.scope import Scope
+from wmspec.lang.check.expressions.typed import Failed, Typed, constant
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.library.expand import Assets
+from wmspec.lang.check.library.modules import Item, Modules
+from wmspec.lang.check.library.substitute import Substitute
+from wmspec.lang.check.library.templates import Templates
+from wmspec.lang.check.statements.balance import balance
+from wmspec.lang.check.statements.dimensions import near_known
+from wmspec.lang.check.statements.factors import Factors
+from wmspec.lang.check.statements.objects import Things
+from wmspec.lang.check.statements.observations import Observations
+from wmspec.lang.check.statements.orbits import Orbits
+from wmspec.lang.check.statements.placement_cycles import no_circles
+from wmspec.lang.check.statements.questions import Questions
+from wmspec.lang.check.statements.sets import Sets
+from wmspec.lang.check.statements.tolerances import tolerances
+from wmspec.lang.check.statements.unused import unused
+from wmspec.lang.check.tables.vocabulary import SETTINGS
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.load import Program, load
+
+S = TypeVar("S", bound=s.Statement)
+T = TypeVar("T")
+
+
+def check(path: Path, report: Report) -> tuple[ir.TaskSpec, ...]:
+    """The tasks of a spec file. Mistakes go to the report; if there is an error, there are no tasks."""
+    own = Report()
+    tasks = check_program(load(path, own), own)
+    report.take(own)
+    return tasks
+
+
+def check_program(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
+    """The tasks of a parsed spec. A library (a file without tasks) is checked and yields none.
+
+    Where a line could not be read as it is written, only that is told of it: the rest rests on a guess.
+    """
+    guessed = {_line(d) for d in report.diagnostics}
+    own = Report()
+    own.include(report.diagnostics)
+    specs = _specs(program, own)
+    report.names |= own.names
+    report.include(d for d in own.diagnostics if not guessed or (_line(d) not in guessed and _of(d, program.source)))
+    return specs
+
+
+def _of(d: Diagnostic, source: Source) -> bool:
+    """Whether something is told of this text, and not of a library that it uses."""
+    return not isinstance(d.place, Span) or d.place.source is source
+
+
+def _line(d: Diagnostic) -> object:
+    return (d.place.source.name, d.place.line) if isinstance(d.place, Span) else d
+
+
+def _specs(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
+    tasks = [item for item in program.file.items if isinstance(item, s.Task)]
+    if not tasks:
+        _Task(None, Modules(program, report), (program.file.items,), report, set()).library()
+        return ()
+    _named_apart(tasks, report)
+    specs = [spec for task in tasks for spec in _checked(task, program, report)]
+    if not report.failed:
+        unused(program.file, report)
+    return tuple(spec for spec in specs if spec is not None)
+
+
+def _named_apart(tasks: Iterable[s.Task], report: Report) -> None:
+    """Complain about two tasks of one name: their instances would be taken for one another."""
+    named: dict[str, s.Task] = {}
+    for task in tasks:
+        if task.name.id and (first := named.setdefault(task.name.id, task)) is not task:
+            notes = (Note("declared here first", first.name.span),)
+            what = f"there are two tasks `{task.name.id}`"
+            report.add("WMS202", what, task.name.span, "give one of them another name", notes)
+
+
+def _variants(task: s.Task, report: Report) -> list[s.Variant | None]:
+    """The variants of a task; of a task without any, the task itself."""
+    named: dict[str, s.Variant] = {}
+    for variant in (item for item in task.body if isinstance(item, s.Variant)):
+        if (first := named.setdefault(variant.name.id, variant)) is not variant:
+            notes = (Note("declared here first", first.name.span),)
+            what = f"there are two variants `{variant.name.id}`"
+            report.add("WMS202", what, variant.name.span, "give one of them another name", notes)
+    return [*named.values()] or [None]
+
+
+def _checked(task: s.Task, program: Program, report: Report) -> Iterator[ir.TaskSpec | None]:
+    """The tasks that the variants are, each with what is common to all of them and to the file."""
+    unknown: set[str] = set()
+    for variant in _variants(task, report):
+        named = task
+        if variant is not None:
+            named = replace(task, name=replace(task.name, id=f"{task.name.id}_{variant.name.id}"))
+        yield _Task(named, Modules(program, report), _items(program, task, variant), report, unknown).task()
+
+
+def _items(program: Program, task: s.Task | None, variant: s.Variant | None) -> list[Iterable[Item]]:
+    return [program.file.items, task.body if task else (), variant.body if variant else ()]
+
+
+def known(program: Program, task: s.Task | None, variant: s.Variant | None) -> Expressions:
+    """What expressions mean in a variant, in a task without any, or in a library; mistakes are passed over."""
+    report = Report()
+    return _Task(task, Modules(program, report), _items(program, task, variant), report, set()).check
+
+
+class _Task:
+    def __init__(
+        self,
+        task: s.Task | None,
+        modules: Modules,
+        items: Iterable[Iterable[Item]],
+        report: Report,
+        unknown: set[str],
+    ) -> None:
+        self.declaration = task
+        self.report = report
+        statements = modules.statements(*items)
+        substitute = Substitute()
+        templates = Templates(statements, substitute, report)
+        self.statements = [templates.expanded(statement) for statement in statements]
+        self.scope = Scope(self.statements, report, alone=not modules.any)
+        self.scope.whole = self.scope.whole and modules.whole
+        self.check = Expressions(self.scope, report, unknown)
+        guessed = {_line(d) for d in report.diagnostics}
+        declared = (x.name for x in self.statements if isinstance(x, s.Let | s.Factor) and guessed)
+        self.check.doubtful = {n.id for n in declared if (n.span.source.name, n.span.line) in guessed}
+        self.factors = Factors(self.check)
+        self.things = Things(self.check)
+        self.questions = Questions(self.check, modules, self.things)
+        self.observations = Observations(self.check)
+        self._replace(Sets(self.check, self.factors, substitute).members)
+        self._replace(Assets(self.check, substitute).expanded)
+        self.unused = list(templates.unused())
+        report.names |= modules.written() | self.scope.written(modules.written())
+
+    def _replace(self, made: Callable[[s.Block], tuple[s.Block, ...]]) -> None:
+        """Put what is made of blocks in their place, and nothing where that fails."""
+        statements: list[s.Statement] = []
+        for statement in self.statements:
+            with suppress(Failed):
+                statements += made(statement) if isinstance(statement, s.Block) else (statement,)
+        self.statements = statements
+
+    def library(self) -> None:
+        self.each(s.Factor, self.factors.factor)
+        self.each(s.Let, self.factors.let)
+        self.blocks()
+        self.each(s.Action, self.things.action)
+        self.each(s.Observe, self.observations.observe)
+        self.tolerances()
+
+    def tolerances(self) -> dict[str, float]:
+        return tolerances(self.check, (x for x in self.statements if isinstance(x, s.Tolerance)))
+
+    def blocks(self) -> list[ir.Thing]:
+        """What there is. Templates that nothing is made of are tried as well."""
+        for block in self.unused:
+            with suppress(Failed):
+                self.things.block(block)
+        things = [thing for group in self.each(s.Block, self.things.block) for thing in group]
+        no_circles(self.check, things)
+        return things
+
+    def task(self) -> ir.TaskSpec | None:
+        assert self.declaration is not None
+        path = [n.id for n in self.declaration.path]
+        near_known(self.declaration.path, self.report)
+        factors = self.each(s.Factor, self.factors.factor)
+        lets = self.each(s.Let, self.factors.let)
+        requires = self.each(s.Require, self.factors.require)
+        things = [*self.blocks(), *self.each(s.Action, self.things.action)]
+        observations = self.each(s.Observe, self.observations.observe)
+        settings = self.settings()
+        repeat, plan, limits = self.repeat(), self.factors.plan(), self.tolerances()
+        horizon = self.horizon(observations)
+        self.questions.orbits = Orbits(self.check, plan, factors, lets, requires, things)
+        questions = self._questions()
+        if not observations and not self.report.failed:
+            self.report.add(
+                "WMS504", "nothing is observed", self.declaration.name.span, "add `observe CAMERA at TIMES`"
+            )
+        if self.report.failed:
+            return None
+        spec = ir.TaskSpec(
+            name=self.declaration.name.id,
+            dimension=".".join(path) or "custom",
+            title=str(settings.get("title") or self._headline()),
+            description=self._docstring(),
+            license=str(settings.get("license", "")),
+            source=str(settings.get("source", "")),
+            factors=tuple(factors),
+            lets=tuple(lets),
+            requires=tuple(requires),
+            repeat=repeat,
+            plan=plan,
+            tolerances=limits,
+            things=(*things, *self.questions.counterfactuals.added),
+            horizon=horizon,
+            observations=tuple(observations),
+            questions=tuple(questions),
+        )
+        balance(self.check, spec)
+        return None if self.report.failed else spec
+
+    def _questions(self) -> list[ir.Question]:
+        """Those of the task's own text come first, then those of the libraries that it uses."""
+        assert self.declaration is not None
+        text = self.declaration.span.source
+        asked = self.each(s.Question, lambda q: (q.span.source is not text, self.questions.question(q)))
+        return [question for _, question in sorted(asked, key=lambda pair: pair[0])]
+
+    def each(self, sort: type[S], check: Callable[[S], T]) -> list[T]:
+        """The results of checking every statement of a sort, without those that failed."""
+        results = []
+        for statement in self.statements:
+            if isinstance(statement, sort):
+                try:
+                    results.append(check(statement))
+                except Failed:
+                    continue
+        return results
+
+    def _docstring(self) -> str:
+        assert self.declaration is not None
+        source = self.declaration.span.source  # the text of a library describes the library
+        texts = [x.text for x in self.statements if isinstance(x, s.Docstring) and x.span.source is source]
+        return texts[-1] if texts else ""
+
+    def _headline(self) -> str:
+        assert self.declaration is not None
+        return self._docstring().partition("\n")[0].partition(":")[0] or self.declaration.name.id
+
+    # ------------------------------------------------------------ the task itself
+
+    def settings(self) -> dict[str, str]:
+        settings: dict[str, s.Setting] = {}
+        for x in self.statements:
+            if isinstance(x, s.Setting):
+                if x.key in settings:
+                    notes = (Note("said here first", settings[x.key].span),)
+                    self.report.add("WMS202", f"`{x.key}` is said twice", x.span, "remove one", notes)
+                settings[x.key] = x
+        self._settings = settings
+        return {k: x.value.value for k, x in settings.items() if isinstance(x.value, s.Text)}
+
+    def setting(self, key: str) -> Typed | None:
+        if key not in self._settings:
+            return None
+        try:
+            return self.check.value(self._settings[key].value, (SETTINGS[key],), f"`{key}`")
+        except Failed:
+            return None
+
+    def repeat(self) -> int:
+        typed = self.setting("repeat")
+        count = 1.0 if typed is None else constant(typed.expr)
+        if count is None or count != int(count) or not 1 <= count <= 1_000_000:
+            self.report.add(
+                "WMS304", "`repeat` is a whole constant from 1 to 1000000", self._settings["repeat"].value.span
+            )
+            return 1
+        if typed is not None and any(d.kind.id == "groups" for d in self.check.scope.designs):
+            remedy = "remove it, and ask for more groups: `design groups of ...`"
+            self.report.add("WMS408", "groups are not repeated", self._settings["repeat"].value.span, remedy)
+        return int(count)
+
+    def horizon(self, observations: list[ir.Observation]) -> ir.Expr:
+        typed = self.setting("horizon")
+        if typed is not None:
+            if (constant(typed.expr) or 0.0) > SECONDS.most:
+                span = self._settings["horizon"].value.span
+                self.report.add("WMS304", f"`horizon` must be at most {SECONDS.most} s", span)
+            return typed.expr
+        return ir.last_shown(observations)

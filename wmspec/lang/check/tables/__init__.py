@@ -1,0 +1,1 @@
+"""The tables of the language: properties, verbs, functions, colours."""

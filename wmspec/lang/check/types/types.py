@@ -1,0 +1,130 @@
+"""The types of values that the language knows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from wmspec.lang.check.types.units import ANGLE, LENGTH, NUMBER, TIME, Dimension
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with a dimension."""
+
+    dimension: Dimension
+
+    def __str__(self) -> str:
+        return str(self.dimension)
+
+
+@dataclass(frozen=True)
+class Word:
+    """One of the words of a vocabulary, such as a shape or a colour."""
+
+    vocabulary: str
+
+    def __str__(self) -> str:
+        return self.vocabulary
+
+
+@dataclass(frozen=True)
+class Plain:
+    """A type without parameters: a truth value, a text, a kind of thing, a picture, a place, a label."""
+
+    name: str
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass(frozen=True)
+class List:
+    """A list of values of one type; `None` for the empty list."""
+
+    item: Type | None
+
+    def __str__(self) -> str:
+        if isinstance(self.item, Vector):
+            return f"list of {self.item.plural}"
+        return f"list of {self.item}s" if self.item else "empty list"
+
+
+@dataclass(frozen=True)
+class Vector:
+    """Two or three quantities of one dimension: a point, a size, a direction."""
+
+    dimension: Dimension
+    size: int
+
+    def __str__(self) -> str:
+        return f"{self._tuple} of {self._parts}"
+
+    @property
+    def plural(self) -> str:
+        """Several of them, in words."""
+        return f"{self._tuple}s of {self._parts}"
+
+    @property
+    def _tuple(self) -> str:
+        return "pair" if self.size == 2 else "triple"
+
+    @property
+    def _parts(self) -> str:
+        return {LENGTH: "lengths", NUMBER: "plain numbers", ANGLE: "angles"}.get(
+            self.dimension, f"values ({self.dimension})"
+        )
+
+
+Type = Quantity | Word | Plain | List | Vector
+
+TRUTH = Plain("truth value")
+TEXT = Plain("text")
+OBJECT = Plain("object")
+CAMERA = Plain("camera")
+ACTION = Plain("action")
+PICTURE = Plain("picture")
+PART = Plain("part")
+JOINT = Plain("joint")
+ROBOT = Plain("robot")
+LIGHT = Plain("light")
+WORLD = Plain("world")
+#: In a function's parameters and result: a quantity of whatever dimension, the same for all of them.
+QUANTITY = Plain("quantity")
+#: In a function's parameters: things to count, or truth values of which those that hold are counted.
+COUNTED = Plain("list of objects or truth values")
+#: In a function's options: from where something is seen.
+VIEWER = Plain("camera or object")
+#: Where something is in the world, as a relation to something else: a point on the ground that is no pair of numbers.
+PLACE = Plain("place")
+#: An object, a text or `neither`: what the options of one question may hold side by side.
+LABEL = Plain("label")
+#: Whatever a list holds, in the tables of functions.
+ITEM = Plain("item")
+COLOR = Word("color")
+SHAPE = Word("shape")
+MATERIAL = Word("material")
+COLLISION = Word("collision")
+DIRECTION = Word("direction")
+PATH = Word("path")
+RELATION = Word("relation")
+NEITHER = Word("tie")
+CHANNEL = Word("channel")
+A_NUMBER = Quantity(NUMBER)
+A_LENGTH = Quantity(LENGTH)
+A_TIME = Quantity(TIME)
+AN_ANGLE = Quantity(ANGLE)
+POINT2 = Vector(LENGTH, 2)
+POINT3 = Vector(LENGTH, 3)
+TRIPLE = Vector(NUMBER, 3)
+TURNS = Vector(ANGLE, 3)
+
+
+def either(words: Sequence[str]) -> str:
+    """`a, b or c`, for messages."""
+    return " or ".join([*([", ".join(words[:-1])] if len(words) > 1 else []), *words[-1:]])
+
+
+def article(noun: str) -> str:
+    """The noun with `a` or `an`, for messages."""
+    return f"{'an' if noun[0] in 'aeio' else 'a'} {noun}"

@@ -1,0 +1,184 @@
+"""The links of an asset as a tree: every link once, each in the asset's frame, mere frames left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wmspec.core.places import FilePlace
+from wmspec.lang.importers.model import Asset, Faults, Joint, Link
+from wmspec.sim.scene.model import Inertia, Pose
+from wmspec.sim.scene.model.transform import apply, compose, identity, multiply, rotate
+
+#: The name of a root that is the world itself.
+WORLD = "world"
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A link and where its frame is in the asset's, with all joints at 0."""
+
+    link: Link
+    pose: Pose
+
+
+@dataclass(frozen=True)
+class Tree:
+    """The links that have shapes, the base first, and the joints between them or to the world (`parent` is empty).
+
+    The base's frame is the asset's. `held` is whether the base is fixed to the world.
+    """
+
+    links: tuple[Placed, ...]
+    joints: tuple[Joint, ...]
+    held: bool
+
+
+def tree(asset: Asset, where: FilePlace, faults: Faults) -> Tree:
+    """The links in their places. Raises Broken if they are no tree; other faults are taken note of."""
+    root = _root(asset, where, faults)
+    below: dict[str, list[Joint]] = {}
+    for joint in asset.joints.values():
+        below.setdefault(joint.parent, []).append(joint)
+    walk = _Walk(asset, below, faults)
+    walk.from_root(root)
+    _solid(walk, faults)
+    return Tree(tuple(walk.links), tuple(walk.joints), walk.held)
+
+
+def _root(asset: Asset, where: FilePlace, faults: Faults) -> str:
+    """The one link that nothing holds."""
+    if not asset.links:
+        raise faults.stop(where, "has no links", "is this the right file?")
+    held = _held(asset, faults)
+    roots = [name for name in asset.links if name not in held]
+    if not roots:
+        raise faults.stop(where, "every link is held by another, in a circle", "let one of them be the base")
+    if len(roots) > 1:
+        what = f"`{roots[0]}` and `{roots[1]}` are not joined to one another"
+        raise faults.stop(where, what, "join them, or make an asset of each")
+    _reached(asset, roots[0], faults)
+    return roots[0]
+
+
+def _held(asset: Asset, faults: Faults) -> set[str]:
+    """The links that joints hold, each by one."""
+    holders: dict[str, str] = {}
+    for joint in asset.joints.values():
+        for end in (joint.parent, joint.child):
+            if end not in asset.links:
+                raise faults.stop(joint.where, f"there is no link `{end[:60]}`", "correct the name, or add the link")
+        if joint.child in holders:
+            what = f"`{joint.child}` is held by `{holders[joint.child]}` already: joints that close a loop"
+            raise faults.stop(joint.where, f"{what} are not supported", "remove one of the two joints")
+        holders[joint.child] = joint.name
+    return set(holders)
+
+
+def _reached(asset: Asset, root: str, faults: Faults) -> None:
+    """Complain about links that hold one another in a circle, where the root does not reach."""
+    reached, grown = set[str](), {root}
+    while grown != reached:
+        reached, grown = grown, grown | {j.child for j in asset.joints.values() if j.parent in grown}
+    for name, link in asset.links.items():
+        if name not in reached:
+            raise faults.stop(link.where, "it is held in a circle of links", "let the base hold one of them")
+
+
+class _Walk:
+    """Goes from the root outwards and collects what has matter."""
+
+    def __init__(self, asset: Asset, below: dict[str, list[Joint]], faults: Faults) -> None:
+        self._asset = asset
+        self._below = below
+        self._faults = faults
+        self.links: list[Placed] = []
+        self.joints: list[Joint] = []
+        self.held = False
+
+    def from_root(self, name: str) -> None:
+        """Begin with the base: the root, or the first that a root without matter holds."""
+        here, link = identity(), self._asset.links[name]
+        others: list[Joint] = []
+        while not link.shapes:
+            joint, *more = self._below.get(name, (None,))
+            if joint is None or link.mass is not None or (more and name != WORLD):
+                raise self._faults.stop(link.where, "the base of the asset has no shape", "give it a `visual`")
+            others += more
+            if joint.kind in ("hinge", "slider", "ball"):
+                self._from_world(name, joint, here, others)
+                return
+            self.held = self.held or (joint.kind == "fixed" and name == WORLD)
+            here, name = compose(here, joint.place), joint.child
+            link = self._asset.links[name]
+        self._base(link, here, others)
+
+    def _from_world(self, name: str, joint: Joint, here: Pose, others: list[Joint]) -> None:
+        """A base that a joint holds to the world."""
+        if name != WORLD and not self.held:
+            what = f"`{name}` has neither shape nor mass, so nothing can be joined to it"
+            raise self._faults.stop(joint.where, what, "give it a `visual`; or call it `world`, if it is that")
+        here = compose(here, joint.place)
+        link = self._asset.links[joint.child]
+        if not link.shapes:
+            raise self._faults.stop(link.where, "it has no shape", "give it a `visual`")
+        self._base(link, here, others)
+        at, axis = apply(here, joint.at), rotate(here.orientation, joint.axis)
+        self.joints.insert(0, replace(joint, parent="", child=link.name, at=at, axis=axis))
+
+    def _base(self, link: Link, here: Pose, others: list[Joint]) -> None:
+        """The base, all that it holds, and the `others` that the world holds besides."""
+        self.links.append(Placed(_moved(link, here), identity()))
+        waiting = [(j, "", identity()) for j in reversed(others)]
+        waiting += [(j, link.name, here) for j in reversed(self._below.get(link.name, ()))]
+        while waiting:
+            joint, holder, frame = waiting.pop()
+            here = compose(frame, joint.place)
+            child = self._asset.links[joint.child]
+            name = child.name if child.shapes else holder
+            if child.shapes:
+                self._take(joint, holder, child, here)
+            elif child.mass is not None or joint.kind != "fixed":
+                why = "it has no shape" if child.mass is not None else "it has neither shape nor mass"
+                self._faults.add(
+                    child.where, why, "give it a `visual`, or join it by a `fixed` joint without `inertial`"
+                )
+            waiting += [(j, name, here) for j in reversed(self._below.get(joint.child, ()))]
+
+    def _take(self, joint: Joint, holder: str, child: Link, here: Pose) -> None:
+        self.links.append(Placed(child, here))
+        if joint.kind != "free":
+            at, axis = apply(here, joint.at), rotate(here.orientation, joint.axis)
+            self.joints.append(replace(joint, parent=holder, at=at, axis=axis))
+
+
+def _moved(link: Link, here: Pose) -> Link:
+    """A link whose own frame is where `here` is seen from."""
+    if not here.position.any() and here.orientation[0] == 1:
+        return link
+    shapes = tuple(replace(s, pose=compose(here, s.pose)) for s in link.shapes)
+    mass = link.mass
+    if mass is not None:
+        mass = Inertia(mass.mass, apply(here, mass.center), multiply(here.orientation, mass.axes), mass.moments)
+    return replace(link, shapes=shapes, mass=mass)
+
+
+def _solid(walk: _Walk, faults: Faults) -> None:
+    """Complain about masses that no solid has."""
+    for placed in walk.links:
+        link = placed.link
+        if link.mass is None:
+            continue
+        moments = np.sort(link.mass.moments)
+        if moments[0] <= 0 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-6):
+            told = ", ".join(f"{m:.3g}" for m in moments)
+            what = f"no solid has its moments of inertia, {told}: each is above 0 and none above the others' sum"
+            faults.add(link.where, what, "correct `inertia`, or remove `inertial` to have it by density")
+
+
+def names(tree: Tree) -> Iterator[tuple[str, FilePlace]]:
+    """The links and joints by name, each with where it stands."""
+    yield from ((placed.link.name, placed.link.where) for placed in tree.links)
+    yield from ((joint.name, joint.where) for joint in tree.joints)

@@ -1,0 +1,151 @@
+"""The links of a URDF: what is drawn and what is touched, colours, masses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from wmspec.lang.importers.markup import Element, Reader
+from wmspec.lang.importers.model import LOOKS, Color, Form, Link, Look, MeshFile, Shape, conditional
+from wmspec.lang.importers.turns import posed
+from wmspec.sim.scene.model import Inertia, Pose
+from wmspec.sim.scene.model.transform import multiply, rotation
+from wmspec.sim.scene.physics.inertia import principal
+from wmspec.sim.shapes import Box, Capsule, Cylinder, Sphere
+
+#: Where a mesh that is named in an element lies, seen from the spec; empty if it is nowhere, which was reported.
+Find = Callable[[Element, str], str]
+
+
+class Links:
+    """Makes links; `materials` are those that can be meant by their name, which grow as it goes."""
+
+    def __init__(self, read: Reader, find: Find, materials: dict[str, Element]) -> None:
+        self.read = read
+        self.find = find
+        self.materials = materials
+
+    def link(self, e: Element) -> Link:
+        """A link with all its shapes: what is drawn and touched alike is one shape."""
+        self.read.known(e, ("name", "type"), ("inertial", "visual", "collision"))
+        drawn = [s for v in e.all("visual") if (s := self._shape(v)) is not None]
+        touched = [s for c in e.all("collision") if (s := self._shape(c)) is not None]
+        shapes = []
+        for s in drawn:
+            same = next((t for t in touched if _alike(s, t)), None)
+            touched = [t for t in touched if t is not same]
+            shapes.append(replace(s, solid=same is not None))
+        shapes += [replace(t, drawn=not drawn) for t in touched]
+        return Link(e.attributes.get("name", ""), e.where, tuple(shapes), self._mass(e))
+
+    def _mass(self, link: Element) -> Inertia | None:
+        """What `inertial` says; None if there is none."""
+        e = self.read.only(link, "inertial")
+        if e is None:
+            return None
+        self.read.known(e, (), ("origin", "mass", "inertia"))
+        mass, inertia = self.read.only(e, "mass"), self.read.only(e, "inertia")
+        if mass is None or inertia is None:
+            self.read.faults.add(
+                link.where, "its `inertial` needs a `mass` and an `inertia`", "add it, or remove `inertial`"
+            )
+            return None
+        self.read.known(mass, ("value",))
+        names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+        self.read.known(inertia, names)
+        kg = self.read.number(mass, "value", above=0.0)
+        xx, yy, zz = (self.read.number(inertia, name, above=0.0) for name in names[:3])
+        xy, xz, yz = (self.read.number(inertia, name, 0.0) for name in names[3:])
+        here, tensor = origin(self.read, e), np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+        axes, moments = principal(tensor)
+        return Inertia(kg, here.position, multiply(here.orientation, axes), moments)
+
+    def _shape(self, e: Element) -> Shape | None:
+        """A `visual` or `collision`."""
+        drawn = e.tag == "visual"
+        self.read.known(e, ("name",), ("origin", "geometry", *(("material",) if drawn else ())))
+        geometry = self.read.only(e, "geometry")
+        if geometry is None or len(geometry.children) != 1:
+            self.read.faults.add(e.where, "it needs one `geometry` with one shape in it", "add it")
+            return None
+        self.read.known(geometry, (), ("box", "sphere", "cylinder", "capsule", "mesh"))
+        here = origin(self.read, e)
+        form = self._form(geometry.children[0])
+        return Shape(form, here, self._look(e) if drawn else Look()) if form else None
+
+    def _form(self, e: Element) -> Form | None:
+        match e.tag:
+            case "box":
+                self.read.known(e, ("size",))
+                x, y, z = self.read.numbers(e, "size", 3, above=0.0)
+                return Box((x / 2, y / 2, z / 2))
+            case "sphere":
+                self.read.known(e, ("radius",))
+                return Sphere(self.read.number(e, "radius", above=0.0))
+            case "cylinder" | "capsule":
+                self.read.known(e, ("radius", "length"))
+                radius, length = (self.read.number(e, name, above=0.0) for name in ("radius", "length"))
+                return (Cylinder if e.tag == "cylinder" else Capsule)(radius, length)
+            case "mesh":
+                return self._mesh(e)
+        return None  # it was complained about
+
+    def _mesh(self, e: Element) -> MeshFile | None:
+        self.read.known(e, ("filename", "scale"))
+        scale = self.read.scale(e)
+        file = self.find(e, self.read.text(e, "filename"))
+        return MeshFile(file, scale) if file else None
+
+    def _look(self, e: Element) -> Look:
+        """The colour of a `visual`, and what is wrong with it."""
+        with self.read.faults.apart() as faults:
+            material = self.read.only(e, "material")
+            color = self._color(self._meant(material)) if material is not None else None
+        return Look(color, conditional=conditional(faults, LOOKS))
+
+    def _meant(self, material: Element) -> Element:
+        """What says how a `material` looks: itself, or the one that first said so under its name."""
+        name = material.attributes.get("name", "")
+        if material.children:
+            self.materials.setdefault(name, material)
+        elif name not in self.materials:
+            self.read.faults.add(material.where, "there is no material of this name", 'give it `<color rgba="..."/>`')
+        return material if material.children else self.materials.get(name, material)
+
+    def _color(self, e: Element) -> Color | None:
+        self.read.known(e, ("name",), ("color", "texture"))
+        for texture in e.all("texture"):
+            what, help = "textures of an asset are not supported", "remove it"
+            self.read.faults.add(texture.where, what, help)
+        color = self.read.only(e, "color")
+        if color is None:
+            return None
+        self.read.known(color, ("rgba",))
+        r, g, b, a = self.read.numbers(color, "rgba", 4)
+        if not all(0 <= x <= 1 for x in (r, g, b, a)):
+            self.read.faults.add(e.where, "its colour is not four numbers from 0 to 1", "correct it")
+        elif a < 1:
+            self.read.faults.add(
+                e.where, "what is transparent is not supported", "make the last number of its colour 1"
+            )
+        return r, g, b
+
+
+def origin(read: Reader, e: Element) -> Pose:
+    """The place that its `origin` says."""
+    origin_ = read.only(e, "origin")
+    if origin_ is None:
+        return posed()
+    read.known(origin_, ("xyz", "rpy"))
+    nowhere = (0.0, 0.0, 0.0)
+    return posed(read.numbers(origin_, "xyz", 3, nowhere), read.numbers(origin_, "rpy", 3, nowhere))
+
+
+def _alike(a: Shape, b: Shape) -> bool:
+    """Whether two shapes are the same in the same place, whatever they look like."""
+    if a.form != b.form:
+        return False
+    here, there = ((s.pose.position, rotation(s.pose.orientation)) for s in (a, b))
+    return all(np.allclose(x, y, rtol=0, atol=1e-9) for x, y in zip(here, there, strict=True))

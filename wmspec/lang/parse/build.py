@@ -1,0 +1,272 @@
+"""From the parse tree to the syntax tree: one function per rule of the grammar that needs one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source, Span
+from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.lexer import Token
+from wmspec.lang.parse.machine import Tree
+
+_QUANTITY = re.compile(r"([\d.]+(?:[eE][+-]?\d+)?)[ \t]*(.+)")
+_ESCAPES = {"n": "\n", "t": "\t", '"': '"', "\\": "\\"}
+
+
+def build_file(source: Source, tree: Tree, report: Report, whole: bool) -> s.File:
+    """The syntax tree of a whole file; `whole` is whether nothing was left out."""
+    build = _Builder(source, report)
+    return s.File(tuple(build(c) for c in tree.children if c is not None), Span(source, 0, len(source.text)), whole)
+
+
+def build_expression(source: Source, tree: Tree, report: Report) -> s.Expr:
+    """The syntax tree of one expression."""
+    expression: s.Expr = _Builder(source, report)(tree)
+    return expression
+
+
+class _Builder:
+    def __init__(self, source: Source, report: Report) -> None:
+        self.source = source
+        self.report = report
+
+    def __call__(self, node: Any) -> Any:
+        rule: Callable[[Any, Span], Any] = getattr(self, node.rule)
+        return rule(node.children, self.span(node))
+
+    def span(self, node: Tree | Token) -> Span:
+        return Span(self.source, node.start, node.end)
+
+    def maybe(self, node: Any) -> Any:
+        return None if node is None else self(node)
+
+    def every(self, nodes: list[Any]) -> tuple[Any, ...]:
+        return tuple(self(n) for n in nodes if isinstance(n, Tree))
+
+    # ------------------------------------------------------------ statements
+
+    def docstring(self, c: Any, span: Span) -> s.Docstring:
+        return s.Docstring(c[0].text[3:-3].strip(), span)
+
+    def use(self, c: Any, span: Span) -> s.Use:
+        given = self.every(c[1].children) if c[1] is not None else ()
+        return s.Use(self(c[0]), given, self.maybe(c[2]), self.maybe(c[3]), span)
+
+    def variant(self, c: Any, span: Span) -> s.Variant:
+        return s.Variant(self(c[0]), self.every(c[1:]), span)
+
+    def parameter(self, c: Any, span: Span) -> s.Parameter:
+        return s.Parameter(self(c[0]), self(c[1]), span)
+
+    def choice(self, c: Any, span: Span) -> s.Parameter:
+        name, domain = self(c[0]), self(c[1])
+        value = domain.items[0] if isinstance(domain, s.Items) and domain.items else domain
+        return s.Parameter(name, value, span, domain)
+
+    def dotted(self, c: Any, span: Span) -> s.Name:
+        return s.Name(".".join(self(n).id for n in c if n is not None), span)
+
+    def task(self, c: Any, span: Span) -> s.Task:
+        path = self.every(c[1].children) if c[1] is not None else ()
+        return s.Task(self(c[0]), path, self.every(c[2:]), span)
+
+    def factor(self, c: Any, span: Span) -> s.Factor:
+        return s.Factor(self(c[0]), self(c[1]), False, span)
+
+    def nuisance(self, c: Any, span: Span) -> s.Factor:
+        return s.Factor(self(c[0]), self(c[1]), True, span)
+
+    def let(self, c: Any, span: Span) -> s.Let:
+        return s.Let(self(c[0]), self(c[1]), span)
+
+    def require(self, c: Any, span: Span) -> s.Require:
+        return s.Require(self(c[0]), span)
+
+    def repeat(self, c: Any, span: Span) -> s.Setting:
+        return s.Setting("repeat", self(c[0]), span)
+
+    def horizon(self, c: Any, span: Span) -> s.Setting:
+        return s.Setting("horizon", self(c[0]), span)
+
+    def setting(self, c: Any, span: Span) -> s.Setting:
+        return s.Setting(c[0].text, self.text(c[1:], self.span(c[1])), span)
+
+    def design(self, c: Any, span: Span) -> s.Design:
+        return s.Design(self(c[0]), self.maybe(c[1]), self.every(c[2:]), span)
+
+    def tolerance(self, c: Any, span: Span) -> s.Tolerance:
+        return s.Tolerance(self(c[0]), self(c[1]), span)
+
+    def block(self, c: Any, span: Span) -> s.Block:
+        kind = c[0].text
+        trees = [n for n in c[1:] if isinstance(n, Tree)]
+        properties, parts = self.members(trees)
+        if kind == "world":
+            return s.Block(kind, s.Name("world", self.span(c[0])), properties, span)
+        model = next((self(n.children[0]) for n in trees if n.rule == "model"), None)
+        count = self(trees[1]) if kind in ("objects", "joints") else None
+        return s.Block(kind, self(trees[0]), properties, span, model, count, parts)
+
+    def template(self, c: Any, span: Span) -> s.Template:
+        parameters = self.every(c[1].children) if c[1] is not None else ()
+        return s.Template(self(c[0]), parameters, *self.members(c[2:]), span)
+
+    def members(self, nodes: Any) -> tuple[tuple[s.Property, ...], tuple[s.Part, ...]]:
+        trees = [n for n in nodes if isinstance(n, Tree)]
+        properties = tuple(self(n) for n in trees if n.rule == "property")
+        return properties, tuple(self(n) for n in trees if n.rule == "part")
+
+    def part(self, c: Any, span: Span) -> s.Part:
+        return s.Part(self(c[0]), self.members(c[1:])[0], span)
+
+    def property(self, c: Any, span: Span) -> s.Property:
+        return s.Property(self(c[0]), self(c[1]), self.maybe(c[2]), span)
+
+    def action(self, c: Any, span: Span) -> s.Action:
+        return s.Action(self(c[0]), self(c[1]), self.every(c[2:]), span)
+
+    def timing(self, c: Any, span: Span) -> s.Timing:
+        return s.Timing(c[0].text, self(c[1]), span)
+
+    def observe(self, c: Any, span: Span) -> s.Observe:
+        return s.Observe(self(c[0]), self(c[1]), span, self.maybe(c[2]))
+
+    # ------------------------------------------------------------ questions
+
+    def question(self, c: Any, span: Span) -> s.Question:
+        parts = self.every(c[2:])
+        clauses = tuple(p for p in parts if isinstance(p, s.Clause))
+        counterfactuals = tuple(p for p in parts if isinstance(p, s.Counterfactual | s.EachOther))
+        kinds = tuple(p for p in parts if isinstance(p, s.Kinds))
+        return s.Question(self(c[1]), clauses, counterfactuals, span, self.maybe(c[0]), kinds)
+
+    def pieces(self, c: Any, span: Span) -> s.Pieces:
+        return s.Pieces(tuple(self.text([token], self.span(token)) for token in c), span)
+
+    def _clause(kind: str) -> Callable[[_Builder, Any, Span], s.Clause]:  # type: ignore[misc]
+        def build(self: _Builder, c: Any, span: Span) -> s.Clause:
+            value, bound, unless = [self.maybe(n) for n in c] + [None] * (3 - len(c))
+            return s.Clause(kind, value, bound, span, unless)
+
+        return build
+
+    options = _clause("options")
+    answer = _clause("answer")
+    margin = _clause("margin")
+    ensure = _clause("ensure")
+    distinct = _clause("distinct")
+    within = _clause("within")
+    difference = _clause("difference")
+    stable = _clause("stable")
+
+    def orbit(self, c: Any, span: Span) -> s.Clause:
+        names = self.every(c)
+        return s.Clause("orbit", s.Items("list", names, None, names[0].span.to(names[-1].span)), None, span)
+
+    def kinds(self, c: Any, span: Span) -> s.Kinds:
+        return s.Kinds(self.every(c), span)
+
+    def each_other(self, c: Any, span: Span) -> s.EachOther:
+        return s.EachOther(self(c[0]), span)
+
+    def counterfactual(self, c: Any, span: Span) -> s.Counterfactual:
+        return s.Counterfactual(self(c[0]), self.every(c[1:]), span)
+
+    def change_action(self, c: Any, span: Span) -> s.Change:
+        return s.Change("action", self(c[0]), self(c[1]), span)
+
+    def change_state(self, c: Any, span: Span) -> s.Change:
+        return s.Change("state", self(c[0]), self(c[1]), span)
+
+    def change_without(self, c: Any, span: Span) -> s.Change:
+        return s.Change("without", self(c[0]), None, span)
+
+    def change_order(self, c: Any, span: Span) -> s.Change:
+        return s.Change("order", self(c[0]), self(c[1]), span)
+
+    def change_add(self, c: Any, span: Span) -> s.Change:
+        return s.Change("add", self(c[0]), None, span, self.every(c[1:]))
+
+    # ------------------------------------------------------------ expressions
+
+    def called(self, c: Any, span: Span) -> s.Called:
+        return s.Called(self(c[0]), self.text(c[1:], self.span(c[1])), span)
+
+    def conditional(self, c: Any, span: Span) -> s.Operation:
+        return s.Operation("if", self.every(c), span)
+
+    def either(self, c: Any, span: Span) -> s.Operation:
+        return s.Operation("or", self.every(c), span)
+
+    def both(self, c: Any, span: Span) -> s.Operation:
+        return s.Operation("and", self.every(c), span)
+
+    def negate(self, c: Any, span: Span) -> s.Operation:
+        return s.Operation("not", self.every(c), span)
+
+    def compare(self, c: Any, span: Span) -> s.Operation:
+        return s.Operation(c[1].text, (self(c[0]), self(c[2])), span)
+
+    binary = compare
+
+    def minus(self, c: Any, span: Span) -> s.Operation:
+        return s.Operation("-", (self(c[1]),), span)
+
+    def range_(self, c: Any, span: Span) -> s.Range:
+        return s.Range(self(c[0]), self(c[1]), None, None, span)
+
+    def steps(self, c: Any, span: Span) -> s.Range:
+        return s.Range(self(c[0]), self(c[1]), self(c[2]), None, span)
+
+    def points(self, c: Any, span: Span) -> s.Range:
+        return s.Range(self(c[0]), self(c[1]), None, self(c[2]), span)
+
+    def member(self, c: Any, span: Span) -> s.Member:
+        return s.Member(self(c[0]), self(c[1]), span)
+
+    def index(self, c: Any, span: Span) -> s.Index:
+        return s.Index(self(c[0]), self(c[1]), span)
+
+    def call(self, c: Any, span: Span) -> s.Call:
+        return s.Call(self(c[0]), self.every(c[1:]), span)
+
+    def argument(self, c: Any, span: Span) -> s.Argument:
+        return s.Argument(self(c[0]) if len(c) > 1 else None, self(c[-1]), span)
+
+    def number(self, c: Any, span: Span) -> s.Number:
+        return s.Number(float(c[0].text), None, span)
+
+    def quantity(self, c: Any, span: Span) -> s.Number:
+        match = _QUANTITY.fullmatch(c[0].text)
+        assert match, c[0]
+        return s.Number(float(match[1]), match[2], span)
+
+    def text(self, c: Any, span: Span) -> s.Text:
+        return s.Text(re.sub(r"\\(.)", lambda m: _ESCAPES.get(m[1], m[1]), c[0].text[1:-1]), span)
+
+    def true(self, _: Any, span: Span) -> s.Truth:
+        return s.Truth(True, span)
+
+    def false(self, _: Any, span: Span) -> s.Truth:
+        return s.Truth(False, span)
+
+    def name(self, c: Any, span: Span) -> s.Name:
+        return s.Name(c[0].text, span)
+
+    at_name = name
+    at_key = name
+    named = name
+
+    def reference(self, c: Any, _: Span) -> s.Name:
+        name: s.Name = self(c[0])
+        return name
+
+    def tuple(self, c: Any, span: Span) -> s.Items:
+        return s.Items("tuple", self.every(c), None, span)
+
+    def list(self, c: Any, span: Span) -> s.Items:
+        unit = c[-1].text.strip() if isinstance(c[-1], Token) else None
+        return s.Items("list", self.every(c), unit, span)

@@ -1,0 +1,154 @@
+"""Characters that stand for others: those that editors put in of their own accord, and the signs of other languages."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+
+from wmspec.core.diagnostics import Report
+from wmspec.core.places import Source, Span
+from wmspec.lang.parse.foreign_syntax import decimal
+from wmspec.lang.parse.lexer import Token, read
+
+#: What is written in place of a character that means nothing: a word of the language, with its type.
+_SIGNS = {
+    **dict.fromkeys("−–—‒﹣－", ("MINUS", "-")),
+    **dict.fromkeys("×∙⋅·", ("TIMES", "*")),
+    **dict.fromkeys("÷∕⁄", ("TIMES", "/")),
+    "≤": ("COMPARE", "<="),
+    "≥": ("COMPARE", ">="),
+    "≠": ("COMPARE", "!="),
+    "…": ("RANGE", ".."),
+    "，": ("COMMA", ","),
+    "：": ("COLON", ":"),
+    "（": ("LPAR", "("),
+    "）": ("RPAR", ")"),
+    "!": ("NOT", "not"),
+    "&": ("AND", "and"),
+    "|": ("OR", "or"),
+}
+#: The same for two words that touch.
+_PAIRS = {
+    "&&": ("AND", "and"),
+    "||": ("OR", "or"),
+    "<>": ("COMPARE", "!="),
+    "=<": ("COMPARE", "<="),
+    "=>": ("COMPARE", ">="),
+}
+#: Quotes that look like those of a text, and what closes them.
+_QUOTES = {"“": '”"“„', "”": '”"“', "„": '“”"', "«": '»"', "»": '«"', "‘": "’'‘", "’": "’'", "'": "'’", "`": "`'"}
+#: What is written after a number: as a unit, or as its power.
+_RAISED = {"°": " deg", "º": " deg", "²": "^2", "³": "^3", "µ": " um", "μ": " um"}
+_SPACES = frozenset("\u00a0\u2007\u2009\u200a\u200b\u202f\u3000\ufeff")
+
+
+def readable(source: Source, tokens: list[Token], report: Report) -> Iterator[Token]:
+    """The words of a text; what is written otherwise is reported and put right."""
+    i = 0
+    while i < len(tokens):
+        one, following = tokens[i], tokens[i + 1] if i + 1 < len(tokens) else None
+        pair = one.text + following.text if following is not None and following.start == one.end else ""
+        if pair == "//" or (pair == "/*" and one.type == "TIMES"):
+            i = yield from _comment(source, tokens, i, pair, report)
+        elif one.type == "NUMBER" and (number := _decimal(tokens, i)) is not None:
+            help = f"write `{number.text}`, or a unit after each number"
+            report.add("WMS102", "a number has a point, no comma", _span(source, one, tokens[i + 2].end), help)
+            yield number
+            i += 3
+        elif pair in _PAIRS:
+            yield _instead(source, one, pair, *_PAIRS[pair], report)
+            i += 2
+        elif following is not None and following.text in _RAISED and one.type in ("NUMBER", "QUANTITY"):
+            written = _RAISED[following.text]
+            message = f"`{following.text}` means nothing here"
+            report.add("WMS102", message, _span(source, following, following.end), f"write `{written.strip()}`")
+            yield one._replace(type="QUANTITY", text=one.text + written)
+            i += 2
+        elif one.type == "STRAY":
+            i = yield from _stray(source, tokens, i, report)
+        else:
+            yield one
+            i += 1
+
+
+def _decimal(tokens: list[Token], i: int) -> Token | None:
+    """`1,4 cm`: a number and a quantity are never side by side, but for a 0, which has no unit."""
+    number = decimal(*tokens[i : i + 3])
+    return number if number is not None and number.type == "QUANTITY" and float(tokens[i].text) else None
+
+
+def _stray(source: Source, tokens: list[Token], i: int, report: Report) -> Generator[Token, None, int]:
+    """What is meant by a character that means nothing; gives the index of the word to go on with."""
+    one = tokens[i]
+    if one.text in _QUOTES:
+        return (yield from _quoted(source, tokens, i, report))
+    if one.text in _SIGNS:
+        yield _instead(source, one, one.text, *_SIGNS[one.text], report)
+    elif one.text in _SPACES:
+        report.add("WMS102", "this is an unusual space", _span(source, one, one.end), "write an ordinary one")
+    elif one.text.isalpha():
+        return _word(source, tokens, i, report)
+    else:
+        yield one
+    return i + 1
+
+
+def _word(source: Source, tokens: list[Token], i: int, report: Report) -> int:
+    """A word with letters that no name has; the letters that one can have are read on."""
+    end = i
+    while end < len(tokens) and (tokens[end].text.isalpha() and tokens[end].type in ("STRAY", "NAME")):
+        end += 1
+    message = f"`{tokens[i].text}` is no letter of a name"
+    report.add("WMS102", message, _span(source, tokens[i], tokens[i].end), "names have the letters a to z")
+    return end
+
+
+def _instead(source: Source, one: Token, text: str, kind: str, written: str, report: Report) -> Token:
+    message = f"`{text}` means nothing here"
+    report.add("WMS102", message, _span(source, one, one.start + len(text)), f"write `{written}`")
+    return one._replace(type=kind, text=written)
+
+
+def _quoted(source: Source, tokens: list[Token], i: int, report: Report) -> Generator[Token, None, int]:
+    """A text in quotes of another sort, up to what closes it on the line, or else one stray quote."""
+    one, text = tokens[i], source.text
+    end = text.find("\n", one.start)
+    line = text[one.start : len(text) if end < 0 else end]
+    close = next((k for k in range(1, len(line)) if line[k] in _QUOTES[one.text]), None)
+    if close is None:
+        report.add("WMS102", f"`{one.text}` means nothing here", _span(source, one, one.end), 'write `"`')
+        return i + 1
+    stop = one.start + close + 1
+    message = f'a text stands in `"`, and this is `{one.text}`'
+    report.add("WMS102", message, _span(source, one, one.end), f'write `"{line[1:close]}"`'[:60])
+    yield one._replace(type="STRING", text=f'"{line[1:close]}"')
+    rest = i
+    while rest < len(tokens) and tokens[rest].start < stop:
+        rest += 1
+    if rest > i and tokens[rest - 1].end > stop:  # a word reaches beyond the quote
+        last = tokens[rest - 1]
+        tokens[rest:rest] = _words(text[stop : last.end], stop)
+    return rest
+
+
+def _comment(source: Source, tokens: list[Token], i: int, sign: str, report: Report) -> Generator[Token, None, int]:
+    """A comment of another language: to the end of its line, or to where it is closed."""
+    yield from ()
+    text, start = source.text, tokens[i].start
+    end = text.find("\n" if sign == "//" else "*/", start)
+    stop = len(text) if end < 0 else end + (2 if sign == "/*" else 0)
+    remedy = "write `#`" if sign == "//" else "begin each line of it with `#`"
+    report.add("WMS102", f"`{sign}` begins no comment here", _span(source, tokens[i], tokens[i + 1].end), remedy)
+    rest = i
+    while rest < len(tokens) and tokens[rest].start < stop:
+        rest += 1
+    if tokens[rest - 1].end > stop:
+        tokens[rest:rest] = _words(text[stop : tokens[rest - 1].end], stop)
+    return rest
+
+
+def _words(text: str, start: int) -> list[Token]:
+    return [t for t in read(text, start) if t.type not in ("WHITE", "COMMENT")]
+
+
+def _span(source: Source, token: Token, end: int) -> Span:
+    return Span(source, token.start, end)

@@ -1,0 +1,408 @@
+"""The syntax tree: what was written, with its place. Nothing is resolved or checked here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Literal, TypeVar
+
+from wmspec.core.node import Node
+from wmspec.core.places import Span
+
+N = TypeVar("N")
+#: What has parts of its own.
+MADE = (tuple, Node)
+
+# ---------------------------------------------------------------- expressions
+
+
+class Number(Node):
+    """`6 cm`: a number and the text of its unit, if any."""
+
+    value: float
+    unit: str | None
+    span: Span
+
+
+class Text(Node):
+    """A quoted text, its escapes resolved."""
+
+    value: str
+    span: Span
+
+
+class Pieces(Node):
+    """The text of a question: one or more quoted texts, between which a space is read."""
+
+    pieces: tuple[Text, ...]
+    span: Span
+
+    @property
+    def value(self) -> str:
+        """The whole text."""
+        return " ".join(piece.value for piece in self.pieces)
+
+
+class Truth(Node):
+    """`true` or `false`."""
+
+    value: bool
+    span: Span
+
+
+class Name(Node):
+    """A bare word; `closed` if it is the language's own, whatever is declared by that name."""
+
+    id: str
+    span: Span
+    closed: bool = False
+
+
+class Member(Node):
+    """`ball.mass`."""
+
+    value: Expr
+    name: Name
+    span: Span
+
+
+class Index(Node):
+    """`blocks[2]`: a member of a set of objects or joints."""
+
+    value: Expr
+    index: Expr
+    span: Span
+
+
+class Argument(Node):
+    """An argument of a call, `name: value` or `value`."""
+
+    name: Name | None
+    value: Expr
+    span: Span
+
+
+class Call(Node):
+    """`glide(left, speed: 10 cm/s)`."""
+
+    function: Expr
+    arguments: tuple[Argument, ...]
+    span: Span
+
+
+class Operation(Node):
+    """An operator and its operands: `+ - * / == != < <= > >= and or not if`, `-` also with one operand."""
+
+    operator: str
+    operands: tuple[Expr, ...]
+    span: Span
+
+
+class Range(Node):
+    """`a .. b`, `a .. b by step`, `a .. b in count`."""
+
+    start: Expr
+    stop: Expr
+    step: Expr | None
+    count: Expr | None
+    span: Span
+
+
+class Items(Node):
+    """`[a, b, c] unit` or `(x, y)`."""
+
+    kind: Literal["list", "tuple"]
+    items: tuple[Expr, ...]
+    unit: str | None
+    span: Span
+
+
+class Called(Node):
+    """`150 g called "empty"`: a value of a factor's list with its name."""
+
+    value: Expr
+    text: Text
+    span: Span
+
+
+Expr = Called | Number | Text | Truth | Name | Member | Index | Call | Operation | Range | Items
+
+# ---------------------------------------------------------------- statements
+
+
+class Docstring(Node):
+    """Three-quoted text."""
+
+    text: str
+    span: Span
+
+
+class Use(Node):
+    """`use room(style: warm) as here only [floor, front]`; `only` is the list as it was written."""
+
+    name: Name
+    given: tuple[Property, ...]
+    prefix: Name | None
+    only: Expr | None
+    span: Span
+
+
+class Factor(Node):
+    """`factor name in domain`, or the same with `nuisance`."""
+
+    name: Name
+    domain: Expr
+    nuisance: bool
+    span: Span
+
+
+class Let(Node):
+    """`let name = value`."""
+
+    name: Name
+    value: Expr
+    span: Span
+
+
+class Parameter(Node):
+    """`parameter style = warm`: what those who use a library may say otherwise.
+
+    One `in` a list, the `domain`, is one of its items, and the first if nothing is said.
+    """
+
+    name: Name
+    value: Expr
+    span: Span
+    domain: Expr | None = None
+
+
+class Require(Node):
+    """`require condition`."""
+
+    condition: Expr
+    span: Span
+
+
+class Setting(Node):
+    """`title "..."`, `repeat 4`, `horizon 2 s`: one value of the task itself."""
+
+    key: str
+    value: Expr
+    span: Span
+
+
+class Property(Node):
+    """`mass: 200 g`; `at` is the second half of `on: table at (x, y)`."""
+
+    name: Name
+    value: Expr
+    at: Expr | None
+    span: Span
+
+
+class Part(Node):
+    """`part name { properties }`: one piece of a compound object."""
+
+    name: Name
+    properties: tuple[Property, ...]
+    span: Span
+
+
+class Block(Node):
+    """`object name : model { properties parts }`, and the same for cameras, lights, joints, robots and the world.
+
+    The world has no name of its own. `count` is set for `objects name[count] { ... }` and
+    `joints name[count] : model { ... }`. `whole` is never written: it is
+    the object that an asset's link or joint belongs to, where they stand in the place of the asset.
+    """
+
+    kind: str
+    name: Name
+    properties: tuple[Property, ...]
+    span: Span
+    model: Name | None = None
+    count: Expr | None = None
+    parts: tuple[Part, ...] = ()
+    whole: str = ""
+
+
+class Template(Node):
+    """`template name(parameter: default) { properties parts }`: what objects of this model have in common."""
+
+    name: Name
+    parameters: tuple[Property, ...]
+    properties: tuple[Property, ...]
+    parts: tuple[Part, ...]
+    span: Span
+
+
+class Design(Node):
+    """`design sample of 500`, `design one_at_a_time { speed: 0.9 m/s }`: which combinations of factors there are."""
+
+    kind: Name
+    count: Expr | None
+    baseline: tuple[Property, ...]
+    span: Span
+
+
+class Tolerance(Node):
+    """`tolerance position 5 mm`: how far engines may disagree."""
+
+    name: Name
+    value: Expr
+    span: Span
+
+
+class Timing(Node):
+    """`at 0.2 s`, `for 2 s`, `after push`, `with push`."""
+
+    kind: str
+    value: Expr
+    span: Span
+
+
+class Action(Node):
+    """`action name = verb(arguments) timings`."""
+
+    name: Name
+    call: Expr
+    timings: tuple[Timing, ...]
+    span: Span
+
+
+class Observe(Node):
+    """`observe camera at times as channels`."""
+
+    camera: Name
+    times: Expr
+    span: Span
+    channels: Expr | None = None
+
+
+class Change(Node):
+    """The one change of a counterfactual: `kind` is action, state, without, order or add (an action, its `timings`)."""
+
+    kind: str
+    target: Expr
+    value: Expr | None
+    span: Span
+    timings: tuple[Timing, ...] = ()
+
+
+class Counterfactual(Node):
+    """`counterfactual name { change }`."""
+
+    name: Name
+    changes: tuple[Change, ...]
+    span: Span
+
+
+class EachOther(Node):
+    """`counterfactual each other level`: one for every other value that the target could have."""
+
+    target: Expr
+    span: Span
+
+
+class Kinds(Node):
+    """`kinds { tips: toppled(bar)  stands: true }`: the kinds of outcome of a question, the first that holds."""
+
+    kinds: tuple[Property, ...]
+    span: Span
+
+
+class Clause(Node):
+    """A clause of a question: its keyword and value; `margin value apart by bound unless exception` has all three."""
+
+    kind: str
+    value: Expr
+    bound: Expr | None
+    span: Span
+    unless: Expr | None = None
+
+
+class Question(Node):
+    """`question name "text" { clauses }`; the name may be left out."""
+
+    text: Pieces
+    clauses: tuple[Clause, ...]
+    counterfactuals: tuple[Counterfactual | EachOther, ...]
+    span: Span
+    name: Name | None = None
+    kinds: tuple[Kinds, ...] = ()
+
+
+Statement = (
+    Docstring
+    | Use
+    | Factor
+    | Let
+    | Parameter
+    | Require
+    | Setting
+    | Design
+    | Tolerance
+    | Template
+    | Block
+    | Action
+    | Observe
+    | Question
+)
+
+
+class Variant(Node):
+    """`variant room { statements }`: a task of its own, with what is common to all variants."""
+
+    name: Name
+    body: tuple[Statement, ...]
+    span: Span
+
+
+class Task(Node):
+    """`task name : dimension.path { statements }`."""
+
+    name: Name
+    path: tuple[Name, ...]
+    body: tuple[Statement | Variant, ...]
+    span: Span
+
+
+class File(Node):
+    """A whole file: a task file holds one or more tasks, a library none."""
+
+    items: tuple[Statement | Task, ...]
+    span: Span
+    whole: bool = True
+    """Whether all of the text could be made sense of; if not, names may be missing."""
+
+
+def names(node: object) -> Iterator[Name]:
+    """All names in a piece of the syntax tree."""
+    return _every(node, Name)
+
+
+def texts(node: object) -> Iterator[Text]:
+    """All quoted texts in a piece of the syntax tree."""
+    return _every(node, Text)
+
+
+def numbers(node: object) -> Iterator[Number]:
+    """All numbers in a piece of the syntax tree."""
+    return _every(node, Number)
+
+
+def _every(node: object, sort: type[N]) -> Iterator[N]:
+    """All nodes of a sort in a piece of the syntax tree, in order."""
+    stack = [node]
+    while stack:
+        one = stack.pop()
+        if isinstance(one, sort):
+            yield one
+        stack += [part for part in parts(one) if isinstance(part, MADE)][::-1]
+
+
+def parts(node: object) -> Iterator[object]:
+    """What a piece of the syntax tree is made of directly."""
+    if isinstance(node, tuple):
+        yield from node
+    elif isinstance(node, Node):
+        yield from vars(node).values()

@@ -1,0 +1,1 @@
+"""Caches of scenes, traces and pictures."""

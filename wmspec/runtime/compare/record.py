@@ -1,0 +1,88 @@
+"""A crosscheck for machines: JSON, and JUnit XML as continuous integration reads it. Neither holds a time of day."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+from xml.etree import ElementTree as ET
+
+from wmspec import __version__
+from wmspec.runtime.compare.model import Checked
+from wmspec.runtime.compare.summary import doubtful, lines, suspects
+from wmspec.runtime.compare.sweep import Job, pairs
+from wmspec.runtime.compare.verbalize import complaints, failure, parting
+from wmspec.runtime.engines.registry import engine_version
+
+#: The version of the JSON's layout.
+FORMAT = 1
+
+
+def record(job: Job, checked: Sequence[Checked], strict: bool) -> dict[str, Any]:
+    """The whole crosscheck as JSON values, SI units."""
+    return {
+        "format": FORMAT,
+        "wmspec": __version__,
+        "engines": {name: engine_version(name) for name in job.engines},
+        "seed": job.seed,
+        "strict": strict,
+        "tolerances": {task: asdict(limits) for task, limits in job.tolerances},
+        "passes": all(c.passes(strict) for c in checked),
+        "summary": [asdict(line) for line in lines(checked, pairs(job.engines))],
+        "suspects": [asdict(s) for s in suspects(checked)],
+        "doubtful": [asdict(d) for d in doubtful(checked)],
+        "instances": [_instance(c, strict) for c in checked],
+    }
+
+
+def _instance(checked: Checked, strict: bool) -> dict[str, Any]:
+    comparisons = [asdict(c) | {"within": c.within} for c in checked.comparisons]
+    verdicts = [asdict(v) | {"asked": v.asked} for v in checked.verdicts]
+    return {
+        **asdict(checked),
+        "passes": checked.passes(strict),
+        "complaints": complaints(checked, strict),
+        "comparisons": comparisons,
+        "verdicts": verdicts,
+    }
+
+
+def junit(job: Job, checked: Sequence[Checked], strict: bool) -> str:
+    """JUnit XML: a suite per task, a case per instance; what is out of tolerance but passes is in its output."""
+    root = ET.Element("testsuites", name="wmspec crosscheck")
+    for task in dict.fromkeys(c.task for c in checked):
+        cases = [c for c in checked if c.task == task]
+        failed = [c for c in cases if not c.passes(strict)]
+        errors = sum(bool(c.failures) for c in failed)
+        counts = {"tests": len(cases), "failures": len(failed) - errors, "errors": errors, "skipped": 0}
+        suite = ET.SubElement(root, "testsuite", name=task)
+        suite.attrib.update((k, str(v)) for k, v in counts.items())
+        properties = ET.SubElement(suite, "properties")
+        for name in job.engines:
+            ET.SubElement(properties, "property", name=name, value=engine_version(name))
+        for case in cases:
+            _case(suite, case, job, strict)
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def _case(suite: ET.Element, checked: Checked, job: Job, strict: bool) -> None:
+    name = f"{checked.task}[{checked.index}]"
+    case = ET.SubElement(suite, "testcase", classname=f"crosscheck.{checked.task}", name=name)
+    reasons = complaints(checked, strict)
+    if checked.failures:
+        error = ET.SubElement(case, "error", type="failure", message=_clean(failure(checked.failures[0])))
+        error.text = _clean("\n".join(reasons))
+    elif reasons:
+        kind = "answers" if checked.disputed else "trajectories"
+        element = ET.SubElement(case, "failure", type=kind, message=_clean(reasons[0]))
+        element.text = _clean("\n".join(reasons))
+    out = [f"{k} = {v}" for k, v in checked.factors.items()]
+    out += [f"wmspec crosscheck: seed {job.seed}, instance {checked.index}", *map(parting, checked.parted)]
+    ET.SubElement(case, "system-out").text = _clean("\n".join(out))
+
+
+def _clean(text: str) -> str:
+    """Without the characters that XML 1.0 cannot hold."""
+    return re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)

@@ -1,0 +1,80 @@
+"""Many instances of many tasks, checked in worker processes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
+from itertools import combinations
+
+from wmspec.compile.design.design import Design
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.ir.record import from_json
+from wmspec.runtime.caches.trace_cache import TraceCache
+from wmspec.runtime.compare.check import check
+from wmspec.runtime.compare.model import Checked, Failure, Pair
+from wmspec.runtime.compare.tolerance import Tolerances
+from wmspec.runtime.workers.pool import Effort, Lost, in_order
+
+
+@dataclass(frozen=True)
+class Job:
+    """How every instance is checked: `tasks` are `TaskSpec`s as JSON, and their `tolerances`, by name."""
+
+    tasks: tuple[tuple[str, str], ...]
+    seed: int
+    engines: tuple[str, ...]
+    tolerances: tuple[tuple[str, Tolerances], ...]
+
+    def of(self, task: str) -> Job:
+        """The same for one task alone: what is sent with every piece of work."""
+        tasks = tuple(pair for pair in self.tasks if pair[0] == task)
+        return replace(self, tasks=tasks, tolerances=tuple(pair for pair in self.tolerances if pair[0] == task))
+
+
+def pairs(engines: Sequence[str]) -> list[Pair]:
+    """Every pair of engines, in order."""
+    return list(combinations(engines, 2))
+
+
+def sweep(
+    specs: Sequence[TaskSpec],
+    sample: int,
+    job: Job,
+    effort: Effort,
+    progress: Callable[[str, int], None],
+) -> tuple[Checked, ...]:
+    """`sample` random instances of every task, in the order of the tasks and of their indices.
+
+    `progress` is told the task and the number of its instances that were finished.
+    """
+    designs = {spec.name: Design(spec, job.seed) for spec in specs}
+    todo = [(name, index) for name, design in designs.items() for index in sorted(design.sample(sample))]
+    checked, own = [], {name: job.of(name) for name in designs}
+    with closing(in_order(work, ((own[name], name, index) for name, index in todo), effort)) as outcomes:
+        for (name, index), outcome in zip(todo, outcomes, strict=True):
+            checked.append(_lost(designs[name], index, outcome) if isinstance(outcome, Lost) else outcome)
+            progress(name, 1)
+    return tuple(checked)
+
+
+def work(job: Job, task: str, index: int) -> Checked:
+    """Check an instance, in a worker process."""
+    return check(_design(job, task), index, _executors(job.engines), dict(job.tolerances)[task])
+
+
+@lru_cache(maxsize=4)
+def _design(job: Job, task: str) -> Design:
+    return Design(from_json(dict(job.tasks)[task]), job.seed)
+
+
+@cache
+def _executors(engines: tuple[str, ...]) -> tuple[TraceCache, ...]:
+    return tuple(TraceCache(engine) for engine in engines)
+
+
+def _lost(design: Design, index: int, lost: Lost) -> Checked:
+    instance = design[index]
+    failures = (Failure("", "", lost.reason),)
+    return Checked(design.spec.name, index, instance.factors, instance.nuisances, failures=failures)

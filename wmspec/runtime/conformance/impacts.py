@@ -1,0 +1,292 @@
+"""Bodies that hit each other: balls, rows of balls, dominoes; what pushes and what carries; what passes through."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import degrees, sqrt
+
+import numpy as np
+
+from wmspec.runtime.conformance.build import G, ball, body, box, cylinder, floor, joint, stage
+from wmspec.runtime.conformance.case import Case, Measure
+from wmspec.runtime.conformance.contacts import MECHANICS
+
+_RADIUS = 0.05
+
+
+def cases() -> Iterator[Case]:
+    """The cases."""
+    yield from _pairs()
+    yield from _cradles()
+    yield from _rows()
+    yield from _moved()
+    yield from _filtered()
+
+
+def _pairs() -> Iterator[Case]:
+    for name, m, n, e in (("equal", 1.0, 1.0, 1.0), ("unequal", 1.0, 3.0, 0.5), ("inelastic", 2.0, 1.0, 0.0)):
+        v = 1.0
+        first, second = v * (m - e * n) / (m + n), v * (1 + e) * m / (m + n)
+        yield Case(
+            f"collide_{name}",
+            stage(
+                body("striker", ball(_RADIUS), (-0.2037, 0, 0), mass=m, velocity=(v, 0, 0)),
+                body("struck", ball(_RADIUS), mass=n),
+                friction=0,
+                restitution=e,
+                gravity=0,
+            ),
+            0.5,
+            tuple(
+                Measure(
+                    f"speed of the {what}",
+                    answer,
+                    0.015,
+                    "m/s",
+                    lambda r, what=what: r[what].velocity[120, 0],  # type: ignore[misc]
+                    "v (m − e n)/(m + n), v (1 + e) m/(m + n)",
+                    MECHANICS,
+                )
+                for what, answer in (("striker", first), ("struck", second))
+            ),
+        )
+    b = _RADIUS  # how far the striker's way passes from the other's middle: at half a diameter, 30 degrees
+    yield Case(
+        "collide_oblique",
+        stage(
+            body("striker", ball(_RADIUS), (-0.3037, b, 0), velocity=(1.0, 0, 0)),
+            body("struck", ball(_RADIUS)),
+            friction=0,
+            restitution=1.0,
+            gravity=0,
+        ),
+        0.6,
+        (
+            Measure(
+                "speed of the struck", sqrt(3) / 2, 0.015, "m/s", lambda r: r["struck"].speed(0.6), "v cos θ", MECHANICS
+            ),
+            Measure("speed of the striker", 0.5, 0.015, "m/s", lambda r: r["striker"].speed(0.6), "v sin θ", MECHANICS),
+            Measure(
+                "angle between their ways",
+                90.0,
+                1.0,
+                "deg",
+                lambda r: degrees(
+                    np.arccos(
+                        r["struck"].velocity[144]
+                        @ r["striker"].velocity[144]
+                        / (r["struck"].speed(0.6) * r["striker"].speed(0.6))
+                    )
+                ),
+                "90°, of equal masses and e = 1",
+                MECHANICS,
+            ),
+        ),
+    )
+    yield Case(
+        "density",
+        stage(
+            body("striker", ball(_RADIUS), (-0.2037, 0, 0), mass=0.0, velocity=(1.0, 0, 0), more=_DENSITY.format(2000)),
+            body("struck", ball(_RADIUS), mass=0.0, more=_DENSITY.format(1000)),
+            friction=0,
+            restitution=1.0,
+            gravity=0,
+        ),
+        0.5,
+        (
+            Measure(
+                "speed of the struck, of half the density",
+                4 / 3,
+                0.02,
+                "m/s",
+                lambda r: r["struck"].velocity[120, 0],
+                "2 v m/(m + n)",
+                MECHANICS,
+            ),
+        ),
+    )
+
+
+_DENSITY = "        float physics:density = {}\n"
+
+
+def _cradles() -> Iterator[Case]:
+    for name, gap, striking in (("touching", 0.0, 1), ("gapped", 0.002, 1), ("two_gapped", 0.002, 2)):
+        balls = [
+            body(
+                f"ball{i}",
+                ball(_RADIUS),
+                ((2 * _RADIUS + gap) * i - (0.1013 if i < striking else 0.0), 0, 0),
+                velocity=(1.0 if i < striking else 0.0, 0, 0),
+            )
+            for i in range(5)
+        ]
+        yield Case(
+            f"cradle_{name}",
+            stage(*balls, friction=0, restitution=1.0, gravity=0),
+            0.5,
+            tuple(
+                Measure(
+                    f"speed of ball {i} of five",
+                    1.0 if i >= 5 - striking else 0.0,
+                    0.03,
+                    "m/s",
+                    lambda r, i=i: r[f"ball{i}"].velocity[120, 0],  # type: ignore[misc]
+                    "as many leave as came, by one impact after the other",
+                    "Herrmann and Schmälzle, American Journal of Physics 49 (1981)",
+                )
+                for i in range(5)
+            ),
+        )
+
+
+def _rows() -> Iterator[Case]:
+    bricks = [body(f"brick{i}", box(0.02, 0.08, 0.16), (0.06 * i, 0, 0.08), mass=0.2) for i in range(6)]
+    hit = body("ball", ball(0.03), (-0.11, 0, 0.14), mass=0.5, velocity=(1.0, 0, 0))
+    yield Case(
+        "domino",
+        stage(floor(), *bricks, hit),
+        2.0,
+        (
+            Measure(
+                "how many of six bricks fall",
+                6,
+                0,
+                "",
+                lambda r: sum(r[f"brick{i}"].axis(2.0, 2)[2] < 0.7 for i in range(6)),
+                "all, as each is hit above its middle by one that falls",
+                MECHANICS,
+            ),
+        ),
+    )
+
+
+def _moved() -> Iterator[Case]:
+    """A heavy body on a rail with a strong drive: standard UsdPhysics's way of telling a body how to move."""
+    v, mu = 0.5, 0.4
+    drive = f"damping = 50000\ntargetVelocity = {v}\nstiffness = 0\nmaxForce = inf"
+    rail = {"limits": None, "drive": drive}
+    slid = v * v / (2 * mu * G)
+    plate = body("plate", box(6.0, 1.0, 0.1), (1.0, 0, 0.95), mass=100.0)
+    box_on = body("box", box(0.2, 0.2, 0.1), (0, 0, 1.05), mass=1.0)
+    yield Case(
+        "conveyor",
+        stage(
+            plate,
+            box_on,
+            joint("Prismatic", "rail", "", "plate", (1.0, 0, 0.95), axis="X", drive=drive),
+            friction=mu,
+        ),
+        1.0,
+        (
+            Measure("speed of what it carries", v, 0.01, "m/s", lambda r: r["box"].velocity[240, 0], "v", MECHANICS),
+            Measure(
+                "how far it lags behind",
+                slid,
+                0.004,
+                "m",
+                lambda r: (r["plate"].at(1, 0) - r["plate"].at(0, 0)) - (r["box"].at(1, 0) - r["box"].at(0, 0)),
+                "v²/2μg",
+                MECHANICS,
+            ),
+        ),
+    )
+    pusher = body("pusher", box(0.1, 1.0, 0.1), (-0.4, 0, 0.1), mass=100.0)
+    pushed = body("box", box(0.2, 0.2, 0.1), (0, 0, 0.05), mass=1.0)
+    yield Case(
+        "pusher",
+        stage(
+            floor(),
+            pusher,
+            pushed,
+            joint(
+                "Prismatic",
+                "rail",
+                "",
+                "pusher",
+                (-0.4, 0, 0.1),
+                axis="X",
+                limits=(-1.0, 1.0),
+                drive=str(rail["drive"]),
+            ),
+            friction=mu,
+        ),
+        1.5,
+        (
+            Measure(
+                "where a pushed box is",
+                -0.4 + 0.05 + 0.1 + 1.5 * v,
+                0.005,
+                "m",
+                lambda r: r["box"].at(1.5, 0),
+                "v t",
+                MECHANICS,
+            ),
+        ),
+    )
+
+
+def _filtered() -> Iterator[Case]:
+    shelf = body("shelf", box(1.0, 1.0, 0.1), (0, 0, 1.0), mass=None)
+    pair = body(
+        "box",
+        box(0.2, 0.2, 0.2),
+        (0, 0, 1.5),
+        apis=["PhysicsFilteredPairsAPI"],
+        more="        rel physics:filteredPairs = </World/shelf>\n",
+    )
+    group = """    def PhysicsCollisionGroup "Ghosts" (prepend apiSchemas = ["CollectionAPI:colliders"])
+    {
+        rel physics:filteredGroups = </World/Shelves>
+        uniform token collection:colliders:expansionRule = "expandPrims"
+        rel collection:colliders:includes = </World/box>
+    }
+
+    def PhysicsCollisionGroup "Shelves" (prepend apiSchemas = ["CollectionAPI:colliders"])
+    {
+        uniform token collection:colliders:expansionRule = "expandPrims"
+        rel collection:colliders:includes = </World/shelf>
+    }
+
+"""
+    plain = body("box", box(0.2, 0.2, 0.2), (0, 0, 1.5))
+    through, source = 1.5 - G / 2 * 0.8**2, "UsdPhysics, Collision Filtering"
+    for name, made, answer in (
+        ("filtered_pair", stage(shelf, pair), through),
+        ("collision_group", stage(shelf, plain, group), through),
+        ("unfiltered", stage(shelf, plain), 1.15),
+    ):
+        told = "g t²/2" if answer == through else "it lies on the shelf"
+        yield Case(
+            name,
+            made,
+            0.8,
+            (
+                Measure(
+                    "where a box above a shelf is after 0.8 s",
+                    answer,
+                    0.003,
+                    "m",
+                    lambda r: r["box"].at(0.8, 2),
+                    told,
+                    source,
+                ),
+            ),
+        )
+    upright = body("mug", cylinder(0.05, 0.1), (0, 0, 0.05))
+    yield Case(
+        "stand_cylinder",
+        stage(floor(), upright),
+        2.0,
+        (
+            Measure(
+                "how far a standing cylinder creeps in 2 s",
+                0.0,
+                0.5,
+                "mm",
+                lambda r: float(1e3 * np.linalg.norm(r["mug"].position[480] - r["mug"].position[0])),
+                "0",
+                MECHANICS,
+            ),
+        ),
+    )

@@ -1,0 +1,405 @@
+"""Pendulums, linkages, drives, limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import cos, degrees, exp, pi, radians, sin, sqrt
+
+import numpy as np
+
+from wmspec.core.space import Vector
+from wmspec.runtime.conformance.build import G, ball, body, box, joint, stage
+from wmspec.runtime.conformance.case import RATE, Case, Measure, Run
+from wmspec.runtime.conformance.contacts import LANDAU, MECHANICS
+from wmspec.sim.scene.model import Array
+
+_ARM = 0.5  # m, from the pivot to the middle of the bob
+_INERTIA = (0.01, 0.01, 0.01)
+
+
+def cases() -> Iterator[Case]:
+    """The cases."""
+    yield from _pendulums()
+    yield from _linkages()
+    yield from _drives()
+    yield from _limits()
+    yield from _held()
+
+
+def swing(amplitude: float, inertia: float, arm: float, mass: float = 1.0) -> float:
+    """The period (s) of a pendulum that is let go at an amplitude (rad): Landau and Lifshitz, Mechanics, § 11."""
+    from scipy.special import ellipk
+
+    return float(4 * sqrt((inertia + mass * arm**2) / (mass * G * arm)) * ellipk(sin(amplitude / 2) ** 2))
+
+
+def _hung(angle: float) -> tuple[Vector, tuple[float, ...]]:
+    """Where a bob is that hangs from the origin, turned about y out of the vertical by an angle (rad)."""
+    return (_ARM * sin(angle), 0.0, -_ARM * cos(angle)), (cos(angle / 2), 0.0, -sin(angle / 2), 0.0)
+
+
+def _period(run: Run, name: str = "bob") -> float:
+    """The time (s) between two passages of the middle in one direction."""
+    x = run[name].position[:, 0]
+    passed = [i + x[i] / (x[i] - x[i + 1]) for i in range(len(x) - 1) if x[i] > 0 >= x[i + 1]]
+    return float((passed[1] - passed[0]) / RATE) if len(passed) > 1 else float("nan")
+
+
+def _pendulums() -> Iterator[Case]:
+    for angle in (10, 60, 150):
+        at, turn = _hung(radians(angle))
+        made = stage(
+            body("bob", ball(0.05), at, turn, moments=_INERTIA),
+            joint("Revolute", "pivot", "", "bob", below=(0, 0, _ARM), axis="Y"),
+        )
+        period = swing(radians(angle), 0.01, _ARM)
+        yield Case(
+            f"pendulum_{angle}",
+            made,
+            2.6 * period,
+            (
+                Measure(
+                    f"period from {angle} degrees",
+                    period,
+                    0.005 * period,
+                    "s",
+                    _period,
+                    "4 √(I/mgd) K(sin θ/2)",
+                    LANDAU,
+                ),
+            ),
+        )
+    at, turn = _hung(radians(60))
+    period = swing(radians(60), 0.01, _ARM)
+    yield Case(
+        "pendulum_ball_joint",
+        stage(
+            body("bob", ball(0.05), at, turn, moments=_INERTIA),
+            joint("Spherical", "pivot", "", "bob", below=(0, 0, _ARM)),
+        ),
+        2.6 * period,
+        (
+            Measure(
+                "period of one on a ball joint", period, 0.005 * period, "s", _period, "4 √(I/mgd) K(sin θ/2)", LANDAU
+            ),
+        ),
+    )
+    yield from _double()
+
+
+def _energy(run: Run, names: tuple[str, ...], moment: float) -> Array:
+    """Kinetic and potential energy (T,) of bodies of 1 kg, J."""
+    whole = np.zeros(len(run[names[0]].position))
+    for name in names:
+        track = run[name]
+        whole += ((track.velocity**2).sum(axis=1) + moment * (track.spin**2).sum(axis=1)) / 2 + G * track.position[:, 2]
+    return whole
+
+
+def _double() -> Iterator[Case]:
+    arms = [
+        body("upper", box(0.05, 0.05, 0.05), (0.25, 0, 0), moments=_INERTIA),
+        body("lower", box(0.05, 0.05, 0.05), (0.75, 0, 0), moments=_INERTIA),
+        joint("Revolute", "shoulder", "", "upper", below=(-0.25, 0, 0), axis="Y"),
+        joint("Revolute", "elbow", "upper", "lower", (0.25, 0, 0), (-0.25, 0, 0), axis="Y"),
+    ]
+
+    def drift(run: Run) -> float:
+        energy = _energy(run, ("upper", "lower"), _INERTIA[0])
+        return float(100 * np.abs(energy[24:] - energy[0]).max() / (2 * G * 0.5))
+
+    yield Case(
+        "double_pendulum",
+        stage(*arms),
+        3.0,
+        (
+            Measure(
+                "how far its end is from its place after 1 s",
+                0.0,
+                5.0,
+                "mm",
+                lambda r: float(1e3 * np.linalg.norm(r["lower"].position[RATE] - _double_after(1.0))),
+                "Lagrange's equations, integrated to 1e-11",
+                LANDAU,
+            ),
+            Measure(
+                "energy of a double pendulum lost or gained, of its depth", 0.0, 1.0, "%", drift, "constant", LANDAU
+            ),
+            Measure(
+                "farthest out of its plane",
+                0.0,
+                0.5,
+                "mm",
+                lambda r: float(1e3 * np.abs(r["lower"].position[:, 1]).max()),
+                "0",
+                "symmetry",
+            ),
+        ),
+    )
+
+
+def _double_after(seconds: float) -> Array:
+    """Where the middle of the lower arm is (3,) when both were let go level: by Lagrange's equations of two angles."""
+    from scipy.integrate import solve_ivp
+
+    arm, half, inertia = 2 * 0.25, 0.25, _INERTIA[0]
+
+    def rates(_time: float, state: Array) -> list[float]:
+        a, b, u, v = state
+        mixed, turn = arm * half * cos(a - b), arm * half * sin(a - b)
+        mass = [[inertia + half**2 + arm**2, mixed], [mixed, inertia + half**2]]
+        force = [-turn * v * v + G * (half + arm) * cos(a), turn * u * u + G * half * cos(b)]
+        return [u, v, *np.linalg.solve(mass, force).tolist()]
+
+    way = solve_ivp(rates, (0.0, seconds), np.zeros(4), method="DOP853", rtol=1e-11, atol=1e-11)
+    a, b = way.y[:2, -1]
+    return np.array([arm * cos(a) + half * cos(b), 0.0, -arm * sin(a) - half * sin(b)])
+
+
+def _linkages() -> Iterator[Case]:
+    """A parallelogram: its coupler never turns, so it swings as a point that hangs on one of its cranks does."""
+    angle, crank, wide = radians(30), 0.4, 0.6
+    down: Vector = (crank / 2 * sin(angle), 0.0, -crank / 2 * cos(angle))
+    turn = (cos(angle / 2), 0.0, -sin(angle / 2), 0.0)
+    parts = []
+    for name, x in (("left", -wide / 2), ("right", wide / 2)):
+        parts.append(body(name, box(0.02, 0.02, 0.02), (x + down[0], 0, down[2]), turn, mass=0.5, moments=(0.005,) * 3))
+        parts.append(joint("Revolute", f"{name}_top", "", name, (x, 0, 0), (0, 0, crank / 2), axis="Y"))
+    parts.append(body("coupler", box(0.02, 0.02, 0.02), (2 * down[0], 0, 2 * down[2]), mass=2.0, moments=(0.05,) * 3))
+    parts.append(joint("Revolute", "left_low", "left", "coupler", (0, 0, -crank / 2), (-wide / 2, 0, 0), axis="Y"))
+    parts.append(joint("Revolute", "right_low", "right", "coupler", (0, 0, -crank / 2), (wide / 2, 0, 0), axis="Y"))
+    # T = ½ (2 (I + m c²/4) + M c²) θ'², V = −(2 m c/2 + M c) g cos θ
+    inertia, pull = 2 * (0.005 + 0.5 * crank**2 / 4) + 2.0 * crank**2, (0.5 * crank + 2.0 * crank) * G
+    from scipy.special import ellipk
+
+    period = float(4 * sqrt(inertia / pull) * ellipk(sin(angle / 2) ** 2))
+    yield Case(
+        "four_bar",
+        stage(*parts),
+        2.6 * period,
+        (
+            Measure(
+                "period of a parallelogram",
+                period,
+                0.005 * period,
+                "s",
+                lambda r: _period(r, "coupler"),
+                "4 √(I/P) K(sin θ/2)",
+                LANDAU,
+            ),
+            Measure(
+                "farthest that its coupler turns",
+                0.0,
+                0.2,
+                "deg",
+                lambda r: degrees(max(r["coupler"].turn(i / RATE) for i in range(0, len(r["coupler"].spin), 24))),
+                "0",
+                "geometry",
+            ),
+        ),
+    )
+
+
+def _drives() -> Iterator[Case]:
+    m, k = 1.0, 100.0
+    w = sqrt(k / m)
+    for name, damping in (("critical", 2 * sqrt(k * m)), ("light", 0.2 * 2 * sqrt(k * m))):
+        zeta = damping / (2 * sqrt(k * m))
+        t = 0.2
+        if zeta == 1:
+            way = 1 - exp(-w * t) * (1 + w * t)
+        else:
+            d = w * sqrt(1 - zeta**2)
+            way = 1 - exp(-zeta * w * t) * (cos(d * t) + zeta * w / d * sin(d * t))
+        drive = f"stiffness = {k}\ndamping = {damping}\ntargetPosition = 0.3\nmaxForce = inf"
+        yield Case(
+            f"drive_{name}",
+            stage(
+                body("cart", box(0.1, 0.1, 0.1)),
+                joint("Prismatic", "rail", "", "cart", axis="X", drive=drive),
+                gravity=0,
+            ),
+            0.5,
+            (
+                Measure(
+                    f"where a drive has moved a cart in {t:g} s",
+                    300 * way,
+                    3.0,
+                    "mm",
+                    lambda r: 1e3 * r["cart"].at(0.2, 0),
+                    "the step response of a damped oscillator",
+                    MECHANICS,
+                ),
+            ),
+        )
+    spring = f"stiffness = {k}\ndamping = 0\ntargetPosition = 0.2\nmaxForce = inf"
+
+    def period(run: Run) -> float:
+        x = run["cart"].position[:, 0] - 0.2
+        passed = [i + x[i] / (x[i] - x[i + 1]) for i in range(len(x) - 1) if x[i] > 0 >= x[i + 1]]
+        return float((passed[1] - passed[0]) / RATE) if len(passed) > 1 else float("nan")
+
+    yield Case(
+        "spring",
+        stage(
+            body("cart", box(0.1, 0.1, 0.1)), joint("Prismatic", "rail", "", "cart", axis="X", drive=spring), gravity=0
+        ),
+        1.8,
+        (
+            Measure("period of a spring", 2 * pi / w, 0.005, "s", period, "2π √(m/k)", MECHANICS),
+            Measure(
+                "farthest that it goes",
+                400.0,
+                4.0,
+                "mm",
+                lambda r: float(1e3 * r["cart"].position[:, 0].max()),
+                "2 x",
+                MECHANICS,
+            ),
+        ),
+    )
+    turned = "stiffness = 1.0\ndamping = 0.1\ntargetPosition = 40\nmaxForce = inf"
+    yield Case(
+        "drive_hinge",
+        stage(
+            body("arm", box(0.2, 0.1, 0.05), moments=(0.1,) * 3),
+            joint("Revolute", "axle", "", "arm", axis="Z", drive=turned),
+            gravity=0,
+        ),
+        3.0,
+        (
+            Measure(
+                "where the drive of a hinge, whose numbers are per degree, leaves it",
+                40.0,
+                0.2,
+                "deg",
+                lambda r: degrees(r["arm"].turn(3.0)),
+                "its target",
+                "UsdPhysics, PhysicsDriveAPI",
+            ),
+        ),
+    )
+    speed = "stiffness = 0\ndamping = 200\ntargetVelocity = 0.7\nmaxForce = inf"
+    yield Case(
+        "drive_velocity",
+        stage(
+            body("cart", box(0.1, 0.1, 0.1)), joint("Prismatic", "rail", "", "cart", axis="X", drive=speed), gravity=0
+        ),
+        0.5,
+        (
+            Measure(
+                "speed that a drive gives", 0.7, 0.003, "m/s", lambda r: r["cart"].speed(0.5), "its target", MECHANICS
+            ),
+        ),
+    )
+    weak = "stiffness = 100000\ndamping = 100\ntargetPosition = 1\nmaxForce = 5"
+    yield Case(
+        "drive_force_limit",
+        stage(body("cart", box(0.1, 0.1, 0.1)), joint("Prismatic", "rail", "", "cart", axis="Z", drive=weak)),
+        0.5,
+        (
+            Measure(
+                "way down of 1 kg that a drive of at most 5 N should hold, in 0.4 s",
+                (G - 5) / 2 * 0.4**2,
+                0.004,
+                "m",
+                lambda r: -r["cart"].at(0.4, 2),
+                "(g − F/m) t²/2",
+                MECHANICS,
+            ),
+        ),
+    )
+
+
+def _limits() -> Iterator[Case]:
+    at, turn = _hung(pi / 2)
+    made = stage(
+        body("bob", ball(0.05), at, turn, moments=_INERTIA),
+        joint("Revolute", "pivot", "", "bob", below=(0, 0, _ARM), axis="Y", limits=(-120.0, -30.0)),
+    )
+    yield Case(
+        "limit_hinge",
+        made,
+        3.0,
+        (
+            Measure(
+                "where a limit holds a falling pendulum",
+                30.0,
+                0.5,
+                "deg",
+                lambda r: degrees(np.arctan2(r["bob"].at(3, 0), -r["bob"].at(3, 2))),
+                "the limit",
+                "UsdPhysics, PhysicsRevoluteJoint",
+            ),
+        ),
+    )
+    yield Case(
+        "limit_slider",
+        stage(
+            body("cart", box(0.1, 0.1, 0.1)),
+            joint("Prismatic", "rail", "", "cart", axis="Z", limits=(-0.25, 0.25)),
+        ),
+        2.0,
+        (
+            Measure(
+                "where a limit holds a falling cart",
+                -250.0,
+                1.0,
+                "mm",
+                lambda r: 1e3 * r["cart"].at(2, 2),
+                "the limit",
+                "UsdPhysics, PhysicsPrismaticJoint",
+            ),
+        ),
+    )
+
+
+def _held() -> Iterator[Case]:
+    yield Case(
+        "rail",
+        stage(
+            body("cart", box(0.1, 0.1, 0.1)),
+            joint("Prismatic", "rail", "", "cart", axis="X"),
+        ),
+        1.0,
+        (
+            Measure(
+                "how far a cart on a level rail sinks in 1 s",
+                0.0,
+                0.5,
+                "mm",
+                lambda r: float(1e3 * np.linalg.norm(r["cart"].position[240] - r["cart"].position[0])),
+                "0",
+                MECHANICS,
+            ),
+        ),
+    )
+    yield Case(
+        "dumbbell",
+        stage(
+            body("one", ball(0.05), (-0.2, 0, 5), mass=1.0),
+            body("other", ball(0.05), (0.2, 0, 5), mass=3.0),
+            joint("Fixed", "bar", "one", "other", (0.2, 0, 0), (-0.2, 0, 0)),
+        ),
+        1.0,
+        (
+            Measure(
+                "way down of two balls on a bar after 1 s",
+                G / 2,
+                0.001,
+                "m",
+                lambda r: 5 - r["other"].at(1, 2),
+                "g t²/2",
+                MECHANICS,
+            ),
+            Measure(
+                "by how much the bar stretches",
+                0.0,
+                0.1,
+                "mm",
+                lambda r: float(1e3 * abs(np.linalg.norm(r["one"].position[240] - r["other"].position[240]) - 0.4)),
+                "0",
+                MECHANICS,
+            ),
+        ),
+    )

@@ -1,0 +1,329 @@
+"""Joints that mimic others, and jointed bodies that begin to move."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import cos, degrees, exp, pi, radians, sin, sqrt
+
+import numpy as np
+
+from wmspec.core.space import Vector
+from wmspec.runtime.conformance.build import G, ball, body, box, joint, stage
+from wmspec.runtime.conformance.case import RATE, Case, Measure, Run
+from wmspec.runtime.conformance.contacts import LANDAU, MECHANICS
+from wmspec.runtime.conformance.joints import swing
+from wmspec.sim.scene.model import Array
+from wmspec.sim.scene.model.transform import rotate
+
+_SMALL = box(0.1, 0.1, 0.1)
+_CONSTRAINED = "Lagrange's equations with a constraint"
+
+
+def cases() -> Iterator[Case]:
+    """The cases."""
+    yield from _mimics()
+    yield from _pushed()
+    yield from _thrown()
+
+
+def _mimics() -> Iterator[Case]:
+    mass, inertia, pace = 2.0, 0.05, 5.0
+    fall = mass * G / (mass + inertia * pace**2)
+    yield Case(
+        "mimic_hoist",
+        stage(
+            body("weight", _SMALL, mass=mass),
+            body("drum", _SMALL, (0, 1, 0), moments=(inertia,) * 3),
+            joint("Prismatic", "rope", "", "weight", axis="Z"),
+            joint("Revolute", "axle", "", "drum", (0, 1, 0), axis="Y", mimic=("rope", 0.0, degrees(pace))),
+        ),
+        0.5,
+        (
+            Measure(
+                "way down in 0.4 s of a weight that turns a drum",
+                fall / 2 * 0.4**2,
+                0.004,
+                "m",
+                lambda r: -r["weight"].at(0.4, 2),
+                "t²/2 mg/(m + I k²)",
+                _CONSTRAINED,
+            ),
+            Measure(
+                "farthest that the drum is from where it should be",
+                0.0,
+                0.005,
+                "rad",
+                lambda r: max(abs(r["drum"].turn(i / RATE) + pace * r["weight"].position[i, 2]) for i in range(97)),
+                "0",
+                "newton:mimicCoef1",
+            ),
+        ),
+    )
+    heavy, light = 3.0, 1.0
+    yield Case(
+        "mimic_counterweight",
+        stage(
+            body("carriage", _SMALL, mass=1.0),
+            body("heavy", _SMALL, (0.5, 0, 0), mass=heavy),
+            body("light", _SMALL, (-0.5, 0, 0.2), mass=light),
+            joint("Fixed", "post", "", "carriage"),
+            joint("Prismatic", "one", "carriage", "heavy", (0.5, 0, 0), axis="Z"),
+            joint(
+                "Prismatic", "other", "carriage", "light", (-0.5, 0, 0), axis="Z", mimic=("one", 0.2, -1.0), physx=True
+            ),
+        ),
+        0.5,
+        (
+            Measure(
+                "way down in 0.5 s of a weight that lifts a lighter one",
+                G * (heavy - light) / (heavy + light) / 2 * 0.5**2,
+                0.004,
+                "m",
+                lambda r: -r["heavy"].at(0.5, 2),
+                "g t²/2 (M − m)/(M + m)",
+                MECHANICS,
+            ),
+            Measure(
+                "farthest that the two are from being opposite",
+                0.0,
+                0.5,
+                "mm",
+                lambda r: float(1e3 * np.abs(r["heavy"].position[:, 2] + r["light"].position[:, 2] - 0.2).max()),
+                "0",
+                "physxMimicJoint:gearing, offset",
+            ),
+        ),
+    )
+    whole, stiff = 1.0, 100.0
+    damped = 2 * sqrt(stiff * whole)
+    w, t = sqrt(stiff / whole), 0.2
+    drive = f"stiffness = {stiff}\ndamping = {damped}\ntargetPosition = 0.04\nmaxForce = inf"
+    yield Case(
+        "mimic_gripper",
+        stage(
+            body("palm", _SMALL, mass=1.0),
+            body("left", box(0.02, 0.02, 0.05), (0, 0, 0.2), mass=0.7),
+            body("right", box(0.02, 0.02, 0.05), (0, 0, -0.2), mass=0.3),
+            joint("Fixed", "wrist", "", "palm"),
+            joint("Prismatic", "finger", "palm", "left", (0, 0, 0.2), axis="Y", drive=drive),
+            joint("Prismatic", "thumb", "palm", "right", (0, 0, -0.2), axis="Y", mimic=("finger", 0.0, -1.0)),
+            gravity=0,
+        ),
+        0.5,
+        (
+            Measure(
+                "where the finger is that mimics a driven one, after 0.2 s",
+                -40 * (1 - exp(-w * t) * (1 + w * t)),
+                0.4,
+                "mm",
+                lambda r: 1e3 * r["right"].at(0.2, 1),
+                "the step response of a damped oscillator of both masses",
+                MECHANICS,
+            ),
+        ),
+    )
+
+
+_ARM = 0.5
+_INERTIA = 0.01
+
+
+def _pushed() -> Iterator[Case]:
+    reach = radians(60)
+    spin = sqrt(2 * G * _ARM * (1 - cos(reach)) / (_INERTIA + _ARM**2))
+    period = swing(reach, _INERTIA, _ARM)
+    hung = joint("Revolute", "pivot", "", "bob", below=(0, 0, _ARM), axis="Y")
+    down: Vector = (0, 0, -_ARM)
+    bob = {"moments": (_INERTIA,) * 3, "velocity": (spin * _ARM, 0, 0), "spin": (0, -spin, 0)}
+    yield Case(
+        "pendulum_pushed",
+        stage(body("bob", ball(0.05), down, **bob), hung),  # type: ignore[arg-type]
+        1.3 * period,
+        (
+            Measure(
+                "how far a pendulum swings that begins to move at its lowest",
+                degrees(reach),
+                0.3,
+                "deg",
+                lambda r: degrees(float(np.arcsin(np.abs(r["bob"].position[:, 0]).max() / _ARM))),
+                "cos θ = 1 − (I + md²)ω²/2mgd",
+                LANDAU,
+            ),
+            Measure(
+                "when it is back at its lowest the second time",
+                period,
+                0.005 * period,
+                "s",
+                lambda r: _back(r["bob"].position[:, 0]),
+                "4 √(I/mgd) K(sin θ/2)",
+                LANDAU,
+            ),
+        ),
+    )
+    speed = 2.0
+    yield Case(
+        "pendulum_jerked",
+        stage(body("bob", ball(0.05), down, moments=(0.1,) * 3, velocity=(speed, 0, 1.0)), hung, gravity=0),
+        0.2,
+        (
+            Measure(
+                "spin of a pendulum whose given velocity its joint does not let be",
+                speed * _ARM / (0.1 + _ARM**2),
+                0.01,
+                "rad/s",
+                lambda r: float(np.linalg.norm(r["bob"].spin[RATE // 10])),
+                "m d v/(I + md²)",
+                "angular momentum about the joint",
+            ),
+        ),
+    )
+    lean = radians(40)
+    around = sqrt(G / (_ARM * cos(lean)))
+    at: Vector = (_ARM * sin(lean), 0, -_ARM * cos(lean))
+    turn = (cos(lean / 2), 0.0, -sin(lean / 2), 0.0)
+    yield Case(
+        "pendulum_conical",
+        stage(
+            body(
+                "bob",
+                ball(0.05),
+                at,
+                turn,
+                moments=(_INERTIA,) * 3,
+                velocity=(0, around * at[0], 0),
+                spin=(0, 0, around),
+            ),
+            joint("Spherical", "pivot", "", "bob", below=(0, 0, _ARM)),
+        ),
+        1.25 * 2 * pi / around,
+        (
+            Measure(
+                "farthest that a conical pendulum rises or sinks",
+                0.0,
+                2.0,
+                "mm",
+                lambda r: float(1e3 * np.abs(r["bob"].position[:, 2] - at[2]).max()),
+                "0",
+                LANDAU,
+            ),
+            Measure(
+                "its time around",
+                2 * pi / around,
+                0.01,
+                "s",
+                lambda r: _back(r["bob"].position[:, 1]),
+                "2π √(d cos θ/g)",
+                LANDAU,
+            ),
+        ),
+    )
+
+
+def _back(x: Array) -> float:
+    """When (s) a coordinate that begins at 0 goes up through 0 for the first time."""
+    passed = [i - x[i] / (x[i + 1] - x[i]) for i in range(RATE // 4, len(x) - 1) if x[i] < 0 <= x[i + 1]]
+    return float(passed[0] / RATE) if passed else float("nan")
+
+
+def _thrown() -> Iterator[Case]:
+    turns, sideways = 3.0, 1.0
+    pair = [("one", -0.2, 1.0), ("other", 0.2, 3.0)]
+    middle = 0.1  # of both, weighed
+    parts = [
+        body(
+            name,
+            ball(0.05),
+            (x, 0, 5),
+            mass=mass,
+            velocity=(sideways, turns * (x - middle), 0),
+            spin=(0, 0, turns),
+        )
+        for name, x, mass in pair
+    ]
+    yield Case(
+        "dumbbell_thrown",
+        stage(*parts, joint("Fixed", "bar", "one", "other", (0.2, 0, 0), (-0.2, 0, 0))),
+        1.0,
+        (
+            Measure(
+                "farthest that the middle of two balls on a bar, thrown and turning, is off its way",
+                0.0,
+                1.0,
+                "mm",
+                lambda r: float(1e3 * np.abs(_middle(r) - _flight(middle, sideways, len(_middle(r)))).max()),
+                "p + vt + gt²/2",
+                MECHANICS,
+            ),
+            Measure(
+                "by how much the bar has turned after 1 s",
+                turns,
+                0.01,
+                "rad",
+                lambda r: r["one"].turn(1.0),
+                "ωt",
+                MECHANICS,
+            ),
+        ),
+    )
+    spins = {"left": (0.0, 0.0, 4.0), "right": (0.0, 0.0, -1.0)}
+    places = {"left": (-0.25, 0.0, 0.0), "right": (0.25, 0.0, 0.0)}
+    moments = (0.01, 0.03, 0.03)
+    links = [
+        body(
+            name,
+            box(0.4, 0.05, 0.05),
+            places[name],
+            moments=moments,
+            velocity=tuple(np.cross(spins[name], places[name]).tolist()),
+            spin=spins[name],
+        )
+        for name in places
+    ]
+    momentum = sum(0.03 * spins[n][2] + 0.25**2 * spins[n][2] for n in places)
+    yield Case(
+        "nunchaku_thrown",
+        stage(*links, joint("Revolute", "chain", "left", "right", (0.25, 0, 0), (-0.25, 0, 0), axis="Z"), gravity=0),
+        1.0,
+        (
+            Measure(
+                "angular momentum of two rods on a hinge after 1 s",
+                momentum,
+                0.005,
+                "Nms",
+                _momentum,
+                "constant",
+                MECHANICS,
+            ),
+            Measure(
+                "farthest that their hinge opens",
+                0.0,
+                0.1,
+                "mm",
+                lambda r: float(1e3 * np.abs(_end(r, "left", 0.25) - _end(r, "right", -0.25)).max()),
+                "0",
+                MECHANICS,
+            ),
+        ),
+    )
+
+
+def _middle(run: Run) -> Array:
+    middle: Array = (run["one"].position + 3 * run["other"].position) / 4
+    return middle
+
+
+def _flight(x: float, speed: float, samples: int) -> Array:
+    time = np.arange(samples) / RATE
+    return np.stack([x + speed * time, np.zeros(samples), 5 - G * time**2 / 2], axis=1)
+
+
+def _end(run: Run, name: str, along: float) -> Array:
+    return run[name].position + rotate(run[name].orientation, np.array([along, 0.0, 0.0]))
+
+
+def _momentum(run: Run) -> float:
+    """About the middle of both rods, of 1 kg each."""
+    middle = sum(track.position[-1] for track in run.values()) / 2
+    pushed = sum(track.velocity[-1] for track in run.values()) / 2
+    orbit = [np.cross(t.position[-1] - middle, t.velocity[-1] - pushed)[2] for t in run.values()]
+    return float(sum(orbit) + sum(0.03 * t.spin[-1, 2] for t in run.values()))

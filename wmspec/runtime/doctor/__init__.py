@@ -1,0 +1,1 @@
+"""Tests the installation and names remedies."""

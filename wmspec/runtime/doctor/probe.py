@@ -1,0 +1,103 @@
+"""Does an engine work here? `python -m wmspec.runtime.doctor.probe ENGINE execute|render` tries it; its last line tells.
+
+`python -m wmspec.runtime.doctor.probe mitsuba photo` tries what draws the look "photo".
+
+A process of its own, because a broken graphics driver may take the whole process down.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.runtime.engines.registry import backend
+from wmspec.sim.scene.model import Body, Camera, Geom, Light, Pose, Scene, Shot, Surface
+from wmspec.sim.scene.model.transform import identity
+from wmspec.sim.scene.physics.inertia import inertia
+from wmspec.sim.scene.render.camera import look_at
+from wmspec.sim.shapes import Box
+
+GRAVITY = 9.81
+SIZE = 64
+FOUND, FAILED = "found: ", "failed: "
+
+
+def falling_cube() -> Scene:
+    """A red cube in free fall for a tenth of a second, with a camera that looks at where it starts."""
+    shape = Box((0.05,) * 3)
+    cube = Body(
+        name="cube",
+        path="/World/cube",
+        motion="dynamic",
+        pose=Pose(np.array([0.0, 0.0, 1.0]), identity().orientation),
+        geoms=(Geom("shape", shape, identity(), Surface((0.9, 0.1, 0.1))),),
+        inertia=inertia([(shape, identity(), 1.0)]),
+        linear_velocity=np.zeros(3),
+        angular_velocity=np.zeros(3),
+    )
+    camera = Camera("eye", look_at((0.0, -0.6, 1.1), (0.0, 0.0, 1.0)), math.radians(40), 0.05, 5.0)
+    down = np.array([0.0, 0.0, -1.0])
+    return Scene("probe", GRAVITY * down, (cube,), (), (camera,), Light(down), (1.0, 1.0, 1.0), (), 0.1)
+
+
+def execute(engine: str) -> str:
+    """Let the cube fall. Raises WmsError unless it falls g t² / 2, to 3 %: more than any integrator errs."""
+    trace = backend(engine).execute(falling_cube())
+    time = float(trace.time[-1])
+    fallen = float(trace.position[0, 0, 2] - trace.position[-1, 0, 2])
+    expected = GRAVITY * time**2 / 2
+    if not (time > 0.05 and abs(fallen / expected - 1) < 0.03):
+        raise WmsError(f"a cube fell {1e3 * fallen:.1f} mm in {time:.2f} s; it should be {1e3 * expected:.1f} mm")
+    return f"a cube fell {1e3 * fallen:.1f} mm in {time:.2f} s"
+
+
+def photo(_: str = "") -> str:
+    """Draw the cube in the look "photo". Raises WmsError unless it is red, in the middle of the picture."""
+    from wmspec.sim.photo.library import variant
+    from wmspec.sim.photo.tracer import Tracer
+
+    scene = falling_cube()
+    rgb = Tracer(scene, (SIZE, SIZE)).draw(Shot("eye", tuple(b.pose for b in scene.bodies)))
+    _red(rgb)
+    return f"a red cube, by {variant()}"
+
+
+def render(engine: str) -> str:
+    """Draw the cube. Raises WmsError unless it is seen, and red, in the middle of the picture."""
+    scene = falling_cube()
+    renderer = backend(engine).renderer(scene, SIZE, SIZE)
+    frame = renderer.draw(Shot("eye", tuple(b.pose for b in scene.bodies)))
+    renderer.close()
+    _red(frame.rgb)
+    if frame.ids[SIZE // 2, SIZE // 2] != 0:
+        raise WmsError("the mask of a red cube does not show it")
+    return f"a red cube of {int((frame.ids == 0).sum())} px"
+
+
+def _red(rgb: NDArray[np.uint8]) -> None:
+    red, green, _ = (int(c) for c in rgb[SIZE // 2, SIZE // 2])
+    if red < green + 50:
+        raise WmsError("the picture of a red cube does not show it")
+
+
+TRIALS: dict[str, Callable[[str], str]] = {"execute": execute, "render": render, "photo": photo}
+
+
+def main(engine: str, trial: str) -> int:
+    """Print what was found, or what failed; the exit code is 0 or 1."""
+    try:
+        report, code = FOUND + TRIALS[trial](engine), 0
+    except Exception as error:  # noqa: BLE001  whatever an engine raises is what we came to hear
+        kind = "" if isinstance(error, WmsError) else f"{type(error).__name__}: "
+        report, code = FAILED + kind + " ".join(str(error).split()), 1
+    print("\n" + report, flush=True)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

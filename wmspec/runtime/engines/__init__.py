@@ -1,0 +1,1 @@
+"""Finds installed engines, and archives episodes."""

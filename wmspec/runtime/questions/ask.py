@@ -1,0 +1,185 @@
+"""Asking an instance's questions in one engine: execute, check the gates, measure the answer, picture the options."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+
+from wmspec.compile.design.about import named
+from wmspec.compile.design.design import Design, Instance
+from wmspec.core.diagnostics import GraphicsError, WmsError
+from wmspec.core.rng import Permutation, bits, permuted
+from wmspec.lang.check.expressions.measured import measured as is_measured
+from wmspec.lang.check.expressions.measured import moments
+from wmspec.lang.check.ir.evaluate import evaluate
+from wmspec.lang.check.ir.ir import Channel, Level, TaskSpec
+from wmspec.runtime.questions.gates import passed
+from wmspec.runtime.questions.kinds import KINDS
+from wmspec.runtime.questions.model import Answer, Picture, QuestionRow, Reject, Rejected, Sighting, Strength
+from wmspec.runtime.questions.question_context import AnswerSlot, Asking, ClosedSlot, ShuffledSlot, refused
+from wmspec.runtime.questions.robustness import stable
+from wmspec.runtime.questions.runs import EnginePair, Run, execute
+from wmspec.runtime.questions.verbalize import question_text, written
+from wmspec.runtime.questions.views import View, channels_of
+from wmspec.runtime.questions.visibility_gate import chains, shown, shown_in
+from wmspec.runtime.questions.visible_object import sightings
+
+
+def ask(design: Design, index: int, pair: EnginePair) -> list[QuestionRow | Rejected]:
+    """Every question of an instance, each asked or rejected with its reason."""
+    instance = design[index]
+    numbers = range(len(design.spec.questions))
+    try:
+        run = execute(design, instance, None, pair)
+    except Reject as reject:
+        return [_rejected(design, instance, q, pair, reject) for q in numbers]
+    return [_asked(design, instance, q, run, pair) for q in numbers]
+
+
+def _asked(design: Design, instance: Instance, q: int, run: Run, pair: EnginePair) -> QuestionRow | Rejected:
+    """One question of an executed instance."""
+    alternative = partial(execute, design, instance, pair=pair)
+    asking = Asking(design.spec.questions[q], run, alternative, pair)
+    try:
+        return _Row(design, instance, q, asking).row()
+    except Reject as reject:
+        return _rejected(design, instance, q, pair, reject)
+    except GraphicsError:
+        raise
+    except WmsError as error:
+        return _rejected(design, instance, q, pair, refused(error))
+
+
+def _rejected(design: Design, instance: Instance, q: int, pair: EnginePair, why: Reject) -> Rejected:
+    return Rejected(design.spec.name, instance.index, q, pair.traces.engine, why.reason, why.detail)
+
+
+def groups(instance: Instance) -> dict[str, str]:
+    """For every factor, the key that this instance shares with those that differ from it in that factor alone."""
+    return {
+        factor: f"{bits(instance.block, *(f'{k}={v}' for k, v in instance.factors.items() if k != factor)):016x}"
+        for factor in instance.factors
+    }
+
+
+def closed_slot(design: Design, instance: Instance, q: int) -> ClosedSlot:
+    """The order of a closed set: the same for all its members, so that each place holds the truth once.
+
+    Over as many groups as there are members, every member has every place once.
+    """
+    question = design.spec.questions[q]
+    members = [change.levels for change in question.counterfactuals]
+    rest = [instance.factors[name] for name in instance.crossed if name not in members[0]]
+    lap, turn = divmod(instance.block, len(members))
+    shuffled = Permutation(len(members), design.seed, design.spec.name, q, *rest, lap, "places")
+    places = tuple((shuffled(m) + turn) % len(members) for m in range(len(members)))
+    own = next(m for m, levels in enumerate(members) if all(instance.factors[f] == x for f, x in levels.items()))
+    return ClosedSlot(places, own)
+
+
+def names_of(spec: TaskSpec, values: Mapping[str, Level]) -> dict[str, str]:
+    """What the values of factors and nuisances are called, of those that have names."""
+    called = {factor.name: factor.called(values[factor.name]) for factor in spec.factors}
+    return {name: words for name, words in called.items() if words is not None}
+
+
+@dataclass(frozen=True)
+class _Row:
+    """The row of a question in the making."""
+
+    design: Design
+    instance: Instance
+    q: int
+    asking: Asking
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What the draws of this instance depend on."""
+        return self.design.seed, self.design.spec.name, self.instance.index
+
+    def row(self) -> QuestionRow:
+        """The question. Raises Reject where it cannot be asked."""
+        spec, instance, asking = self.design.spec, self.instance, self.asking
+        question, measured, pair, kind = asking.question, asking.measured, asking.pair, KINDS[asking.question.kind]
+        margin = passed(question, measured)
+        answer = kind.answer(asking)
+        kind.gate(asking, answer)
+        stable(asking, answer, instance.key)
+        self.visible(answer)
+        options = kind.options(asking, answer, self.slot)
+        names = named(question, asking.values)
+        difference = self.difference()
+        channels = channels_of(spec)
+        return QuestionRow(
+            task=spec.name,
+            dimension=spec.dimension,
+            index=instance.index,
+            block=instance.block,
+            question=self.q,
+            name=question.name,
+            seed=self.design.seed,
+            engine=pair.traces.engine,
+            renderer=pair.renders.engine,
+            text=question_text(question, measured, asking.values),
+            context=tuple(self.picture(view, channels) for view in asking.views),
+            options=options,
+            answer=next((i for i, option in enumerate(options) if option.kind == "truth"), None),
+            value=kind.words(asking, answer),
+            number=kind.number(asking, answer),
+            standing=not is_measured(spec, question.answer),
+            moments=moments(spec, question.answer),
+            objects=tuple(self.objects(view, names) for view in asking.views),
+            crossed=instance.crossed,
+            redrawn=instance.redrawn if spec.plan.balance else None,
+            difference=difference,
+            factors=instance.factors,
+            nuisances=instance.nuisances,
+            groups=groups(instance),
+            margin=margin,
+            sorted_outcomes=any(question.kinds for question in spec.questions),
+            levels=names_of(spec, instance.values),
+            measured=dict(sorted(measured.readings.items())),
+            evidence=answer,
+        )
+
+    def visible(self, answer: Answer) -> None:
+        """Raise Reject unless all that the question is about can be seen well, in the options too."""
+        asking, kind = self.asking, KINDS[answer.kind]
+        depicted = kind.depicted(asking, answer)
+        runs = [asking.run, *(option.run for option in depicted)]
+        things = {thing.name for thing in asking.values.spec.things}  # the links of an arm are none: they may hide
+        needed = named(asking.question, asking.values).union(*(run.movers() & things for run in runs))
+        together = chains(asking.values)
+        shown(asking.observed, needed, together)
+        for option in depicted:
+            shown_in(option.name, option.run.observed([(option.camera, option.time)], asking.pair), needed, together)
+
+    @property
+    def slot(self) -> AnswerSlot:
+        """The truth's place among the options: everywhere alike, over the design and over every sample of it."""
+        if self.asking.question.orbit:
+            return closed_slot(self.design, self.instance, self.q)
+        (turn, place, many), (seed, name, _) = self.design.drawn_with(self.instance.index), self.key
+        position = turn * many + permuted(place, many, seed, name, self.q, turn, "position")
+        return ShuffledSlot(position, (*self.key, "order"))
+
+    def picture(self, view: View, channels: frozenset[Channel]) -> Picture:
+        """A picture with what the spec asks for of it."""
+        run, (camera, time) = self.asking.run, view
+        frame = run.draw(camera, time, self.asking.pair, depth="depth" in channels)
+        if "ids" not in channels:
+            return Picture(camera, time, frame.rgb, frame.depth)
+        return Picture(camera, time, frame.rgb, frame.depth, frame.ids, tuple(b.name for b in run.scene.bodies))
+
+    def objects(self, view: View, names: set[str]) -> tuple[Sighting, ...]:
+        """What a picture shows of the objects."""
+        run, (camera, time) = self.asking.run, view
+        return sightings(run, run.draw(camera, time, self.asking.pair), time, names)
+
+    def difference(self) -> Strength | None:
+        """How strong the stimulus is, if the question says."""
+        stimulus = self.asking.question.difference
+        if stimulus is None:
+            return None
+        return Strength(written(stimulus.value), stimulus.unit, evaluate(stimulus.value, self.asking.measured))

@@ -1,0 +1,19 @@
+"""The views of a task: from where, when, and what is kept of each."""
+
+from __future__ import annotations
+
+from wmspec.lang.check.ir.evaluate import Environment, evaluate
+from wmspec.lang.check.ir.ir import Channel, TaskSpec
+
+#: A camera and a time (s).
+View = tuple[str, float]
+
+
+def views_of(spec: TaskSpec, values: Environment) -> list[View]:
+    """The views that a task shows, in order."""
+    return [(o.camera, time) for o in spec.observations for time in evaluate(o.times, values)]
+
+
+def channels_of(spec: TaskSpec) -> frozenset[Channel]:
+    """What is kept of every picture shown: the colours, and what any of the observations asks for."""
+    return frozenset[Channel]({"rgb"}).union(*(o.channels for o in spec.observations))

@@ -1,0 +1,107 @@
+"""What pictures show of a body: how much of it, how much of it is hidden, and how it stands out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmspec.core.memoize import cached_on
+from wmspec.runtime.questions.difference import ciede2000, lab, lab_of_bytes
+from wmspec.runtime.questions.observed import Observed
+from wmspec.runtime.questions.patch import patch
+from wmspec.runtime.questions.silhouette import Silhouette, box, silhouette
+from wmspec.runtime.questions.views import View
+from wmspec.sim.scene.model import Frame
+
+#: What lies so many pixels around a body is what it stands out from, in a picture of 256 x 256.
+AROUND = 3 / 256
+
+
+def visible(observed: Observed, name: str, camera: str) -> float:
+    """The share of the picture that shows the body, the least over the views of the camera."""
+    return min(_over_views(observed, name, camera, share))
+
+
+def occluded(observed: Observed, name: str, camera: str) -> float:
+    """The share of the body within the picture that others hide, the most over the views of the camera."""
+    return max(_over_views(observed, name, camera, hidden))
+
+
+def contrast(observed: Observed, name: str, camera: str) -> float:
+    """The difference (CIEDE2000) of the body's colour from what is around it, the least over the views of the camera.
+
+    0 where it is not seen.
+    """
+    return min(_over_views(observed, name, camera, lambda o, i, view: outstanding(o.picture(*view), i)))
+
+
+def _over_views(
+    observed: Observed, name: str, camera: str, measure: Callable[[Observed, int, View], float]
+) -> list[float]:
+    index = observed.index(name)
+    return [measure(observed, index, view) for view in observed.views_of(camera)]
+
+
+def share(observed: Observed, index: int, view: View) -> float:
+    """The share of a picture that shows a body, 0..1."""
+    return patch(observed.picture(*view), index).share
+
+
+def hidden(observed: Observed, index: int, view: View) -> float:
+    """The share of a body within the picture that others hide, 0..1; 1 if it is outside the picture."""
+    whole = outline(observed, index, view).inside
+    seen = patch(observed.picture(*view), index).pixels
+    return min(max(1 - seen / whole, 0.0), 1.0) if whole > 0 else 1.0
+
+
+def outline(observed: Observed, index: int, view: View) -> Silhouette:
+    """The silhouette of a body in a view."""
+    camera, time = view
+    height, width = observed.picture(camera, time).ids.shape
+    return silhouette(observed.scene, index, (camera, observed.poses(time)), (width, height))
+
+
+def hidden_at_most(observed: Observed, index: int, view: View) -> float:
+    """No more than this share of a body is hidden by others; 1 if a part of it is outside the picture.
+
+    Other than `hidden` it draws no silhouette, and is enough where plenty is seen.
+    """
+    camera, time = view
+    frame = observed.picture(camera, time)
+    height, width = frame.ids.shape
+    around = box(observed.scene, index, (camera, observed.poses(time)), (width, height))
+    if around is None or (around < 1).any() or (around > np.array([width, height]) - 1).any():
+        return 1.0
+    return 1 - patch(frame, index).pixels / float(np.prod(np.ptp(around, axis=0) + 2))
+
+
+def outstanding(frame: Frame, index: int) -> float:
+    """How much the mean colour of a body differs (CIEDE2000) from the pixels next to it, on average; 0 if unseen."""
+    return cached_on(frame, _outstanding, index)
+
+
+def _outstanding(frame: Frame, index: int) -> float:
+    own = patch(frame, index)
+    if not own.pixels:
+        return 0.0
+    wide = max(1, round(AROUND * len(frame.ids)))
+    (top, bottom), (left, right) = own.rows, own.columns
+    near = np.s_[max(top - wide, 0) : bottom + wide + 1, max(left - wide, 0) : right + wide + 1]
+    mask, colors = frame.ids[near] == index, frame.rgb[near]
+    around = _grown(mask, wide) & ~mask
+    if not around.any():
+        return 0.0
+    return float(ciede2000(lab((colors[mask] / 255.0).mean(axis=0)), lab_of_bytes(colors[around])).mean())
+
+
+def _grown(mask: NDArray[np.bool_], wide: int) -> NDArray[np.bool_]:
+    """Every pixel at most so many columns and so many rows away from one of the mask."""
+    grown = mask.copy()
+    for side in (grown, grown.T):
+        near = side.copy()
+        for step in range(1, wide + 1):
+            side[step:] |= near[:-step]
+            side[:-step] |= near[step:]
+    return grown

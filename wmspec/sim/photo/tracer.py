@@ -1,0 +1,193 @@
+"""The colours of a picture: a few paths of light for each pixel, smoothed by Open Image Denoise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmspec.sim.photo.library import mitsuba
+from wmspec.sim.photo.light import SKY, SUN, panels, surroundings
+from wmspec.sim.photo.materials import Material, material
+from wmspec.sim.scene.model import Array, Camera, Geom, Pose, Scene, Shot, Surface
+from wmspec.sim.scene.model.transform import apply, compose, rotate, rotation
+from wmspec.sim.scene.render.camera import seeing
+from wmspec.sim.scene.render.color import to_linear
+from wmspec.sim.scene.render.picture import check
+from wmspec.sim.scene.render.texcoords import texcoords
+from wmspec.sim.scene.render.tonemap import tonemap
+from wmspec.sim.shapes.facets import Facets
+
+SAMPLES = 8
+"""Paths a pixel, where none are asked for."""
+
+BOUNCES = 5
+GLASS = 8
+"""So many surfaces of glass besides: two vessels in a row."""
+
+GUIDES = 8
+"""Samples of the plain colours, which tell the denoiser of edges and images: they cost a tenth of a path."""
+
+BLOCK = 32
+"""Pixels are sampled in blocks of this side, each with its own seed. Mitsuba's own choice depends on how many cores
+there are, and so would the bytes."""
+
+LIKE_USD = np.array([-1.0, 1.0, -1.0])
+"""Mitsuba's camera looks along +z with +x to the left; USD's along -z with +x to the right."""
+
+Image = NDArray[np.float32]
+"""(h, w, 4)."""
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """What is drawn of a body: its number, where it is in the body, its triangles and its material."""
+
+    body: int
+    pose: Pose
+    facets: Facets
+    material: Material
+
+
+class Tracer:
+    """Draws the colours of one scene, in pictures of (width, height) pixels with so many `samples` for each.
+
+    Raises WmsError if Mitsuba is missing.
+    """
+
+    def __init__(self, scene: Scene, size: tuple[int, int], samples: int | None = None) -> None:
+        self._mi: Any = mitsuba()
+        self._size, self._samples = size, samples or SAMPLES
+        self._plain: Any = self._mi.load_dict({"type": "path", "max_depth": 1, "block_size": BLOCK})
+        self.paint(scene)
+
+    def paint(self, scene: Scene) -> None:
+        """Draw this scene from now on."""
+        self._scene, self._pieces = scene, _pieces(scene)
+        clear = any(piece.material.clear for piece in self._pieces)
+        kind, longest = ("volpath", BOUNCES + GLASS) if clear else ("path", BOUNCES)  # volpath sees lamps through glass
+        self._paths: Any = self._mi.load_dict(
+            {"type": kind, "max_depth": longest, "rr_depth": 64, "hide_emitters": True, "block_size": BLOCK}
+        )
+        around = self._mi.Bitmap(surroundings(scene.light, scene.background))
+        upright = self._mi.ScalarTransform4f().rotate([1, 0, 0], 90)
+        self._light: Any = self._mi.load_dict({"type": "envmap", "bitmap": around, "to_world": upright})
+
+    def draw(self, shot: Shot) -> NDArray[np.uint8]:
+        """Bytes (h, w, 3), with the bodies where the shot places them."""
+        check(self._scene, shot)
+        camera = seeing(self._scene, shot)
+        light = self._taken(self._paths, self._lit(shot, camera), camera, self._samples)
+        color = self._taken(self._plain, self._glowing(shot), camera, GUIDES)
+        return tonemap(self._developed(light, color))
+
+    def _lit(self, shot: Shot, camera: Camera) -> Any:
+        """Mitsuba's scene with every body where the shot has it: made anew, of materials and light that are kept."""
+        shapes = self._shapes(shot, self._pieces, lambda piece: ("bsdf", piece.material.scattering))
+        still = (piece for piece in self._pieces if self._scene.bodies[piece.body].motion == "static")
+        bounds = (_bounds(compose(shot.poses[piece.body], piece.pose), piece.facets) for piece in still)
+        for number, corners in enumerate(panels(self._scene.light, bounds, camera.pose.position)):
+            shapes[f"panel{number}"] = self._panel(*corners)
+        return self._mi.load_dict({"type": "scene", "light": self._light, **shapes})
+
+    def _glowing(self, shot: Shot) -> Any:
+        """The same with nothing but surfaces that shine in their plain colours, and no glass before them."""
+        solid = [piece for piece in self._pieces if not piece.material.clear]
+        shapes = self._shapes(
+            shot,
+            solid,
+            lambda piece: ("emitter", self._mi.load_dict({"type": "area", "radiance": piece.material.color})),
+        )
+        return self._mi.load_dict({"type": "scene", **shapes})
+
+    def _shapes(
+        self, shot: Shot, pieces: Iterable[_Piece], attached: Callable[[_Piece], tuple[str, Any]]
+    ) -> dict[str, Any]:
+        shapes = {}
+        for number, piece in enumerate(pieces):
+            facets, pose = piece.facets, compose(shot.poses[piece.body], piece.pose)
+            properties = self._mi.Properties()
+            key, value = attached(piece)
+            properties[key] = value
+            mesh = self._mi.Mesh("", len(facets.points), len(facets.faces), properties, True, True)
+            values = self._mi.traverse(mesh)
+            values["vertex_positions"] = _flat(apply(pose, facets.points))
+            values["vertex_normals"] = _flat(rotate(pose.orientation, facets.normals))
+            values["vertex_texcoords"] = _flat(facets.st * [1, -1] + [0, 1])
+            values["faces"] = np.ascontiguousarray(facets.faces, np.uint32).ravel()
+            values.update()
+            shapes[f"shape{number}"] = mesh
+        return shapes
+
+    def _panel(self, low: Array, high: Array) -> Any:
+        """A rectangle that shines down as the sun and the sky do, and is not seen itself."""
+        sun = self._scene.light
+        middle, half = (low + high) / 2, (high - low) / 2
+        placed = self._mi.ScalarTransform4f().translate(middle.tolist()).scale([half[0], half[1], 1])
+        strength = sun.diffuse * SUN + sun.ambient * SKY
+        shine = {"type": "area", "radiance": {"type": "rgb", "value": [strength] * 3}}
+        glass = {"type": "null"}  # the ceiling is seen through it
+        return {"type": "rectangle", "to_world": placed.rotate([1, 0, 0], 180), "emitter": shine, "bsdf": glass}
+
+    def _taken(self, integrator: Any, world: Any, camera: Camera, samples: int) -> Image:
+        """What an integrator makes of the picture (h, w, 4): linear light, and how much of a pixel is covered."""
+        width, height = self._size
+        placed = np.eye(4)
+        placed[:3, :3], placed[:3, 3] = rotation(camera.pose.orientation) * LIKE_USD, camera.pose.position
+        film = {
+            "type": "hdrfilm",
+            "width": width,
+            "height": height,
+            "pixel_format": "rgba",
+            "component_format": "float32",
+            "rfilter": {"type": "box"},
+        }
+        sensor = self._mi.load_dict(
+            {
+                "type": "perspective",
+                "fov": math.degrees(camera.fovy),
+                "fov_axis": "y",
+                "near_clip": camera.near,
+                "far_clip": camera.far,
+                "to_world": self._mi.ScalarTransform4f(placed),
+                "film": film,
+                "sampler": {"type": "multijitter", "sample_count": samples},
+            }
+        )
+        image = self._mi.render(world, sensor=sensor, integrator=integrator, seed=0)
+        return np.nan_to_num(np.array(image, np.float32), posinf=0, neginf=0)
+
+    def _developed(self, light: Image, color: Image) -> Array:
+        """Smooth linear light (h, w, 3) on the scene's background, of light and plain colours (h, w, 4)."""
+        import mitsuba_oidn
+
+        background = to_linear(self._scene.background)
+        noisy, plain = (image[..., :3] + (1 - image[..., 3:]) * background for image in (light, color))
+        parts = (np.ascontiguousarray(part, np.float32) for part in (noisy, np.clip(plain, 0, 1)))
+        smooth: Array = np.maximum(mitsuba_oidn.denoise(*parts, hdr=True), 0).astype(np.float64)
+        return smooth
+
+
+def _pieces(scene: Scene) -> tuple[_Piece, ...]:
+    materials: dict[Surface, Material] = {}
+
+    def of(surface: Surface) -> Material:
+        if surface not in materials:
+            materials[surface] = material(surface)
+        return materials[surface]
+
+    shown: list[tuple[int, Geom]] = [(i, geom) for i, body in enumerate(scene.bodies) for geom in body.geoms]
+    return tuple(_Piece(i, geom.pose, texcoords(geom), of(geom.surface)) for i, geom in shown if geom.visible)
+
+
+def _bounds(pose: Pose, facets: Facets) -> tuple[Array, Array]:
+    points = apply(pose, facets.points)
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _flat(values: Array) -> NDArray[np.float32]:
+    return np.ascontiguousarray(values, np.float32).ravel()

@@ -1,0 +1,124 @@
+"""What makes sense of actions: what they can be done to, and in which order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from wmspec.core.diagnostics import Diagnostic
+from wmspec.core.places import PrimPlace
+from wmspec.sim.scene.model import (
+    Action,
+    Follow,
+    Force,
+    Glide,
+    Grip,
+    Impulse,
+    Joint,
+    Launch,
+    Paint,
+    Release,
+    Scene,
+    Steer,
+    Teleport,
+    Vanish,
+)
+from wmspec.sim.scene.physics.paths import astray, overlaps
+
+_MOVED, _FREE = ("kinematic",), ("dynamic",)
+MOTIONS = {
+    Launch: _FREE,
+    Glide: _MOVED,
+    Follow: _MOVED,
+    Teleport: _MOVED,
+    Impulse: _FREE,
+    Force: _FREE,
+    Release: _FREE,
+    Grip: _FREE,
+    Paint: (*_FREE, *_MOVED, "static"),
+    Vanish: (*_FREE, *_MOVED),
+}
+"""What an action can be done to."""
+
+
+def problems(action: Action, motions: Mapping[str, str], joints: Mapping[str, Joint]) -> Iterator[Diagnostic]:
+    """What is wrong with one action; `motions` of the bodies and `joints` by their names."""
+    if isinstance(action, Steer):
+        if action.joint not in joints or joints[action.joint].drive is None:
+            yield Diagnostic(f"there is no joint '{action.joint}' with a drive", help="give the joint one")
+    else:
+        needed = MOTIONS[type(action)]
+        if action.body not in motions:
+            yield Diagnostic(f"there is no body '{action.body}'", help=f"there are {', '.join(motions)}")
+        elif motions[action.body] not in needed:
+            motion, wanted = motions[action.body], " or ".join(needed)
+            yield Diagnostic(f"it moves '{action.body}', which is {motion}, expected a {wanted} body")
+    if isinstance(action, Grip) and motions.get(action.hand) != "kinematic":
+        yield Diagnostic(f"there is no kinematic body '{action.hand}' that could hold anything")
+    if not (action.start >= 0 and all(np.isfinite(v).all() for v in _numbers(action))):
+        yield Diagnostic("its start is negative, or one of its numbers is not finite")
+    elif isinstance(action, Follow):
+        yield from _way(action)
+    elif isinstance(action, Glide | Force | Grip) and action.stop < action.start:
+        yield Diagnostic(f"it stops at {action.stop} s, before it starts at {action.start} s")
+
+
+def _way(action: Follow) -> Iterator[Diagnostic]:
+    n = len(action.times)
+    if n < 2 or action.points.shape != (n, 3) or (action.orientations is not None and len(action.orientations) != n):
+        yield Diagnostic(f"it has {n} times, expected at least 2, and as many points and orientations")
+    elif action.times[0] != 0 or not (np.diff(action.times) > 0).all():
+        yield Diagnostic(f"its times are {action.times.tolist()}, expected them to grow from 0")
+
+
+def _numbers(action: Action) -> list[ArrayLike]:
+    """Everything of an action that must be finite."""
+    match action:
+        case Launch():
+            return [action.start, action.linear, action.angular]
+        case Glide(velocity=what) | Force(force=what) | Grip(points=what):
+            return [action.start, action.stop, what]
+        case Follow(orientations=None):
+            return [action.start, action.times, action.points]
+        case Follow():
+            return [action.start, action.times, action.points, np.asarray(action.orientations)]
+        case Teleport():
+            return [action.start, action.pose.position, action.pose.orientation]
+        case Impulse():
+            return [action.start, action.impulse]
+        case Paint():
+            return [action.start, action.color]
+        case Release() | Vanish():
+            return [action.start]
+        case Steer():
+            return [action.start, action.target]
+
+
+def sequence(scene: Scene) -> Iterator[Diagnostic]:
+    """What is wrong between the actions of a body."""
+    for first, second in overlaps(scene.actions, scene.bodies):
+        yield Diagnostic(
+            f"it starts while {first.name} still moves '{second.body}'",
+            PrimPlace(f"action {second.name}"),
+            "let one end first",
+        )
+    releases = {action.body: action for action in scene.actions if isinstance(action, Release)}
+    for action in scene.actions:
+        if isinstance(action, Launch | Impulse | Force | Vanish) and action.body in releases:
+            release = releases[action.body]
+            if action.start < release.start:
+                yield Diagnostic(
+                    f"'{action.body}' is held until {release.start} s",
+                    PrimPlace(f"action {action.name}"),
+                    "let it start then",
+                )
+    for follow, here in astray(scene):
+        yield (
+            Diagnostic(
+                f"its way begins at {follow.points[0]} m, but '{follow.body}' is at {here} m then, or turned otherwise",
+                PrimPlace(f"action {follow.name}"),
+                "begin it there, or teleport the body first",
+            )
+        )

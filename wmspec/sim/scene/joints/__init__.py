@@ -1,0 +1,1 @@
+"""Joints and articulations: coordinates, drives, limits, momentum."""

@@ -1,0 +1,62 @@
+"""What a backend is given (`Scene`) and what it gives back (`Trace`, `Frame`).
+
+Units are SI, the world is Z up, quaternions are (w, x, y, z), colours are sRGB in 0..1. Everything is
+immutable; arrays are float64 and never written to after construction.
+"""
+
+from wmspec.sim.scene.model.actions import (
+    Action,
+    Follow,
+    Force,
+    Glide,
+    Grip,
+    Impulse,
+    Launch,
+    Paint,
+    Release,
+    Steer,
+    Teleport,
+    Vanish,
+)
+from wmspec.sim.scene.model.bodies import Body, Drive, Friction, Geom, Inertia, Joint, JointKind, Mimic, Motion, Surface
+from wmspec.sim.scene.model.cameras import Camera, Frame, Light, Observation, Shot
+from wmspec.sim.scene.model.episode import Contact, Scene, Trace
+from wmspec.sim.scene.model.geometry import Array, Pose
+from wmspec.sim.scene.model.renderer import Look, Renderer
+
+__all__ = [
+    "Action",
+    "Array",
+    "Body",
+    "Camera",
+    "Contact",
+    "Drive",
+    "Follow",
+    "Force",
+    "Frame",
+    "Friction",
+    "Geom",
+    "Glide",
+    "Grip",
+    "Impulse",
+    "Inertia",
+    "Joint",
+    "JointKind",
+    "Launch",
+    "Light",
+    "Look",
+    "Mimic",
+    "Motion",
+    "Observation",
+    "Paint",
+    "Pose",
+    "Release",
+    "Renderer",
+    "Scene",
+    "Shot",
+    "Steer",
+    "Surface",
+    "Teleport",
+    "Trace",
+    "Vanish",
+]

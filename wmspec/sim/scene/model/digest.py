@@ -1,0 +1,31 @@
+"""Hashes of values by what they say: equal values have equal hashes, whichever objects hold them, in every process."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from wmspec.core.canonical import dumped
+
+
+def digest(*values: Any) -> bytes:
+    """The hash (16 bytes) of dataclasses, sequences, arrays, numbers, strings and None, in this order."""
+    return hashlib.blake2b(dumped(_plain(values)), digest_size=16).digest()
+
+
+def _plain(value: Any) -> Any:
+    """The same in tuples, strings, bytes and numbers."""
+    if value is None or type(value) in {float, int, str, bool, bytes}:
+        return value
+    if isinstance(value, tuple | list):
+        return tuple([_plain(part) for part in value])
+    if isinstance(value, np.ndarray):
+        return value.dtype.str, value.shape, value.tobytes()
+    if isinstance(value, np.generic):
+        return value.dtype.str, value.tobytes()
+    if is_dataclass(value):
+        return (type(value).__name__, *[_plain(getattr(value, field.name)) for field in fields(value)])
+    raise TypeError(f"{type(value).__name__} has no hash by what it says")

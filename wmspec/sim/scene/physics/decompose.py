@@ -1,0 +1,67 @@
+"""Meshes that are not convex as convex pieces, found once, so that every engine collides the same ones.
+
+The pieces are those of CoACD (Wei et al., "Approximate Convex Decomposition for 3D Meshes with Collision-Aware
+Concavity and Tree Search", ACM Transactions on Graphics 41, 2022), with a fixed seed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import trimesh
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.model import Array, Inertia, Pose
+from wmspec.sim.scene.model.transform import apply, multiply
+from wmspec.sim.scene.physics.inertia import inertia, principal
+from wmspec.sim.shapes import Mesh
+
+CONCAVITY = 0.05  # what a piece may lack to be convex, as part of the mesh's size
+SEARCH: dict[str, Any] = {"mcts_nodes": 10, "mcts_iterations": 30, "resolution": 500, "max_ch_vertex": 128, "seed": 0}
+
+
+def pieces(mesh: Mesh) -> tuple[Mesh, ...]:
+    """The convex pieces of a mesh; equal meshes give the same. Raises WmsError if that needs CoACD to be installed."""
+    points, faces = np.asarray(mesh.points, np.float64), np.asarray(mesh.faces, np.int32)
+    return _pieces(points.tobytes(), faces.tobytes())
+
+
+@lru_cache(maxsize=256)
+def _pieces(points: bytes, faces: bytes) -> tuple[Mesh, ...]:
+    try:
+        import coacd
+    except ImportError as error:
+        raise WmsError(
+            f"a mesh that is not convex can't be taken apart without CoACD ({error}); install it with "
+            "`pip install 'wmspec[meshes]'`, or set physics:approximation to convexHull"
+        ) from None
+    solid = coacd.Mesh(np.frombuffer(points).reshape(-1, 3), np.frombuffer(faces, np.int32).reshape(-1, 3))
+    with silence():
+        coacd.set_log_level("error")
+        parts = coacd.run_coacd(solid, threshold=CONCAVITY, **SEARCH)
+    return tuple(_hull(np.asarray(corners, np.float64)) for corners, _ in parts)
+
+
+def _hull(corners: Array) -> Mesh:
+    hull = trimesh.convex.convex_hull(corners)
+    return Mesh(np.asarray(hull.vertices, np.float64), np.asarray(hull.faces, np.int32))
+
+
+def whole(mesh: Mesh, pose: Pose, taken_apart: Callable[[], Sequence[Mesh]]) -> tuple[float, Inertia]:
+    """The volume (m³) of a mesh, and its mass properties for 1 kg in the frame that it is placed in by `pose`.
+
+    Those of the solid inside it if it is closed, else those of its convex parts when it is `taken_apart`, or of its
+    hull if there are none.
+    """
+    solid = trimesh.Trimesh(mesh.points, mesh.faces)
+    if not (solid.is_watertight and solid.volume > 0):
+        parts = taken_apart() or [mesh]
+        sizes = [part.volume for part in parts]
+        return sum(sizes), inertia([(part, pose, size / sum(sizes)) for part, size in zip(parts, sizes, strict=True)])
+    axes, moments = principal(np.asarray(solid.moment_inertia, float) / float(solid.mass))
+    center = apply(pose, np.asarray(solid.center_mass, float))
+    return float(solid.volume), Inertia(1.0, center, multiply(pose.orientation, axes), moments)

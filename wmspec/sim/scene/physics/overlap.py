@@ -1,0 +1,60 @@
+"""How deep two convex shapes lie in one another: the diameter of the largest ball that fits into both."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wmspec.sim.scene.model import Array, Pose
+from wmspec.sim.scene.model.bounds import bounds
+from wmspec.sim.scene.model.transform import compose, conjugate, inverse, rotate
+from wmspec.sim.shapes import Shape
+
+#: The answer is exact to this (m).
+PRECISION = 1e-5
+
+
+def overlap(a: Shape, at_a: Pose, b: Shape, at_b: Pose, least: float) -> float:
+    """The diameter (m) of the largest ball within both shapes; 0 if it is less than `least`. Meshes count as hulls.
+
+    The depth of a point below the surface of a convex shape is a concave function of the point. So is the smaller of
+    two such depths, and its maximum is deepest by cutting planes (Kelley, J. SIAM 8, 1960).
+    """
+    from scipy.optimize import linprog
+
+    low, high = _common(a, at_a, b, at_b)
+    if (high - low).min() < least or any(_flat(a, at_a, b, at_b, axes, least) for axes in (at_a, at_b)):
+        return 0.0
+    limits = [*zip(low, high, strict=True), (None, None)]
+    here, slopes, offsets = (low + high) / 2, [], []
+    deepest = -np.inf
+    for _ in range(200):
+        for shape, pose in ((a, at_a), (b, at_b)):
+            depth, slope = _depth(shape, pose, here)
+            slopes.append([*-slope, 1.0])
+            offsets.append(depth - slope @ here)
+        deepest = max(deepest, min(offsets[i] - np.dot(slopes[i][:3], here) for i in (-2, -1)))
+        best = linprog([0, 0, 0, -1], slopes, offsets, bounds=limits)
+        here, most = best.x[:3], best.x[3]
+        if 2 * most < least:
+            return 0.0
+        if most - deepest < PRECISION / 2:
+            break
+    return 2 * float(deepest) if 2 * deepest >= least else 0.0
+
+
+def _common(a: Shape, at_a: Pose, b: Shape, at_b: Pose) -> tuple[Array, Array]:
+    """The lowest and the highest corner (3,) of what the boxes around two shapes have in common, if anything."""
+    boxes = np.stack([bounds(a, at_a), bounds(b, at_b)])
+    return boxes[:, 0].max(axis=0), boxes[:, 1].min(axis=0)
+
+
+def _flat(a: Shape, at_a: Pose, b: Shape, at_b: Pose, axes: Pose, least: float) -> bool:
+    """Whether there is less than `least` of room along one of some `axes`, as where a box lies on another."""
+    low, high = _common(a, compose(inverse(axes), at_a), b, compose(inverse(axes), at_b))
+    return bool((high - low).min() < least)
+
+
+def _depth(shape: Shape, pose: Pose, point: Array) -> tuple[float, Array]:
+    """How far (m) a point is below the surface (negative: outside) and how that grows with the point (3,)."""
+    depth, slope = shape.depth_at(rotate(conjugate(pose.orientation), point - pose.position))
+    return depth, rotate(pose.orientation, slope)

@@ -1,0 +1,146 @@
+"""What actions mean, once for all engines: when velocities change, what pushes, and where kinematic bodies are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil
+
+import numpy as np
+
+from wmspec.sim.scene import model
+from wmspec.sim.scene.joints.articulations import jointed, trees
+from wmspec.sim.scene.joints.com_frame import com_frame, mount
+from wmspec.sim.scene.model import Body, Force, Impulse, Launch, Release, Scene, Steer, Vanish
+from wmspec.sim.scene.model.numbers import floats, numbers
+from wmspec.sim.scene.physics.episode import Aim, Drag, Episode, Grip, Hold, Kick, Push
+from wmspec.sim.scene.physics.paths import away, track
+
+_REST = (0.0, 0.0, 0.0)
+
+
+def episode(scene: Scene, steps_per_second: int) -> Episode:
+    """The scene's episode in steps of an engine that makes at least `steps_per_second`, a whole number a sample."""
+    substeps = ceil(steps_per_second / scene.rate)
+    rate = scene.rate * substeps
+    held = holds(scene, rate)
+    return Episode(
+        rate=scene.rate,
+        substeps=substeps,
+        samples=round(scene.duration * scene.rate) + 1,
+        gravity=floats(scene.gravity),
+        start=tuple(numbers(com_frame(body).pose) for body in scene.bodies),
+        mounts=tuple(numbers(mount(body)) for body in scene.bodies),
+        dynamic=tuple(i for i, body in enumerate(scene.bodies) if body.motion == "dynamic"),
+        kicks=kicks(scene, held, rate),
+        tracks=tuple(track(scene, i, rate) for i, body in enumerate(scene.bodies) if body.motion == "kinematic"),
+        pushes=pushes(scene, held, rate),
+        holds=(*held, *absences(scene, rate)),
+        aims=aims(scene, rate),
+        drags=drags(scene),
+        grips=grips(scene, rate),
+        unfelt=tuple(i for i, body in enumerate(scene.bodies) if not any(geom.collides for geom in body.geoms)),
+    )
+
+
+def kicks(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Kick, ...]:
+    """Initial velocities, or rest for what is let go later, then launches in order, each at the step nearest to it."""
+    later, tied = {hold.body: hold.until for hold in held}, jointed(scene)
+    first = [
+        Kick(later[i], i, _REST, _REST) if i in later else Kick(0, i, *map(floats, _velocities(body)))
+        for i, body in enumerate(scene.bodies)
+        if body.motion == "dynamic" and body.name not in tied
+    ]
+    launches = sorted((action for action in scene.actions if isinstance(action, Launch)), key=lambda a: a.start)
+    index = _index(scene)
+    return (
+        *first,
+        *(Kick(round(a.start * rate), index[a.body], floats(a.linear), floats(a.angular)) for a in launches),
+    )
+
+
+def holds(scene: Scene, rate: int) -> tuple[Hold, ...]:
+    """What is held at first."""
+    ends = {_index(scene)[a.body]: round(a.start * rate) for a in scene.actions if isinstance(a, Release)}
+    return tuple(Hold(until, body) for body, until in sorted(ends.items()) if until)
+
+
+def absences(scene: Scene, rate: int) -> tuple[Hold, ...]:
+    """What vanishes, and is held far away from everything, and from whatever else has vanished, to the end."""
+    index, last = _index(scene), ceil(scene.duration * rate) + 1
+    return tuple(
+        Hold(
+            last,
+            i,
+            round(action.start * rate),
+            (*floats(away(i)), *floats(com_frame(scene.bodies[i]).pose.orientation)),
+        )
+        for action in sorted((a for a in scene.actions if isinstance(a, Vanish)), key=lambda a: a.start)
+        if scene.bodies[i := index[action.body]].motion == "dynamic"
+    )
+
+
+def aims(scene: Scene, rate: int) -> tuple[Aim, ...]:
+    """The targets of drives, in order of time."""
+    joints = {joint.name: i for i, joint in enumerate(scene.joints)}
+    steers = sorted((a for a in scene.actions if isinstance(a, Steer)), key=lambda a: a.start)
+    return tuple(Aim(round(a.start * rate), joints[a.joint], float(a.target)) for a in steers)
+
+
+def pushes(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Push, ...]:
+    """Impulses and forces; and of jointed bodies, half their weight upwards in their first step.
+
+    Velocities of joints can't be kicked as those of free bodies are, but half a step less of gravity is the same.
+    """
+    index, tied = _index(scene), jointed(scene)
+    together = {i: tree for tree in trees(scene) for i in (link.body for link in tree)}
+    later = {link.body: hold.until for hold in held for link in together.get(hold.body, ())}
+    lifts = [
+        Push(later.get(i, 0), later.get(i, 0), i, floats(-body.inertia.mass * scene.gravity / 2))
+        for i, body in enumerate(scene.bodies)
+        if body.name in tied and body.inertia
+    ]
+    forces = [action for action in scene.actions if isinstance(action, Impulse | Force)]
+    return (*lifts, *(_push(action, index[action.body], rate) for action in forces))
+
+
+def drags(scene: Scene) -> tuple[Drag, ...]:
+    """The damping of jointed bodies."""
+    tied = jointed(scene)
+    return tuple(
+        Drag(i, float(body.inertia.mass * body.linear_damping), floats(body.inertia.moments * body.angular_damping))
+        for i, body in enumerate(scene.bodies)
+        if body.name in tied and body.inertia and (body.linear_damping or body.angular_damping)
+    )
+
+
+def grips(scene: Scene, rate: int) -> tuple[Grip, ...]:
+    """What is held by what, in the order of the actions."""
+    index = _index(scene)
+    return tuple(
+        Grip(
+            round(action.start * rate),
+            round(action.stop * rate),
+            index[action.hand],
+            index[action.body],
+            tuple(floats(point) for point in action.points),
+        )
+        for action in scene.actions
+        if isinstance(action, model.Grip)
+    )
+
+
+def _push(action: Impulse | Force, body: int, rate: int) -> Push:
+    """The force whose impulse is exactly the action's, though it begins and ends at whole steps."""
+    first = round(action.start * rate)
+    if isinstance(action, Impulse):
+        return Push(first, first, body, floats(action.impulse * rate))
+    steps = round(action.stop * rate) - first
+    return Push(first, first + steps, body, floats(action.force * (action.stop - action.start) * rate / max(steps, 1)))
+
+
+def _velocities(body: Body) -> tuple[np.ndarray[tuple[int, ...], np.dtype[np.float64]], ...]:
+    return body.linear_velocity, body.angular_velocity
+
+
+def _index(scene: Scene) -> dict[str, int]:
+    return {body.name: i for i, body in enumerate(scene.bodies)}

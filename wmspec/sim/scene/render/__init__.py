@@ -1,0 +1,1 @@
+"""Cameras, light, shadows and colours shared by all renderers."""

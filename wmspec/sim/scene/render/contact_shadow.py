@@ -1,0 +1,318 @@
+"""Soft contact shadows: beside what stands on the ground, less light comes from all around.
+
+A pass over a finished picture that needs the distances and the camera alone, which are the same in all engines; so the
+shadows are, too. A piece of a thing hides light as the nearest of all spheres does that fit into its box. A sphere of
+radius r at a distance d hides the share cos(n, d) r²/d² of the light that falls on a surface with the normal n (Siegel
+and Howell, "Thermal Radiation Heat Transfer", configuration factors).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import groupby
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmspec.sim.scene.model import Array, Body, Camera, Pose, Scene, Shot
+from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.transform import apply, compose, identity, inverse, rotation
+from wmspec.sim.scene.render.camera import rays
+from wmspec.sim.scene.render.picture import Image, quantize
+from wmspec.sim.shapes import Shape
+from wmspec.sim.shapes.facets import tessellate
+
+STRENGTH = 0.6
+"""The share of all light that a surface loses which faces a sphere that touches it."""
+
+DARKEST = 0.6
+"""No more than this share of the light is lost, however many things are near."""
+
+REACH = 3.0
+"""What is farther than this from the middle of the nearest sphere, in its radii, loses none."""
+
+SMALL = 0.4
+"""What stands still casts one if it can be touched and is no larger: half its diagonal (m)."""
+
+FINE = 0.2
+"""Pieces less than this share as thick as the thickest of their body are left out: labels, pips, stems."""
+
+HALVINGS, SPARED = 3, 0.75
+"""A piece is cut across up to so often, if the boxes of both ends together have at most this share of its volume."""
+
+Part = tuple[slice, slice]
+"""Rows and columns of a picture."""
+
+
+@dataclass(frozen=True)
+class Box:
+    """The box of a piece, rounded: all spheres of `radius` (m) around points of its core.
+
+    The core is around `middle` (3,) of the piece's frame and reaches `core` (3,) to both sides; if the piece is `round`
+    about an axis of its frame, the core is too.
+    """
+
+    middle: Array
+    core: Array
+    radius: float
+    round: int | None
+
+    @property
+    def reach(self) -> float:
+        """Beyond this distance (m) from its middle it shades nothing."""
+        return float(np.linalg.norm(self.core)) + REACH * self.radius
+
+    def hidden(self, points: list[Image], normals: list[Image], frame: Pose) -> Image:
+        """The share of the light, 0..1, hidden from surfaces at `points` with `normals`, (n,) along each axis.
+
+        Both, and the `frame` of the piece, are in the camera's axes.
+        """
+        turn = rotation(frame.orientation).astype(np.float32)
+        start = (frame.position @ turn + self.middle).astype(np.float32)
+        at = [_along(points, axis) - low for axis, low in zip(turn.T, start, strict=True)]
+        way = [nearest - place for nearest, place in zip(self._nearest(at), at, strict=True)]
+        square = np.maximum(way[0] ** 2 + way[1] ** 2 + way[2] ** 2, np.float32(1e-12))
+        facing = sum((_along(normals, axis) * part for axis, part in zip(turn.T, way, strict=True)), np.float32(0))
+        near = np.float32(self.radius**2) / square
+        share = (np.minimum(near, 1 / near) - np.float32(REACH**-2)) * np.float32(1 / (1 - REACH**-2))
+        hidden: Image = np.maximum(facing, 0) / np.sqrt(square) * np.maximum(share, 0)
+        return hidden
+
+    def _nearest(self, at: list[Image]) -> list[Image]:
+        """The points of the core that are nearest, in its axes."""
+        nearest = [np.clip(part, -half, half) for part, half in zip(at, self.core.astype(np.float32), strict=True)]
+        if self.round is not None:
+            a, b = (axis for axis in range(3) if axis != self.round)
+            far = np.sqrt(at[a] ** 2 + at[b] ** 2)
+            scale = np.minimum(np.float32(self.core[a]) / np.maximum(far, np.float32(1e-6)), 1)
+            nearest[a], nearest[b] = at[a] * scale, at[b] * scale
+        return nearest
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A box in a frame of the body with this number, and the `own` bodies that it casts no shadow on."""
+
+    body: int
+    frame: Pose
+    box: Box
+    own: tuple[int, ...]
+
+
+class ContactShadows:
+    """The contact shadows of a scene's bodies; made once, cast on every picture."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._pieces = list(_pieces(scene)) if scene.light.shadows else []
+        self._frames = _stacked([piece.frame for piece in self._pieces])
+        self._middles = np.array([piece.box.middle for piece in self._pieces])
+
+    def cast(
+        self,
+        rgb: NDArray[np.uint8],
+        ids: NDArray[np.int16],
+        depth: NDArray[np.float32],
+        camera: Camera,
+        shot: Shot,
+    ) -> NDArray[np.uint8]:
+        """The picture (h, w, 3) with its contact shadows.
+
+        `ids` (h, w) are the bodies seen, `depth` (h, w) is in metres along the view axis; `camera` is in the world.
+        """
+        if not self._pieces:
+            return rgb
+        shaded = list(self._shaded(ids, depth, camera, shot))
+        if not shaded:
+            return rgb
+        window = _window(shaded, ids.shape)
+        surfaces = _surfaces(camera, ids, depth, window)
+        lost = np.zeros_like(surfaces[0][0])
+        for _, parts in groupby(shaded, lambda part: part.body):
+            lost += _hidden(parts, surfaces, window)
+        left = 1 - np.minimum(np.float32(STRENGTH) * lost, np.float32(DARKEST))
+        picture = rgb.copy()
+        picture[window] = quantize(rgb[window] * left.reshape(*ids[window].shape, 1))
+        return picture
+
+    def _shaded(
+        self, ids: NDArray[np.int16], depth: NDArray[np.float32], camera: Camera, shot: Shot
+    ) -> Iterator[Shaded]:
+        """The pixels that each piece may shade, body by body; pieces that shade none are left out."""
+        bodies = _stacked([shot.poses[piece.body] for piece in self._pieces])
+        frames = compose(compose(inverse(camera.pose), bodies), self._frames)
+        x, y = _rays(camera, ids.shape)
+        for i, (piece, middle) in enumerate(zip(self._pieces, apply(frames, self._middles).tolist(), strict=True)):
+            part = _reached(piece.box.reach, middle, camera, ids.shape)
+            seen, (rows, columns) = depth[part], part
+            aside = [x[columns] * seen - middle[0], y[rows, None] * seen - middle[1], seen + middle[2]]
+            near = aside[0] ** 2 + aside[1] ** 2 + aside[2] ** 2 < np.float32(piece.box.reach**2)
+            for number in (-1, *piece.own):
+                near &= ids[part] != number
+            if near.any():
+                yield Shaded(piece.body, piece.box, Pose(frames.position[i], frames.orientation[i]), part, near)
+
+
+@dataclass(frozen=True)
+class Shaded:
+    """The pixels of a `part` of the picture that a piece of a body may shade; its `frame` is in the camera's axes."""
+
+    body: int
+    box: Box
+    frame: Pose
+    part: Part
+    pixels: NDArray[np.bool_]
+
+    def within(self, window: Part) -> NDArray[np.intp]:
+        """The numbers of the pixels in a window around the part, row by row."""
+        (rows, columns), (high, wide) = self.part, window
+        row, column = np.divmod(np.flatnonzero(self.pixels), columns.stop - columns.start)
+        first = (rows.start - high.start) * (wide.stop - wide.start) + columns.start - wide.start
+        numbers: NDArray[np.intp] = row * (wide.stop - wide.start) + column + first
+        return numbers
+
+
+def _stacked(poses: Sequence[Pose]) -> Pose:
+    """All the poses in one, with a leading axis."""
+    return Pose(np.array([pose.position for pose in poses]), np.array([pose.orientation for pose in poses]))
+
+
+def _window(shaded: list[Shaded], size: tuple[int, ...]) -> Part:
+    """The part of a picture (height, width) around all that is shaded, and a pixel more for the slopes at its edges."""
+    rows, columns = (
+        slice(max(min(side.start for side in sides) - 1, 0), min(max(side.stop for side in sides) + 1, most))
+        for sides, most in zip(zip(*(one.part for one in shaded), strict=True), size, strict=True)
+    )
+    return rows, columns
+
+
+def _hidden(parts: Iterable[Shaded], surfaces: tuple[list[Image], list[Image]], window: Part) -> Image:
+    """The share of the light that the pieces of a body hide, in a window of the picture."""
+    most = np.zeros_like(surfaces[0][0])
+    for part in parts:
+        pixels = part.within(window)
+        points, normals = ([side.take(pixels) for side in sides] for sides in surfaces)
+        most[pixels] = np.maximum(most.take(pixels), part.box.hidden(points, normals, part.frame))
+    return most
+
+
+def _pieces(scene: Scene) -> Iterator[Piece]:
+    """What casts contact shadows: bodies that can move, and small ones that stand still and can be touched."""
+    numbers = {body.name: i for i, body in enumerate(scene.bodies)}
+    for i, body in enumerate(scene.bodies):
+        if body.motion == "static" and not _is_small(body):
+            continue
+        jointed = [{joint.first, joint.second} for joint in scene.joints if body.name in (joint.first, joint.second)]
+        own = {i} | {numbers[name] for pair in jointed for name in pair if name is not None}
+        boxes = [(geom.pose, box) for geom in body.geoms if geom.visible for box in _boxes(geom.shape)]
+        thick = FINE * max((box.radius for _, box in boxes), default=0.0)
+        yield from (Piece(i, pose, box, tuple(sorted(own))) for pose, box in boxes if box.radius > thick)
+
+
+def _is_small(body: Body) -> bool:
+    shown = [geom for geom in body.geoms if geom.visible]
+    if not shown or not any(geom.collides for geom in body.geoms):
+        return False
+    low, high = upright(shown, identity())
+    return float(np.linalg.norm(high - low)) / 2 < SMALL
+
+
+@lru_cache(maxsize=256)
+def _boxes(shape: Shape) -> tuple[Box, ...]:
+    """The boxes of a shape: one, or several where that one would be mostly empty, as of a banana."""
+    facets = tessellate(shape)
+    return tuple(_box(points) for points in _cut(facets.points[facets.faces], HALVINGS))
+
+
+def _cut(triangles: Array, halvings: int) -> list[Array]:
+    """Triangles (n, 3, 3) cut across their longest side as long as this spares volume: the corners of each part."""
+    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    axis = int((high - low).argmax())
+    middle = (low[axis] + high[axis]) / 2
+    along = triangles[..., axis]
+    ends = [triangles[along.min(axis=1) <= middle], triangles[along.max(axis=1) >= middle]]
+    ends = [np.copy(end) for end in ends]
+    np.minimum(ends[0][..., axis], middle, out=ends[0][..., axis])
+    np.maximum(ends[1][..., axis], middle, out=ends[1][..., axis])
+    volume = sum(float(np.prod(np.ptp(end, axis=(0, 1)))) for end in ends)
+    if not halvings or volume > SPARED * float(np.prod(high - low)):
+        return [triangles.reshape(-1, 3)]
+    return [part for end in ends for part in _cut(end, halvings - 1)]
+
+
+def _box(points: Array) -> Box:
+    """The rounded box around points (n, 3)."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle, half = (low + high) / 2, (high - low) / 2
+    radius = float(half.min())
+    return Box(middle, half - radius, radius, _axis(points - middle, half))
+
+
+def _axis(points: Array, half: Array) -> int | None:
+    """The axis about which points (n, 3) around the origin are as in a cylinder, within 2 %."""
+    for axis in (2, 1, 0):
+        a, b = (other for other in range(3) if other != axis)
+        if abs(half[a] - half[b]) < 0.02 * half[a] and np.hypot(points[:, a], points[:, b]).max() < 1.02 * half[a]:
+            return axis
+    return None
+
+
+def _reached(reach: float, middle: Sequence[float], camera: Camera, size: tuple[int, ...]) -> Part:
+    """The rows and columns of a picture (height, width) in which a sphere is seen; `middle` is in the camera's axes."""
+    (height, width), (x, y, z) = size, middle
+    if -z - reach < camera.near:
+        return slice(0, height), slice(0, width)
+    focal = height / (2 * math.tan(camera.fovy / 2))
+    return _part(-y, -z, reach, focal, height), _part(x, -z, reach, focal, width)
+
+
+def _part(aside: float, away: float, reach: float, focal: float, size: int) -> slice:
+    """The pixels, of so many, between which a sphere of the radius `reach` is seen `aside` and `away` (m)."""
+    ends = [(aside + sign * reach) / (away + other * reach) for sign in (-1, 1) for other in (-1, 1)]
+    first, last = (size / 2 + focal * end for end in (min(ends), max(ends)))
+    return slice(min(max(0, math.floor(first)), size), max(0, min(size, math.ceil(last))))
+
+
+def _surfaces(
+    camera: Camera, ids: NDArray[np.int16], depth: NDArray[np.float32], window: Part
+) -> tuple[list[Image], list[Image]]:
+    """What is seen in a window of the picture: the points and the unit normals, (n,) along each of the camera's axes.
+
+    The inverse of the distance is linear in the places of a flat surface's pixels, and its slopes are the normal.
+    """
+    x, y = _rays(camera, ids.shape)
+    step = x[1] - x[0] if len(x) > 1 else np.float32(1)
+    ids, depth, x, y = ids[window], depth[window], x[window[1]], y[window[0]]
+    near: Image = np.reciprocal(np.maximum(depth, np.float32(1e-6)))
+    along, up = _slope(near, ids, 1) / step, -_slope(near, ids, 0) / step
+    normal = [-along, -up, near - x * along - y[:, None] * up]
+    length = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+    points = [x * depth, y[:, None] * depth, -depth]
+    return [part.ravel() for part in points], [(part / length).ravel() for part in normal]
+
+
+def _rays(camera: Camera, size: tuple[int, ...]) -> tuple[Image, Image]:
+    """What `rays` tells of a picture (height, width)."""
+    x, y = rays(camera, size[1], size[0])
+    return x.astype(np.float32), y.astype(np.float32)
+
+
+def _slope(values: Image, ids: NDArray[np.int16], axis: int) -> Image:
+    """How much `values` (h, w) grow from pixel to pixel: towards the neighbour of the same body that is more alike."""
+    step = np.where(np.diff(ids, axis=axis) == 0, np.diff(values, axis=axis), np.float32(np.inf))
+    before, after = np.full_like(values, np.inf), np.full_like(values, np.inf)
+    if axis:
+        before[:, 1:] = after[:, :-1] = step
+    else:
+        before[1:] = after[:-1] = step
+    slope = np.where(np.abs(before) < np.abs(after), before, after)
+    slope[np.isinf(slope)] = 0
+    return slope
+
+
+def _along(parts: list[Image], axis: Array) -> Image:
+    """How far vectors, (n,) along each axis, reach along `axis` (3,)."""
+    reached: Image = parts[0] * axis[0] + parts[1] * axis[1] + parts[2] * axis[2]
+    return reached

@@ -1,0 +1,120 @@
+"""A script that plays an episode with an engine and numpy alone: the code that plays it here, and the data, as text."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from pprint import pformat
+from typing import Any
+
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.scene.model.transform import conjugate, cross, multiply, rotate, rotated, turned, turning
+from wmspec.sim.scene.physics.episode import (
+    MEET,
+    TORN,
+    TOUCH,
+    Aim,
+    Drag,
+    Episode,
+    Grip,
+    Hold,
+    Kick,
+    Push,
+    Recording,
+    Track,
+    act,
+    begin,
+    beginnings,
+    expected,
+    mounted,
+    observe,
+    play,
+    take,
+    told,
+    torn,
+)
+
+_COMMON: tuple[Callable[..., Any], ...] = (
+    conjugate,
+    multiply,
+    cross,
+    rotated,
+    rotate,
+    turning,
+    turned,
+    Kick,
+    Push,
+    Drag,
+    Hold,
+    Aim,
+    Grip,
+    Track,
+    Episode,
+    Recording,
+    play,
+    told,
+    expected,
+    begin,
+    beginnings,
+    act,
+    observe,
+    take,
+    torn,
+    mounted,
+)
+_HEAD = '''"""Plays the episode "{name}" in {engine} and writes its trace to trace.npz, next to this file.
+
+In trace.npz: time (T,) s; bodies (N,); position (T, N, 3) m and orientation (T, N, 4), quaternion (w, x, y, z), of the
+bodies' frames; linear_velocity and angular_velocity (T, N, 3) of their centres of mass, in world axes, m/s and rad/s.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, inf, pi, sqrt
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import {module}
+'''
+_MAIN = """if __name__ == "__main__":
+{world}
+    states = play(world, EPISODE).states
+    time = np.arange(EPISODE.samples) / EPISODE.rate
+    np.savez(
+        Path(__file__).with_name("trace.npz"),
+        time=time,
+        bodies=NAMES,
+        position=states[..., :3],
+        orientation=states[..., 3:7],
+        linear_velocity=states[..., 7:10],
+        angular_velocity=states[..., 10:],
+    )
+    for name, position in zip(NAMES, states[-1, :, :3]):
+        print(f"{{name}}: at {{time[-1]:.3f}} s at {{np.round(position, 4)}} m")
+"""
+
+
+def script(
+    engine: str,
+    module: str,
+    scene: Scene,
+    *,
+    parts: Sequence[Callable[..., Any]],
+    values: Mapping[str, object],
+    world: str,
+) -> str:
+    """The text of a script.
+
+    Functions and classes (`parts`), literals by name (`values`), and the lines that make a `world` from them. `values`
+    must contain the `EPISODE`; their `repr` must be their Python text.
+    """
+    values = {"NAMES": [body.name for body in scene.bodies], "MEET": MEET, "TOUCH": TOUCH, "TORN": TORN, **values}
+    sections = [
+        _HEAD.format(name=scene.name, engine=engine, module=module),
+        *(inspect.getsource(part) for part in (*_COMMON, *parts)),
+        "\n".join(f"{name} = {pformat(value, width=110, sort_dicts=False)}" for name, value in values.items()) + "\n",
+        _MAIN.format(world="\n".join(f"    {line}" for line in world.splitlines())),
+    ]
+    return "\n\n".join(sections)

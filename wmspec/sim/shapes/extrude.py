@@ -1,0 +1,114 @@
+"""An outline that is drawn out: letters, brackets, stairs, arrows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from wmspec.core.space import HERE, Pose, Vector
+from wmspec.sim.shapes.outline import Outline, convex, integral, runs, sound, triangles
+from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from wmspec.sim.shapes.facets import Facets
+
+
+@dataclass(frozen=True)
+class Extrude(Shape):
+    """`outline`: points (x, z) in m as seen from the front, anticlockwise; from -`depth` / 2 to `depth` / 2 along y."""
+
+    outline: Outline
+    depth: float
+
+    parameters = frozenset()
+    properties: ClassVar[Mapping[str, Parameter]] = {
+        "outline": Parameter("points", "of what is extruded: its outline seen from the front, (right, up)"),
+        "depth": Parameter("length", "of what is extruded: how far it goes from front to back", above=0),
+    }
+    convex = False
+
+    @classmethod
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
+        """The middle is where the outline has (0, 0). It is as deep as its `size` unless its `depth` is said."""
+        depth = words.get("depth", words["size"])
+        if isinstance(depth, tuple):
+            raise UnfitError("needs a `depth`", "size")
+        return cls(sound(words.get("outline", ()), "outline"), depth)
+
+    @property
+    def volume(self) -> float:
+        """Its outline's area, so deep."""
+        return self._area * self.depth
+
+    @property
+    def center(self) -> Vector:
+        """Its outline's."""
+        x = integral(self.outline, lambda x, _: x**2 / 2) / self._area
+        z = integral(self.outline, lambda x, z: x * z) / self._area
+        return (x, 0.0, z)
+
+    @property
+    def tensor(self) -> Tensor:
+        """By the outline's second moments."""
+        cx, _, cz = self.center
+        x = integral(self.outline, lambda x, _: x**3 / 3) / self._area - cx**2
+        z = integral(self.outline, lambda x, z: x * z**2) / self._area - cz**2
+        xz = integral(self.outline, lambda x, z: x**2 / 2 * z) / self._area - cx * cz
+        y = self.depth**2 / 12
+        return ((y + z, 0.0, -xz), (0.0, x + z, 0.0), (-xz, 0.0, x + y))
+
+    def reach(self, direction: Vector) -> float:
+        """To its furthest corner."""
+        out = max(direction[0] * x + direction[2] * z for x, z in self.outline)
+        return out + abs(direction[1]) * self.depth / 2
+
+    @property
+    def sizes(self) -> tuple[float, ...]:
+        """Its outline may be anywhere."""
+        return (self._area, self.depth)
+
+    def facets(self) -> Facets:
+        """The sides along smooth runs of the outline, and both ends, each with the whole image."""
+        import numpy as np
+
+        from wmspec.sim.shapes.facets import CREASE, facets, join, quads
+
+        made = []
+        for run in runs(self.outline, CREASE):
+            (x, z), (nx, nz) = (np.array([row[k] for row in run]).T for k in (0, 1))
+            y, s = np.full(len(run), self.depth / 2), np.linspace(0, 1, len(run))
+            points = np.concatenate([np.stack([x, y, z], 1), np.stack([x, -y, z], 1)])
+            normals = np.tile(np.stack([nx, 0 * nx, nz], 1), (2, 1))
+            st = np.stack([np.tile(s, 2), np.repeat([0.0, 1.0], len(run))], 1)
+            made.append(facets(points, normals, st, quads(np.arange(len(run) - 1), len(run))))
+        flat, faces = np.array(self.outline), np.array(triangles(self.outline))
+        st = (flat - flat.min(axis=0)) / np.ptp(flat, axis=0)
+        for way in (-1.0, 1.0):
+            points = np.stack([flat[:, 0], np.full(len(flat), way * self.depth / 2), flat[:, 1]], 1)
+            seen = st if way < 0 else np.stack([1 - st[:, 0], st[:, 1]], 1)
+            turned = faces if way < 0 else faces[:, ::-1]
+            made.append(facets(points, np.tile([0.0, way, 0.0], (len(flat), 1)), seen, turned))
+        return join(made)
+
+    def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
+        """Of convex parts of the outline."""
+        return tuple((piece, HERE) for piece in self._pieces)
+
+    @cached_property
+    def _pieces(self) -> tuple[Shape, ...]:
+        import numpy as np
+
+        from wmspec.sim.shapes.mesh import Mesh
+
+        none: NDArray[np.int32] = np.empty((0, 3), np.int32)
+        ends = (-self.depth / 2, self.depth / 2)
+        return tuple(Mesh(np.array([(x, y, z) for x, z in part for y in ends]), none) for part in convex(self.outline))
+
+    @property
+    def _area(self) -> float:
+        return integral(self.outline, lambda x, _: x)

@@ -1,0 +1,137 @@
+"""What a lathe makes: a profile that is turned about z."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from wmspec.core.space import HERE, Pose, Vector
+from wmspec.sim.shapes.outline import Outline, convex, integral, runs, sound
+from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from wmspec.sim.shapes.facets import Facets
+    from wmspec.sim.shapes.shape import Array
+
+SECTORS = 16
+"""Into how many pieces a ring is cut, each with a corner in its middle: on its side it is a polygon of 32 sides."""
+
+
+@dataclass(frozen=True)
+class Lathe(Shape):
+    """`profile`: the outline of one half, points (distance from z, height) in m, anticlockwise as (x, z)."""
+
+    profile: Outline
+
+    parameters = frozenset()
+    properties: ClassVar[Mapping[str, Parameter]] = {
+        "profile": Parameter("points", "of a lathe: the outline that is turned about the vertical, (radius, height)")
+    }
+    symmetry = "axis"
+    rim = True
+    convex = False
+    hollow = True
+
+    @classmethod
+    def from_words(cls, words: Mapping[str, Any]) -> Shape:
+        """The middle is where the profile has (0, 0)."""
+        profile = sound(words.get("profile", ()), "profile")
+        if any(r < 0 for r, _ in profile):
+            raise UnfitError("has a profile on both sides of the axis; radii are 0 or more", "profile")
+        return Lathe(profile)
+
+    @property
+    def volume(self) -> float:
+        """Of Pappus and Guldin."""
+        return math.pi * integral(self.profile, lambda r, _: r**2)
+
+    @property
+    def center(self) -> Vector:
+        """On the axis."""
+        return (0.0, 0.0, math.pi * integral(self.profile, lambda r, z: r**2 * z) / self.volume)
+
+    @property
+    def tensor(self) -> Tensor:
+        """Exact, as of a round thing, not of its facets."""
+        along = math.pi / 2 * integral(self.profile, lambda r, _: r**4) / self.volume
+        height = math.pi * integral(self.profile, lambda r, z: r**2 * z**2) / self.volume - self.center[2] ** 2
+        across = along / 2 + height
+        return ((across, 0.0, 0.0), (0.0, across, 0.0), (0.0, 0.0, along))
+
+    def reach(self, direction: Vector) -> float:
+        """To the furthest circle."""
+        out = math.hypot(direction[0], direction[1])
+        return max(out * r + direction[2] * z for r, z in self.profile)
+
+    def floor(self, x: float, y: float) -> float | None:
+        """Where the profile is left first, from below."""
+        r = max(math.hypot(x, y), 1e-9)
+        ends = zip(self.profile, (*self.profile[1:], self.profile[0]), strict=True)
+        crossed = [(a, b) for a, b in ends if min(a[0], b[0]) <= r < max(a[0], b[0])]
+        heights = sorted(low + (r - near) / (far - near) * (high - low) for (near, low), (far, high) in crossed)
+        return heights[1] if heights else None
+
+    @property
+    def sizes(self) -> tuple[float, ...]:
+        """Its profile may be anywhere."""
+        return (self.volume,)
+
+    def facets(self) -> Facets:
+        """Each smooth run of the profile, turned; t goes along the whole profile."""
+        from wmspec.sim.shapes.facets import CREASE, Row, join, lathe
+
+        made, length = [], self._length
+        gone = 0.0
+        for run in runs(self.profile, CREASE):
+            rows: list[Row] = []
+            for i, ((r, z), (out, up)) in enumerate(run):
+                gone += math.dist(run[i - 1][0], (r, z)) if i else 0.0
+                rows.append((r, z, out, up, gone / length))
+            if any(row[0] > 0 for row in rows):
+                made.append(lathe(rows))
+        return join(made)
+
+    def unwrapped(self, facets: Facets, every: Array) -> Array:
+        """Wound around, and along the profile."""
+        from wmspec.sim.shapes.texcoords import wound
+
+        return wound(facets, max(r for r, _ in self.profile), self._length, every)
+
+    def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
+        """Of convex parts of the profile: those at the axis turned as a whole, the others in sectors."""
+        return tuple((piece, HERE) for piece in self._pieces)
+
+    @cached_property
+    def _pieces(self) -> tuple[Shape, ...]:
+        import numpy as np
+
+        from wmspec.sim.shapes.mesh import Mesh
+
+        none: NDArray[np.int32] = np.empty((0, 3), np.int32)
+        return tuple(Mesh(points, none) for part in convex(self.profile) for points in _turned(part))
+
+    @property
+    def _length(self) -> float:
+        return sum(math.dist(a, b) for a, b in zip(self.profile, (*self.profile[1:], self.profile[0]), strict=True))
+
+
+def _turned(part: Outline) -> list[Array]:
+    """The corners (n, 3) of the convex pieces of what a convex outline makes."""
+    import numpy as np
+
+    def at(turns: Array) -> Array:
+        r, z = np.array(part).T
+        turns = turns[:, None]
+        return np.stack(np.broadcast_arrays(r * np.cos(turns), r * np.sin(turns), z), axis=-1).reshape(-1, 3)
+
+    step = 2 * math.pi / SECTORS
+    if sum(r == 0 for r, _ in part) >= 2:
+        most = max(8, min(2 * SECTORS, 240 // len(part)))
+        return [at(np.arange(most, dtype=np.float64) * (2 * math.pi / most))]
+    return [at(np.array([i - 0.5, i, i + 0.5]) * step) for i in range(SECTORS)]
