@@ -1,4 +1,4 @@
-"""Makes `wmspec/compile/robots/panda/panda.usdc` of the meshes of the Franka Panda that come with PyBullet (Apache-2.0).
+"""Makes `wmspec/compile/robots/panda/panda.usdc` from PyBullet's meshes of the Franka Panda (Apache-2.0).
 
 Run it from the root: `python -m tools.panda`; it needs `pybullet` and `fast-simplification`. The meshes are joined by
 colour and decimated; the last link and the hand are one body. The joints are disabled: the links move as actions say,

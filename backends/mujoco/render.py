@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.core.diagnostics import GraphicsError
-from wmspec.core.native_output import silence
 from wmspec.core.memoize import LRU
+from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Camera, Frame, Geom, Scene, Shot
 from wmspec.sim.scene.render.boxes import Edges
 from wmspec.sim.scene.render.camera import find, seeing

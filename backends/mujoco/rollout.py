@@ -1,4 +1,4 @@
-"""The loop of `wmspec.sim.scene.physics.episode` where nothing happens in between: MuJoCo makes all steps up to the next event.
+"""Steps an episode with `mujoco.rollout` up to the next event (see `wmspec.sim.scene.physics.episode`).
 
 The states are those that the loop makes step by step, to the bit. What touches is told by a contact sensor for each
 pair of pieces that may touch, since the contacts of the steps in between are gone. What moves as it is told is put in

@@ -6,7 +6,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from wmspec.core.rng import Level
+from wmspec.compile.design.levels import Level
 from wmspec.lang.check.ir.ir import Choices, Operation, Plan, Ref, Require, TaskSpec, Value
 from wmspec.lang.check.statements.builder import HERE, factor, nuisance, observe, task, thing
 

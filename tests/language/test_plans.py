@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from tests.language.designs import allowed, compare, design_of, random_design
 from tests.language.specs import task_from
 from wmspec.compile.design.design import Design
+from wmspec.compile.design.levels import quantile
 from wmspec.core.diagnostics import SpecError
-from wmspec.core.rng import quantile
 from wmspec.lang.check.ir.ir import Plan, TaskSpec
 
 

@@ -15,8 +15,8 @@ from wmspec.backends.mujoco import render
 from wmspec.backends.mujoco.backdrop import REMEMBERED
 from wmspec.backends.mujoco.cast import Cast
 from wmspec.backends.mujoco.render import Renderer
-from wmspec.core.resources import resource
 from wmspec.core.memoize import LRU
+from wmspec.core.resources import resource
 from wmspec.sim.scene.model import Pose, Scene, Shot, Surface
 from wmspec.sim.scene.render.camera import project
 from wmspec.sim.scene.render.window import BLOCK, EDGE, Moving, full

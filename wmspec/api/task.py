@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Unpack, overload
 
 from wmspec.compile.design.design import Design
 from wmspec.compile.design.design import Instance as Drawn
+from wmspec.compile.design.levels import Level
 from wmspec.core import wm_abench
 from wmspec.core.diagnostics import WmsError, suggestion
-from wmspec.core.rng import Level
 from wmspec.lang.check.ir.ir import Choices, Counterfactual, Interval, TaskSpec
 from wmspec.lang.check.ir.ir import Factor as DeclaredFactor
 from wmspec.lang.parse.load import Program

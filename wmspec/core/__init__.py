@@ -1,1 +1,1 @@
-"""Shared by all wings: diagnostics, limits, guarded file access, randomness, vectors. Imports nothing else of wmspec."""
+"""Shared by all wings: diagnostics, limits, guarded files, randomness, vectors. Imports nothing else of wmspec."""

@@ -3,14 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from bisect import bisect_right
-from itertools import accumulate
 from math import isqrt
-
-from wmspec.lang.check.ir.ir import Choices, Domain, Interval, Normal, Scalar
-
-#: A value that a factor or nuisance can have: a number, a truth value, a word, or a point.
-Level = Scalar | tuple[float, ...]
 
 _MASK = (1 << 64) - 1
 
@@ -24,32 +17,6 @@ def bits(*key: object) -> int:
 def uniform(*key: object) -> float:
     """A number in [0, 1) that depends on the key alone."""
     return (bits(*key) >> 11) / (1 << 53)
-
-
-def quantile(domain: Domain, share: float) -> Level:
-    """The value below which a `share`, 0 to 1, of the domain lies: drawn at random if the share is."""
-    match domain:
-        case Choices(values=values, weights=None):
-            return values[int(share * len(values))]
-        case Choices(values=values, weights=tuple(weights)):
-            reached = list(accumulate(weights))
-            return values[min(bisect_right(reached, share * reached[-1]), len(values) - 1)]
-        case Interval(low=low, high=high, logarithmic=True):
-            return float(low * (high / low) ** share)
-        case Interval(low=low, high=high):
-            return low + (high - low) * share
-        case Normal(mean=mean, deviation=deviation):
-            return mean + deviation * _normal(share)
-    raise AssertionError(domain)
-
-
-def _normal(share: float) -> float:
-    """The quantile of the standard normal distribution cut off at three deviations."""
-    from statistics import NormalDist
-
-    standard = NormalDist()
-    tail = standard.cdf(-3.0)
-    return standard.inv_cdf(tail + share * (1 - 2 * tail))
 
 
 class Permutation:

@@ -1,1 +1,1 @@
-"""The simulated world: shapes, scenes, the USD reader and the photo renderer. Knows neither the language nor the engines."""
+"""The simulated world: shapes, scenes, the USD reader and the photo renderer. Independent of language and engines."""

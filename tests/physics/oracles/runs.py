@@ -9,9 +9,9 @@ from pathlib import Path
 
 from tests.language.specs import task_of
 from wmspec.compile.design.design import Design
+from wmspec.compile.design.levels import Level
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
-from wmspec.core.rng import Level
 from wmspec.runtime.engines.registry import backend
 from wmspec.sim.scene.model import Array, Body, Scene, Trace
 from wmspec.sim.usd import read

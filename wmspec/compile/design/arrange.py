@@ -10,9 +10,9 @@ from wmspec.compile.design.columns import Column, Free, Strata
 from wmspec.compile.design.constrain import Constraint
 from wmspec.compile.design.constraint_chain import MOST_COUNTED, Chain, TooMuch
 from wmspec.compile.design.describe import told
+from wmspec.compile.design.levels import Level
 from wmspec.compile.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sample
 from wmspec.core.diagnostics import Note, SpecError
-from wmspec.core.rng import Level
 from wmspec.lang.check.ir.ir import Choices, TaskSpec
 
 _EVEN = "tie what is crossed to nothing, or remove `balance`"

@@ -15,8 +15,9 @@ from math import prod
 from typing import Protocol
 
 from wmspec.compile.design.columns import MOST_LISTED, Column, balanced
+from wmspec.compile.design.levels import Level
 from wmspec.compile.design.plans import Arrangement
-from wmspec.core.rng import Level, Permutation
+from wmspec.core.rng import Permutation
 
 #: More groups of unequal sizes are not counted up.
 MOST_UNEQUAL = 100_000

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
-from wmspec.core.rng import Level, Permutation, bits, quantile, uniform
+from wmspec.compile.design.levels import Level, quantile
+from wmspec.core.rng import Permutation, bits, uniform
 from wmspec.lang.check.ir.ir import Factor
 
 #: Up to so many allowed combinations of tied factors are put in an order in which every beginning is balanced.

@@ -11,10 +11,10 @@ from typing import Any
 
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.describe import told
+from wmspec.compile.design.levels import Level
 from wmspec.compile.layout.values import Values
 from wmspec.core.diagnostics import ImpossibleValue, SpecError, WmsError
 from wmspec.core.places import Location
-from wmspec.core.rng import Level
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Choices, Expr, Factor, Operation, TaskSpec
 

@@ -9,7 +9,7 @@ from itertools import accumulate, product
 from math import prod
 
 from wmspec.compile.design.constrain import Constraint
-from wmspec.core.rng import Level
+from wmspec.compile.design.levels import Level
 
 #: The most combinations of a factor's values with those that it is tied to that are counted, for a group of factors.
 MOST_COUNTED = 300_000

@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterable, Iterator
 
 from wmspec.compile.layout.motion import CARRYING
 from wmspec.compile.layout.values import INHERITED
+from wmspec.core.memoize import LRU
 from wmspec.lang.check.ir.evaluate import parts
 from wmspec.lang.check.ir.ir import Call, Choices, Expr, Property, Ref, TaskSpec, Thing, Value
 from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MEASURES
-from wmspec.core.memoize import LRU
 
 #: What decides the form of an object or part.
 FORM = ("shape", *MEASURES, "file", "scale", "collision")

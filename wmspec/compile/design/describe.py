@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from wmspec.core.rng import Level
+from wmspec.compile.design.levels import Level
 from wmspec.lang.check.ir.ir import Factor
 from wmspec.lang.check.types import units
 

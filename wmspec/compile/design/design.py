@@ -12,8 +12,9 @@ from typing import overload
 
 from wmspec.compile.design.arrange import blocks
 from wmspec.compile.design.constrain import constraints
+from wmspec.compile.design.levels import Level, quantile
 from wmspec.core.diagnostics import SpecError
-from wmspec.core.rng import Level, Permutation, quantile, uniform
+from wmspec.core.rng import Permutation, uniform
 from wmspec.lang.check.ir.ir import Choices, Items, TaskSpec
 
 

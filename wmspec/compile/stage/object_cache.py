@@ -12,9 +12,9 @@ from wmspec.compile.layout.values import Values
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.objects import add_object
 from wmspec.compile.stage.one_factor import changed_by
+from wmspec.core.memoize import LRU
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.tables.vocabulary import PROPERTIES
-from wmspec.core.memoize import LRU
 
 
 class ObjectCache:

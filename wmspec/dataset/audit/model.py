@@ -26,7 +26,7 @@ class Test:
 
     `counts` are the contingency table, a row for each value of `first`; `strength` is Cramér's V (or Cohen's w),
     `p` the probability of a table so uneven by chance, by `method`; `corrected` is `p` after Holm, among those of the
-    task that are `judged` (`wmspec.dataset.audit.balance.weighed`). `effect` is the design effect: so many questions are worth
+    task that are `judged` (`audit.balance.weighed`). `effect` is the design effect: so many questions are worth
     one, since those of a group are alike. `least` is the weakest dependence that would have been
     found in four of five datasets such as this.
     """

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 
+from wmspec.compile.design.levels import Level
 from wmspec.lang.check.ir.ir import Choices, Factor, Interval, Normal
-from wmspec.core.rng import Level
 from wmspec.dataset.build.baselines import Baselines
 from wmspec.dataset.build.files import EXAMPLES
 from wmspec.dataset.build.manifest import Summary, TaskSummary

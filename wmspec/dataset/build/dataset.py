@@ -12,9 +12,9 @@ from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import Any
 
-from wmspec.runtime.questions.model import Rejected
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.safe_io import read_plain
+from wmspec.runtime.questions.model import Rejected
 from wmspec.dataset.build import checkpoint, files
 from wmspec.dataset.build.baselines import Baselines, baselines
 from wmspec.dataset.build.card import bibtex, card

@@ -12,9 +12,9 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from itertools import groupby
 
-from wmspec.runtime.questions.model import Rejected
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.ir.record import to_json
+from wmspec.runtime.questions.model import Rejected
 from wmspec.runtime.workers.pool import Effort, Lost, by_units
 from wmspec.dataset.build.checkpoint import passing
 from wmspec.dataset.build.dataset import Dataset

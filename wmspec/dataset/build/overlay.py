@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from PIL import Image, ImageDraw
 
-from wmspec.sim.scene.render.camera import project, seeing
 from wmspec.sim.scene.model import Array, Frame, Scene, Shot, Trace
+from wmspec.sim.scene.render.camera import project, seeing
 from wmspec.dataset.build.typeset import font
 
 FINE = 3

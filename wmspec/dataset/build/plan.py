@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from wmspec.runtime.questions.consensus import Consensus
-from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.core.diagnostics import WmsError
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.runtime.questions.consensus import Consensus
 from wmspec.sim.scene.model import Look
 
 #: The version of the folder's layout and of its columns.

@@ -12,8 +12,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import plain, read_plain
 from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import plain, read_plain
 from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import fingerprint
 from wmspec.dataset.build.rows import Row

@@ -10,8 +10,8 @@ from typing import Annotated, Any
 import pyarrow as pa
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
-from wmspec.runtime.questions.consensus import Consensus
 from wmspec.core.safe_io import is_name
+from wmspec.runtime.questions.consensus import Consensus
 from wmspec.dataset.build.pictures import form
 from wmspec.dataset.build.rows import COLUMNS, Row
 

@@ -14,8 +14,8 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from wmspec.runtime.questions.model import Rejected
 from wmspec.core.safe_io import read_plain
+from wmspec.runtime.questions.model import Rejected
 from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import Plan, Shard
 from wmspec.dataset.build.rows import Row, identity, schema, table

@@ -6,17 +6,17 @@ from collections.abc import Mapping
 from dataclasses import astuple, dataclass, field, replace
 from functools import cache, lru_cache, partial
 
+from wmspec.compile.design.design import Design
+from wmspec.lang.check.ir.record import from_json
+from wmspec.runtime.caches.render_cache import RenderCache
+from wmspec.runtime.caches.scene_cache import SceneCache
+from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.questions.ask import ask
 from wmspec.runtime.questions.balance import balanced
 from wmspec.runtime.questions.closed_sets import Answers, has_closed, kept_whole
 from wmspec.runtime.questions.consensus import Consensus, consensus
 from wmspec.runtime.questions.model import QuestionRow, Rejected
 from wmspec.runtime.questions.runs import EnginePair
-from wmspec.lang.check.ir.record import from_json
-from wmspec.compile.design.design import Design
-from wmspec.runtime.caches.render_cache import RenderCache
-from wmspec.runtime.caches.scene_cache import SceneCache
-from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.sim.scene.model import Look
 from wmspec.dataset.build.rows import Row, encode
 

@@ -20,8 +20,8 @@ from wmspec.compile.stage.episode import built
 from wmspec.compile.stage.layers import bare, compose
 from wmspec.compile.stage.object_cache import ObjectCache
 from wmspec.core.diagnostics import WmsError
-from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.core.memoize import LRU
+from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.sim.scene.model import Body, Camera, Scene
 from wmspec.sim.usd import read
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from wmspec.core.rng import Level
+from wmspec.compile.design.levels import Level
 from wmspec.lang.check.ir.ir import QuestionKind
 
 #: The names of two engines, in the order in which they were asked for.

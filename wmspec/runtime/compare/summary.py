@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from wmspec.core.rng import Level
+from wmspec.compile.design.levels import Level
 from wmspec.runtime.compare.model import Checked, Comparison, Pair
 
 

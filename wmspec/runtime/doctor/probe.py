@@ -1,4 +1,4 @@
-"""Does an engine work here? `python -m wmspec.runtime.doctor.probe ENGINE execute|render` tries it; its last line tells.
+"""Does an engine work here? Run `python -m wmspec.runtime.doctor.probe ENGINE execute|render`.
 
 `python -m wmspec.runtime.doctor.probe mitsuba photo` tries what draws the look "photo".
 

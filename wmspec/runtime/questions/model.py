@@ -8,7 +8,7 @@ from typing import ClassVar, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.core.rng import Level
+from wmspec.compile.design.levels import Level
 from wmspec.lang.check.ir.ir import QuestionKind
 
 #: What happens, among what would have happened: the name of its run and of its option.
@@ -53,7 +53,7 @@ class Sighting:
 
 @dataclass(frozen=True)
 class Change:
-    """What a counterfactual changed: its kind, as `wmspec.lang.check.ir.ir.Change` has them, what, what it was and became.
+    """What a counterfactual changed: its kind (see `lang.check.ir.ir.Change`), what, what it was and became.
 
     In a closed set of options several factors may differ: `beside` it is what else does.
     """

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.layout.values import Values
 from wmspec.core.diagnostics import EngineError, WmsError
+from wmspec.core.memoize import cached_on
 from wmspec.core.rng import uniform
 from wmspec.lang.check.ir.ir import Counterfactual
-from wmspec.core.memoize import cached_on
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.caches.scene_cache import SceneCache
 from wmspec.runtime.caches.trace_cache import TraceCache

@@ -232,7 +232,7 @@ SEVERAL_MATERIALS = Capability("several materials in a moving body", _materials)
 
 
 def fast_impacts(gives: float, most: int) -> Capability:
-    """Fast impacts on thin bodies, where contacts give way by `gives` (s) times the speed; see `wmspec.sim.scene.physics.speed`."""
+    """Fast impacts on thin bodies, where contacts give way by `gives` (s) times the speed (`physics.speed`)."""
     return Capability("fast impacts on thin bodies", partial(_hitting, gives=gives, most=most))
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from wmspec.core.diagnostics import Diagnostic, Report, StageError
 from wmspec.core.limits import POSES, SECONDS
-from wmspec.core.places import PrimPlace
 from wmspec.core.memoize import cached_on
+from wmspec.core.places import PrimPlace
 from wmspec.sim.scene.action_rules import problems as action_problems
 from wmspec.sim.scene.action_rules import sequence
 from wmspec.sim.scene.joints.joints import problems as joint_problems

@@ -1,4 +1,4 @@
-"""What the kinds of questions may say: a row each. How they are asked and compared stands in `wmspec.runtime.questions.kinds`."""
+"""Which clauses each kind of question allows. `wmspec.runtime.questions.kinds` asks and compares them."""
 
 from __future__ import annotations
 

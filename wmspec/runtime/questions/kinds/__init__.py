@@ -1,4 +1,4 @@
-"""The kinds of questions, each alone in its module. A new one is a module, and a row here and in `wmspec.lang.check`."""
+"""The kinds of questions, each alone in its module. A new one is a module and a row here and in the checker."""
 
 from __future__ import annotations
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.compile.design.about import named
+from wmspec.core.memoize import cached_on
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Counterfactual, Level, Outcome, Question, QuestionKind, Varied
-from wmspec.core.memoize import cached_on
 from wmspec.runtime.caches.cache_keys import look_key
 from wmspec.runtime.questions.changes import change_of
 from wmspec.runtime.questions.kinds.kind import Depicted, Kind, Offered
@@ -48,7 +48,7 @@ class PictureAnswer(Answer):
     them is and how it is turned (`outcomes`: options, bodies, 7; NaN for what is not there), its `looks`, a hash of
     everything else that the picture shows, and the kind of the outcome (`outcome_kinds`, empty if there are none).
 
-    `axes` (bodies, 3) are about what bodies turn unseen, as `wmspec.sim.scene.render.turn.axis` says it. A turn of 1 rad counts as
+    `axes` (bodies, 3) are about what bodies turn unseen, as `render.turn.axis` returns it. A turn of 1 rad counts as
     much as `lever` metres; 0 where turns do not count.
     """
 
