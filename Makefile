@@ -5,15 +5,16 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/vision/shape_room.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: sbom help setup browser inspect demo quick lowest test test-all check format docs oracles agreement clean
+.PHONY: sbom help setup browser inspect demo quick lowest installed test test-all check format docs oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
 	@echo "make demo      two tasks in every engine, and a picture of what came out"
 	@echo "make quick     the language, the stage, physics in one engine: a minute on two cores, for every change"
+	@echo "make installed an environment that has wmspec from a wheel, in build/installed"
 	@echo "make lowest    the same with the oldest versions that are allowed, in build/lowest"
 	@echo "make check     style, types, architecture, dependencies"
-	@echo "make test      that and all tests but the slow ones"
+	@echo "make test      that and all tests but the slow ones, on an installed wheel"
 	@echo "make test-all  the same with the slow tests"
 	@echo "make inspect   Inspect in an environment of its own, for the slow tests of exports"
 	@echo "make format    rewrite the sources in the house style"
@@ -59,11 +60,17 @@ lowest: setup
 	build/lowest/bin/pip install --quiet --no-deps -e .
 	build/lowest/bin/pytest $(QUICK)
 
-test: check browser
-	$(BIN)/pytest -n auto
+# The tests of the checkout, run on an installed wheel: what only a checkout can do fails here.
+TEST := PYTHONSAFEPATH=1 build/installed/bin/python -m pytest --installed -n auto
 
-test-all: check browser inspect
-	$(BIN)/pytest -n auto -m ""
+installed: setup
+	$(BIN)/python -m tools.installed
+
+test: check browser installed
+	$(TEST)
+
+test-all: check browser inspect installed
+	$(TEST) -m ""
 
 format: setup
 	$(BIN)/ruff check --fix .

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+import wmspec
 from tests.browser import browser
 from tests.engines import ENGINES
 from wmspec.runtime.engines.registry import default
@@ -40,6 +42,18 @@ NEEDS = {
 def pytest_addoption(parser: pytest.Parser) -> None:
     told = "Of the tests that run in one engine after another, those in the first that is installed."
     parser.addoption("--one-engine", action="store_true", help=told)
+    parser.addoption(
+        "--installed", action="store_true", help="Fail unless the wmspec under test is an installed wheel."
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if not config.getoption("--installed"):
+        return
+    package = Path(wmspec.__file__).parent
+    # Without a safe path, what tests start in the root of the checkout imports the packages that lie there.
+    if package == HERE.parent / "wmspec" or find_spec("backends") or not os.environ.get("PYTHONSAFEPATH"):
+        raise pytest.UsageError(f"{package} is no installed wheel, or the checkout can be imported: use `make test`")
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -1,37 +1,39 @@
-"""What is installed from an archive is whole, alone in site-packages, and works from any folder."""
+"""What is installed from an archive is whole, alone in site-packages, and works from any folder without a checkout."""
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
-import sysconfig
 import tarfile
-import venv
 import zipfile
+from importlib.metadata import Distribution, distributions
 from pathlib import Path
 
+import numpy as np
+import pyarrow.parquet as pq
 import pytest
+from PIL import Image
+
+from tests.engines import ENGINES, installed
+from tools import supply
+from tools.installed import build, environment
 
 ROOT = Path(__file__).parents[2]
-pytestmark = pytest.mark.skipif(not (ROOT / ".git").exists(), reason="what is tracked is known in a checkout only")
+SPEC = "specs/prediction/mechanistic/collide.wms"
+in_a_checkout = pytest.mark.skipif(not (ROOT / ".git").exists(), reason="what is tracked is known in a checkout only")
 
-SPEC = "wmspec/specs/prediction/mechanistic/collide.wms"
 
-
-def run(*command: str | Path, cwd: Path) -> str:
-    elsewhere = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+def run(*command: str | Path, cwd: Path, **env: str) -> str:
+    """What a command prints, started as a user does: Python's settings of these tests are none of its business."""
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     done = subprocess.run(
-        [str(c) for c in command], cwd=cwd, env=elsewhere, capture_output=True, text=True, check=False
+        list(map(str, command)), cwd=cwd, env=clean | env, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+    assert "Traceback" not in done.stderr
     return done.stdout
-
-
-def build(source: Path, target: str, into: Path) -> Path:
-    run(sys.executable, "-m", "hatchling", "build", "-t", target, "-d", into, cwd=source)
-    (archive,) = into.glob("*.tar.gz" if target == "sdist" else "*.whl")
-    return archive
 
 
 @pytest.fixture(scope="module")
@@ -45,57 +47,124 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return build(source, "wheel", folder / "wheel")
 
 
-@pytest.fixture(scope="module")
-def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A fresh environment with the wheel; what it depends on is seen in this one, so no network is needed."""
-    folder = tmp_path_factory.mktemp("environment")
-    venv.create(folder, with_pip=False, symlinks=True)
-    site = next(folder.glob("lib/python*/site-packages"))
-    pip = [sys.executable, "-m", "pip", "--python", folder / "bin/python"]
-    run(*pip, "install", "-q", "--no-deps", "--no-index", wheel, cwd=folder)
-    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
-    return folder
-
-
 def names(wheel: Path) -> set[str]:
     return set(zipfile.ZipFile(wheel).namelist())
 
 
 def test_only_wmspec_goes_to_site_packages(wheel: Path) -> None:
-    assert {n.split("/")[0] for n in names(wheel)} == {"wmspec", "wmspec-0.1.0.dist-info"}
+    assert {n.split("/")[0] for n in names(wheel)} == {
+        "wmspec",
+        wheel.name.removesuffix("-py3-none-any.whl") + ".dist-info",
+    }
 
 
+@in_a_checkout
 def test_every_tracked_file_of_the_package_is_inside(wheel: Path) -> None:
     listed = run("git", "ls-files", "wmspec", "backends", "grammar", "specs", cwd=ROOT).split()
     wanted = {f if f.startswith("wmspec/") else f"wmspec/{f}" for f in listed}
     assert wanted <= names(wheel)
-    assert {"wmspec/py.typed", "wmspec/grammar/wms.lark", SPEC} <= wanted
+    assert {"wmspec/py.typed", "wmspec/grammar/wms.lark", f"wmspec/{SPEC}"} <= wanted
     assert any(n.endswith("plugInfo.json") for n in wanted)
 
 
-def test_a_wheel_from_a_checkout_is_the_same(wheel: Path, tmp_path: Path) -> None:
-    assert names(build(ROOT, "wheel", tmp_path)) == names(wheel)
+@in_a_checkout
+def test_a_wheel_from_a_checkout_has_the_same_bytes_whenever_it_is_built(wheel: Path, tmp_path: Path) -> None:
+    here = build(ROOT, "wheel", tmp_path)
+    assert names(here) == names(wheel)
+    assert here.read_bytes() == wheel.read_bytes()
 
 
-def test_a_wheel_has_the_same_bytes_whenever_it_is_built(wheel: Path, tmp_path: Path) -> None:
-    assert build(ROOT, "wheel", tmp_path).read_bytes() == wheel.read_bytes()
-
-
-def test_it_runs_from_elsewhere(installed: Path, tmp_path: Path) -> None:
-    (site,) = installed.glob("lib/python*/site-packages")
-    where = run(installed / "bin/python", "-c", "import wmspec; print(wmspec.__file__)", cwd=tmp_path)
-    assert where.strip() == str(site / "wmspec/__init__.py")
-    wmspec = installed / "bin/wmspec"
-    run(wmspec, "check", site / "wmspec/specs", cwd=tmp_path)
-    run(wmspec, "compile", site / SPEC, "--backend", "all", "-o", tmp_path / "out", cwd=tmp_path)
-    suffixes = {p.suffix for p in (tmp_path / "out").rglob("*") if p.is_file()}
-    assert ".usda" in suffixes
-    assert ".xml" in suffixes
-
-
+@in_a_checkout
 def test_a_checkout_without_links_works(tmp_path: Path) -> None:
     """As from a zip archive, or on a system without links: what git tracks, links as plain files."""
     run("git", "-c", "core.symlinks=false", "checkout-index", "--all", f"--prefix={tmp_path}/", cwd=ROOT)
     here = run(sys.executable, "-c", "import wmspec.backends; print(wmspec.backends.__file__)", cwd=tmp_path)
     assert here.strip() == str(tmp_path / "backends/__init__.py")
-    run(sys.executable, "-m", "wmspec", "run", SPEC.removeprefix("wmspec/"), cwd=tmp_path)
+    run(sys.executable, "-m", "wmspec", "run", SPEC, cwd=tmp_path)
+
+
+# ------------------------------------------------------------------ the wheel alone
+
+
+@pytest.fixture(scope="module")
+def alone(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The programs of an environment with what `pip install wmspec[engines]` would install, and nothing else.
+
+    The packages are links to the files of those that are installed here, so no network is needed.
+    """
+    folder = tmp_path_factory.mktemp("environment")
+    site = environment(folder, wheel)
+    for package in supply.tree(["engines"]).values():
+        link(package, site)
+    return folder / "bin"
+
+
+def link(package: Distribution, site: Path) -> None:
+    """Puts each file of a package into another environment's site-packages, without its programs."""
+    assert package.files, package.name
+    for file in {str(file): file for file in package.files}.values():  # some are listed twice
+        if ".." not in file.parts:
+            (site / file).parent.mkdir(parents=True, exist_ok=True)
+            (site / file).symlink_to(Path(package.locate_file(file)).absolute())
+
+
+def test_the_wheel_needs_no_more_than_it_asks_for(alone: Path, tmp_path: Path) -> None:
+    """From an empty folder to a dataset of each engine and of all, looked at and made again; no development package."""
+    for engine in ENGINES:
+        installed(engine)
+    (site,) = alone.parent.glob("lib/python*/site-packages")
+    has = {str(package.name) for package in distributions(path=[str(site)])}
+    assert "wmspec" in has
+    assert has.isdisjoint({"pytest", "hypothesis", "matplotlib", "pandas", "networkx", "imageio-ffmpeg", "hatchling"})
+
+    python = alone / "python"
+    home = {"HOME": str(tmp_path / "home"), "XDG_CACHE_HOME": str(tmp_path / "home/cache")}
+    work = tmp_path / "work"
+    work.mkdir()
+
+    def wmspec(*arguments: str) -> str:
+        return run(alone / "wmspec", *arguments, cwd=work, **home)
+
+    found = {finding["name"]: finding["ok"] for finding in json.loads(wmspec("doctor", "--json"))["findings"]}
+    assert all(found[f"{engine} {does}"] for engine in ENGINES for does in ("executes", "renders")), found
+
+    wmspec("new", "my")
+    wmspec("check", "my.wms")
+    for engines in ([engine] for engine in ENGINES), [ENGINES]:
+        for some in engines:
+            out = f"of-{'-'.join(some)}"
+            wmspec(
+                "generate",
+                "my.wms",
+                "--backend",
+                ",".join(some),
+                "-o",
+                out,
+                "--per-task",
+                "1",
+                "--size",
+                "64",
+                "-j",
+                "1",
+            )
+            assert pq.read_table(work / out / "data").num_rows >= 1, some
+    everything = f"of-{'-'.join(ENGINES)}"
+    assert "the same to the byte" in wmspec("verify", everything, "--sample", "1", "-j", "1")
+    wmspec("view", everything)
+    wmspec("view", everything, "-o", "sheet.png")
+    assert "<img" in (work / "gallery.html").read_text()
+    wmspec("render", "my.wms", "--backend", "all", "--size", "64", "-o", "pictures")
+    for picture in [work / "sheet.png", *(work / "pictures").iterdir()]:
+        assert np.asarray(Image.open(picture).convert("RGB")).std() > 1, picture
+    for engine in ENGINES:
+        assert list((work / "pictures").glob(f"*{engine}*.png")), engine
+
+    wmspec("compile", "my.wms", "--backend", "all", "-o", "compiled")
+    for engine in ENGINES:
+        (script,) = (work / "compiled").rglob(f"*.{engine}/run.py")
+        run(python, script.name, cwd=script.parent, **home)
+        with np.load(script.with_name("trace.npz")) as trace:
+            assert np.ptp(trace["position"], axis=0).max() > 0.01, "something moves"
+    read = "import mujoco, sys; print(mujoco.MjModel.from_xml_path(sys.argv[1]).nbody)"
+    (model,) = (work / "compiled").rglob("scene.xml")
+    assert int(run(python, "-c", read, model, cwd=work)) > 1

@@ -6,12 +6,12 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 
 from wmspec.compile.design.levels import Level
-from wmspec.lang.check.ir.ir import Choices, Factor, Interval, Normal
 from wmspec.dataset.build.baselines import Baselines
 from wmspec.dataset.build.files import EXAMPLES
 from wmspec.dataset.build.manifest import Summary, TaskSummary
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.rows import COLUMNS, channels
+from wmspec.lang.check.ir.ir import Choices, Factor, Interval, Normal
 
 #: The configuration that has the questions of all tasks, and the columns that all of them have.
 ALL = "all"

@@ -14,11 +14,11 @@ from pathlib import Path
 
 import pyarrow as pa
 
-from wmspec.runtime.questions.model import PASSING, Rejected
 from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import Plan, Shard
 from wmspec.dataset.build.rows import schema, table
 from wmspec.dataset.build.worker import Outcome
+from wmspec.runtime.questions.model import PASSING, Rejected
 
 _SUFFIX = ".instance"
 

@@ -14,7 +14,6 @@ from typing import Any
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.safe_io import read_plain
-from wmspec.runtime.questions.model import Rejected
 from wmspec.dataset.build import checkpoint, files
 from wmspec.dataset.build.baselines import Baselines, baselines
 from wmspec.dataset.build.card import bibtex, card
@@ -27,6 +26,7 @@ from wmspec.dataset.build.rebuild import rebuilt
 from wmspec.dataset.build.rows import Row
 from wmspec.dataset.build.shards import Record, read_outcomes, read_records, sidecar, write_record, write_shard
 from wmspec.dataset.build.worker import Outcome
+from wmspec.runtime.questions.model import Rejected
 
 _OURS = ("data", files.EXAMPLES, files.MANIFEST, files.CARD, files.CROISSANT)
 _SHARD = re.compile(r"test-\d{5}-of-\d{5}\.parquet")

@@ -8,8 +8,6 @@ from contextlib import closing
 from dataclasses import dataclass
 from time import perf_counter
 
-from wmspec.runtime.questions.model import Rejected
-from wmspec.runtime.workers.pool import Effort, Lost, in_order
 from wmspec.dataset.build.generate import job_of, nothing
 from wmspec.dataset.build.manifest import by_reason
 from wmspec.dataset.build.plan import Plan, Task
@@ -17,6 +15,8 @@ from wmspec.dataset.build.rows import schema, table
 from wmspec.dataset.build.shards import parquet
 from wmspec.dataset.build.units import Piece, units, weight
 from wmspec.dataset.build.worker import Balance, Job, Outcome, work
+from wmspec.runtime.questions.model import Rejected
+from wmspec.runtime.workers.pool import Effort, Lost, in_order
 
 #: Of a task so many units are tried: what an instance costs may hang on what they differ in, such as how many things.
 UNITS = 6

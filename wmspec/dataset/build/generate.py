@@ -12,16 +12,16 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from itertools import groupby
 
-from wmspec.lang.check.ir.ir import TaskSpec
-from wmspec.lang.check.ir.record import to_json
-from wmspec.runtime.questions.model import Rejected
-from wmspec.runtime.workers.pool import Effort, Lost, by_units
 from wmspec.dataset.build.checkpoint import passing
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.plan import Plan, Shard
 from wmspec.dataset.build.reuse import Before
 from wmspec.dataset.build.units import Piece, units, weight
 from wmspec.dataset.build.worker import Balance, Job, Outcome, Sharing, work
+from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.ir.record import to_json
+from wmspec.runtime.questions.model import Rejected
+from wmspec.runtime.workers.pool import Effort, Lost, by_units
 
 
 @dataclass(frozen=True)

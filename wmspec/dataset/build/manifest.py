@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from wmspec.runtime.questions.model import Rejected
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.shards import Record
 from wmspec.dataset.build.worker import Balance, Sharing
+from wmspec.runtime.questions.model import Rejected
 
 #: Of how many reasons an example is told.
 REASONS = 3

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 from PIL import Image, ImageDraw
 
+from wmspec.dataset.build.typeset import font
 from wmspec.sim.scene.model import Array, Frame, Scene, Shot, Trace
 from wmspec.sim.scene.render.camera import project, seeing
-from wmspec.dataset.build.typeset import font
 
 FINE = 3
 """Lines are drawn so many times larger, for smooth edges."""

@@ -10,11 +10,11 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from wmspec.dataset.build.pictures import lossless, png
 from wmspec.lang.check.ir.ir import Choices, Factor, TaskSpec
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import Change, Picture, QuestionRow, Sighting, Strength, Vote
 from wmspec.runtime.questions.views import channels_of
-from wmspec.dataset.build.pictures import lossless, png
 
 Row = dict[str, Any]
 

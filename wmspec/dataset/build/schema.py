@@ -11,9 +11,9 @@ import pyarrow as pa
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
 from wmspec.core.safe_io import is_name
-from wmspec.runtime.questions.consensus import Consensus
 from wmspec.dataset.build.pictures import form
 from wmspec.dataset.build.rows import COLUMNS, Row
+from wmspec.runtime.questions.consensus import Consensus
 
 #: Where a shard lies: its task is a name, and so it is in the folder.
 SHARD = re.compile(r"data/(\w[\w.-]{0,99})/test-\d{5}-of-\d{5}\.parquet")

@@ -15,11 +15,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.core.safe_io import read_plain
-from wmspec.runtime.questions.model import Rejected
 from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import Plan, Shard
 from wmspec.dataset.build.rows import Row, identity, schema, table
 from wmspec.dataset.build.worker import Outcome
+from wmspec.runtime.questions.model import Rejected
 
 #: Rows read together: few, because a reader who wants one row decodes the pictures of all.
 ROW_GROUP = 16

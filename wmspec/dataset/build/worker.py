@@ -7,6 +7,7 @@ from dataclasses import astuple, dataclass, field, replace
 from functools import cache, lru_cache, partial
 
 from wmspec.compile.design.design import Design
+from wmspec.dataset.build.rows import Row, encode
 from wmspec.lang.check.ir.record import from_json
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.caches.scene_cache import SceneCache
@@ -18,7 +19,6 @@ from wmspec.runtime.questions.consensus import Consensus, consensus
 from wmspec.runtime.questions.model import QuestionRow, Rejected
 from wmspec.runtime.questions.runs import EnginePair
 from wmspec.sim.scene.model import Look
-from wmspec.dataset.build.rows import Row, encode
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,49 @@
+"""Makes an environment that has wmspec from a wheel, for the tests: python -m tools.installed [FOLDER].
+
+What wmspec depends on is seen in the environment that runs this. Of the checkout only the packages that are never
+shipped can be imported: `wmspec` and `backends` of the checkout cannot, so a test fails if the wheel lacks something.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import sysconfig
+import venv
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+FOLDER = ROOT / "build/installed"
+#: The packages of a checkout that tests import and no wheel has.
+UNSHIPPED = ("tests", "tools", "benchmarks")
+
+
+def main(folder: Path = FOLDER) -> None:
+    """Builds the wheel of this checkout and makes the environment in a folder, which is replaced."""
+    site = environment(folder, build(ROOT, "wheel", folder.with_name(f"{folder.name}-wheel")))
+    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    for name in UNSHIPPED:
+        (site / name).mkdir()
+        (site / name / "__init__.py").write_text(f"__path__ = [{str(ROOT / name)!r}]\n")
+
+
+def build(source: Path, target: str, into: Path) -> Path:
+    """The archive ("wheel" or "sdist") of a source tree, built into a folder, which is replaced."""
+    shutil.rmtree(into, ignore_errors=True)
+    hatchling = [sys.executable, "-m", "hatchling", "build", "-t", target, "-d", into]
+    subprocess.run(hatchling, cwd=source, check=True, stdout=subprocess.DEVNULL)
+    (archive,) = into.glob("*.tar.gz" if target == "sdist" else "*.whl")
+    return archive
+
+
+def environment(folder: Path, wheel: Path) -> Path:
+    """Makes an environment with a wheel and nothing else. Returns its site-packages."""
+    venv.create(folder, clear=True, symlinks=True)
+    pip = [sys.executable, "-m", "pip", "--python", folder / "bin/python"]
+    subprocess.run([*pip, "install", "--quiet", "--no-deps", "--no-index", wheel], check=True)
+    return next(folder.glob("lib/python*/site-packages"))
+
+
+if __name__ == "__main__":
+    main(*map(Path, sys.argv[1:]))
