@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import wmspec
 from wmspec.backends.mujoco import render
 from wmspec.backends.mujoco.backdrop import REMEMBERED
-from wmspec.backends.mujoco.cast import Cast
+from wmspec.backends.mujoco.body_subset import Cast
 from wmspec.backends.mujoco.render import Renderer
 from wmspec.core.memoize import LRU
 from wmspec.core.resources import resource
