@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.core.safe_io import picture
 from wmspec.core.memoize import LRU
+from wmspec.core.safe_io import picture
 
 #: What pictures of a dataset may be, as Pillow calls them.
 PNG, WEBP = "PNG", "WEBP"
