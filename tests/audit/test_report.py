@@ -20,7 +20,7 @@ class Page(HTMLParser):
         self.loads: list[str] = []
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.loads += [v or "" for k, v in attrs if k in ("src", "href")]
+        self.loads += [v or "" for k, v in attrs if k in ("src", "href") and v != "data:,"]
         if tag not in ("meta", "br", "link"):
             self.open.append(tag)
 

@@ -126,7 +126,7 @@ def test_links_of_the_page_lead_to_files(folder: Path) -> None:
     class Links(HTMLParser):
         def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
             href = dict(attrs).get("href")
-            if href and not href.startswith("#"):
+            if href and not href.startswith(("#", "data:")):
                 found.append(href)
 
     found: list[str] = []

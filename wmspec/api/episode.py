@@ -148,15 +148,15 @@ class Episode:
         views = self.views(camera)
         if len(views) == 1:
             return self.picture(*views[0], overlay=overlay, **drawing)
-        rows = []
-        for each in dict.fromkeys(camera for camera, _ in views):
-            shown = [
-                _captioned(f"{each}, {time:.3g} s", self.picture(each, time, overlay=overlay, **drawing))
+        rows = [
+            [
+                (f"{each}, {time:.3g} s", self.picture(each, time, overlay=overlay, **drawing))
                 for other, time in views
                 if other == each
             ]
-            rows.append(typeset.beside(shown, 8))
-        return typeset.padded(typeset.above(rows, 12), 12)
+            for each in dict.fromkeys(camera for camera, _ in views)
+        ]
+        return typeset.grid(rows, _caption, 8)
 
     def film(
         self,
@@ -262,5 +262,5 @@ def executor(engine: str) -> TraceCache:
     return TraceCache(engine)
 
 
-def _captioned(caption: str, picture: Image.Image) -> Image.Image:
-    return typeset.above([typeset.paragraph(caption, typeset.Style(15), picture.width), picture], 2)
+def _caption(text: str, width: int) -> Image.Image:
+    return typeset.paragraph(text, typeset.Style(15), width)

@@ -36,7 +36,7 @@ def report_command(results: tuple[Path, ...], dataset: Path | None, output: Path
     """
     # Before NumPy starts: the same sums must come out on any number of cores.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    lacking = [name for name in ("pandas", "matplotlib", "statsmodels", "jinja2") if find_spec(name) is None]
+    lacking = [name for name in ("pandas", "matplotlib", "statsmodels") if find_spec(name) is None]
     if lacking:
         raise WmsError(f"a report needs {', '.join(lacking)}; install it with: pip install 'wmspec[report]'")
     from wmspec.eval.report.page import summary, warnings

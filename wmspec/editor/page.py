@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from importlib.resources import files
 from typing import Any
 
 from wmspec.core.diagnostics import Diagnostic, WmsError
-from wmspec.editor.sheet import Cell, Row
+from wmspec.dataset.build.webpage import webpage
+from wmspec.editor.examples import Cell, Row
 from wmspec.editor.watch import State, Watch, picture_name
 
 HOST = "127.0.0.1"
@@ -85,10 +85,7 @@ class _Handler(BaseHTTPRequestHandler):
 
 def page(name: str) -> str:
     """The page, for a spec of this name."""
-    from html import escape
-
-    text = (files("wmspec.editor") / "watch.html").read_text(encoding="utf-8")
-    return text.replace("{{ name }}", escape(name))
+    return webpage("wmspec.editor", name=name)
 
 
 def record(state: State) -> dict[str, object]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from wmspec.api.loading import diagnose_text
 from wmspec.api.task import Instance, Task
 from wmspec.core.diagnostics import WmsError
-from wmspec.editor import sheet
+from wmspec.editor import examples
 from wmspec.editor.document import Document
 from wmspec.lang.parse import syntax as s
 
@@ -25,8 +25,8 @@ class Preview:
         """A sheet (PNG) of what is observed of it, by the first engine that there is. For a process of its own."""
         from wmspec.runtime.engines.registry import default
 
-        sheet.changed()  # a library may have changed
-        return sheet.picture(text, path, self.task, self.index, default(), 256)
+        examples.changed()  # a library may have changed
+        return examples.picture(text, path, self.task, self.index, default(), 256)
 
 
 def pointed_at(document: Document, offset: int) -> Preview:

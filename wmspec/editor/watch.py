@@ -14,7 +14,7 @@ from wmspec.api.loading import diagnose_text
 from wmspec.api.task import Task
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError
 from wmspec.core.places import Source
-from wmspec.editor import sheet
+from wmspec.editor import examples
 from wmspec.lang.parse.load import load_source, read_source, shown
 from wmspec.runtime.workers.pool import Helper, Lost
 
@@ -39,7 +39,7 @@ class State:
     phase: Literal["checking", "drawing", "done"] = "checking"
     diagnostics: tuple[Diagnostic, ...] = ()
     tasks: tuple[tuple[str, int], ...] = ()
-    rows: tuple[sheet.Row, ...] = ()
+    rows: tuple[examples.Row, ...] = ()
     stale: bool = False
     trouble: str = ""
 
@@ -52,7 +52,7 @@ class Watch:
     drawing: Drawing
     state: State = field(default_factory=State)
     stopped: Event = field(default_factory=Event)
-    _before: tuple[sheet.Row, ...] = ()
+    _before: tuple[examples.Row, ...] = ()
     _news: Condition = field(default_factory=Condition)
 
     def run(self) -> None:
@@ -122,16 +122,16 @@ class Watch:
         self, helper: Helper, text: str, tasks: tuple[Task, ...], told: State, contents: dict[Path, bytes]
     ) -> None:
         """Draw instance by instance; a newer text ends it."""
-        rows: tuple[sheet.Row, ...] = ()
-        helper.do(sheet.changed)
+        rows: tuple[examples.Row, ...] = ()
+        helper.do(examples.changed)
         for task, index in _chosen(tasks, self.drawing.instances):
             if self.stopped.is_set() or _contents((self.path,)) != {self.path: contents[self.path]}:
                 return
             row = helper.do(
-                sheet.draw, text, self.path.resolve(), task.name, index, self.drawing.engine, self.drawing.size
+                examples.draw, text, self.path.resolve(), task.name, index, self.drawing.engine, self.drawing.size
             )
             if isinstance(row, Lost):
-                row = sheet.Row(task.name, index, str(task[index]), (sheet.Asked("", rejected=row.reason),))
+                row = examples.Row(task.name, index, str(task[index]), (examples.Asked("", rejected=row.reason),))
             rows = (*rows, row)
             self._say(replace(told, rows=rows, stale=False))
         self._say(replace(told, phase="done", rows=rows, stale=False))
@@ -149,7 +149,7 @@ def _chosen(tasks: tuple[Task, ...], count: int) -> Iterator[tuple[Task, int]]:
             yield task, instance
 
 
-def _cells(rows: tuple[sheet.Row, ...]) -> Iterator[sheet.Cell]:
+def _cells(rows: tuple[examples.Row, ...]) -> Iterator[examples.Cell]:
     for row in rows:
         for asked in row.asked:
             yield from (*asked.shown, *asked.options)

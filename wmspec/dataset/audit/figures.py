@@ -1,9 +1,9 @@
-"""The figures of the report, as SVG that takes its colours from the page."""
+"""The figures of the report: marks that the page draws as SVG in its own colours."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from html import escape
+from dataclasses import dataclass
 
 from wmspec.dataset.audit.model import Counts, Probe, Spread, Test
 from wmspec.dataset.audit.probes import verdict
@@ -12,7 +12,29 @@ from wmspec.dataset.audit.probes import verdict
 WIDTH, WORDS, LINE = 720, 210, 24
 
 
-def probes(shown: Sequence[Probe]) -> str:
+@dataclass(frozen=True)
+class Mark:
+    """An SVG element: its tag, class and attributes, its text, and the title that it shows when it is pointed at."""
+
+    tag: str
+    kind: str
+    at: dict[str, str]
+    text: str = ""
+    meaning: str = ""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Marks with what they say in words, `height` px high; the legend has the class and name of each kind of mark."""
+
+    title: str
+    marks: tuple[Mark, ...]
+    height: int
+    legend: tuple[tuple[str, str], ...] = ()
+    width: int = WIDTH
+
+
+def probes(shown: Sequence[Probe]) -> Figure:
     """Accuracies with their intervals; a line at what chance yields each."""
     parts = []
     for i, probe in enumerate(shown):
@@ -22,7 +44,7 @@ def probes(shown: Sequence[Probe]) -> str:
             _line("chance", _x(probe.chance), y - LINE / 2, _x(probe.chance), y + LINE / 2),
             _text(probe.sees, WORDS - 12, y, "end"),
             _line(f"whisker {kind}", _x(probe.low), y, _x(probe.high), y),
-            f'<circle class="dot {kind}" cx="{_x(probe.accuracy):.1f}" cy="{y:.1f}" r="4.5"/>',
+            _mark("circle", f"dot {kind}", cx=_x(probe.accuracy), cy=y, r=4.5),
             _text(f"{probe.accuracy:.0%}", WIDTH - 4, y, "end"),
         ]
     parts += [_text(f"{v:.0%}", _x(v), LINE * len(shown) + 12, "middle", "tick") for v in (0, 0.25, 0.5, 0.75, 1)]
@@ -34,7 +56,7 @@ def _x(share: float) -> float:
     return WORDS + (WIDTH - WORDS - 60) * share
 
 
-def rejected(counts: Sequence[Counts]) -> str:
+def rejected(counts: Sequence[Counts]) -> Figure:
     """Of every task's questions, the share that was kept and the shares that were rejected, by reason."""
     reasons = sorted({reason for c in counts for reason in c.rejected})
     parts = []
@@ -48,16 +70,11 @@ def rejected(counts: Sequence[Counts]) -> str:
             parts.append(_rect(kind, left, y + 4, wide, LINE - 8, f"{count.task}: {number:,} {name}"))
             left += wide
         parts.append(_text(f"{count.kept / max(1, count.asked):.0%}", WIDTH - 4, y + LINE / 2, "end"))
-    return _figure("The share of questions kept, and rejected by reason", parts, LINE * len(counts)) + _legend(reasons)
-
-
-def _legend(reasons: Sequence[str]) -> str:
     keys = [("kept", "kept"), *((f"lost{i % 6}", reason) for i, reason in enumerate(reasons))]
-    shown = " ".join(f'<span class="key"><i class="{kind}"></i>{escape(name)}</span>' for kind, name in keys)
-    return f'<p class="legend">{shown}</p>'
+    return _figure("The share of questions kept, and rejected by reason", parts, LINE * len(counts), keys)
 
 
-def shares(test: Test) -> str:
+def shares(test: Test) -> Figure:
     """How often each value is the true one, or in the true place."""
     (counts,) = test.counts
     total, most = sum(counts), max(counts)
@@ -73,7 +90,7 @@ def shares(test: Test) -> str:
     return _figure(f"How often each {test.first} occurs", parts, LINE * len(counts))
 
 
-def spread(values: Spread) -> str:
+def spread(values: Spread) -> Figure:
     """A quantity's least, quarter, middle, three quarters and most."""
     low, quarter, middle, three, high = values.quantiles
     unit = values.unit
@@ -97,19 +114,23 @@ def spread(values: Spread) -> str:
 # ---------------------------------------------------------------- pieces
 
 
-def _figure(title: str, parts: Iterable[str], height: float) -> str:
-    return f'<svg viewBox="0 0 {WIDTH} {height:.0f}" role="img" aria-label="{escape(title)}">{"".join(parts)}</svg>'
+def _figure(title: str, marks: Iterable[Mark], height: float, legend: Iterable[tuple[str, str]] = ()) -> Figure:
+    return Figure(title, tuple(marks), round(height), tuple(legend))
 
 
-def _text(text: str, x: float, y: float, anchor: str, kind: str = "label") -> str:
+def _text(text: str, x: float, y: float, anchor: str, kind: str = "label") -> Mark:
     shown = text if len(text) <= 30 else f"{text[:29]}…"
-    return f'<text class="{kind}" x="{x:.1f}" y="{y:.1f}" dy=".35em" text-anchor="{anchor}">{escape(shown)}</text>'
+    return _mark("text", kind, shown, x=x, y=y, dy=".35em", text_anchor=anchor)
 
 
-def _rect(kind: str, x: float, y: float, wide: float, high: float, meaning: str = "") -> str:
-    title = f"<title>{escape(meaning)}</title>" if meaning else ""
-    return f'<rect class="{kind}" x="{x:.1f}" y="{y:.1f}" width="{wide:.1f}" height="{high:.1f}">{title}</rect>'
+def _rect(kind: str, x: float, y: float, wide: float, high: float, meaning: str = "") -> Mark:
+    return _mark("rect", kind, meaning=meaning, x=x, y=y, width=wide, height=high)
 
 
-def _line(kind: str, x1: float, y1: float, x2: float, y2: float) -> str:
-    return f'<line class="{kind}" x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}"/>'
+def _line(kind: str, x1: float, y1: float, x2: float, y2: float) -> Mark:
+    return _mark("line", kind, x1=x1, y1=y1, x2=x2, y2=y2)
+
+
+def _mark(tag: str, kind: str, text: str = "", meaning: str = "", **at: float | str) -> Mark:
+    values = {k.replace("_", "-"): v if isinstance(v, str) else f"{v:.1f}" for k, v in at.items()}
+    return Mark(tag, kind, values, text, meaning)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -121,6 +121,14 @@ def padded(part: Picture, margin: int) -> Picture:
     paper = blank(part.width + 2 * margin, part.height + 2 * margin)
     paper.paste(part, (margin, margin))
     return paper
+
+
+def grid(
+    rows: Iterable[Sequence[tuple[str, Picture]]], label: Callable[[str, int], Picture], gap: int, margin: int = 12
+) -> Picture:
+    """Rows of pictures, each under its label, which `label` draws from its text and the width (px) of the picture."""
+    lines = [beside([above([label(text, picture.width), picture]) for text, picture in row], gap) for row in rows]
+    return padded(above(lines, 2 * gap), margin)
 
 
 def framed(part: Picture, color: str, thickness: int, room: int) -> Picture:

@@ -91,4 +91,4 @@ def _light(question: Record) -> Record:
 
 def html(content: dict[str, Any]) -> str:
     """The page with its data."""
-    return webpage("wmspec.eval.gallery", content, scripts_beside=True)
+    return webpage("wmspec.eval.gallery", data=content, scripts_beside=True)

@@ -19,18 +19,17 @@ RATE = 2.0
 
 def montage(rows: Sequence[Sequence[tuple[str, bytes]]]) -> bytes:
     """Rows of pictures (PNG), each under its label, on one sheet (PNG) at their own size."""
-    pieces = [typeset.beside([_labelled(*each) for each in row], _GAP) for row in rows if row]
     out = io.BytesIO()
-    typeset.padded(typeset.above(pieces, 2 * _GAP), _MARGIN).save(out, "PNG", compress_level=1)
+    drawn = [[(label, opened(png)) for label, png in row] for row in rows if row]
+    typeset.grid(drawn, _label, _GAP, _MARGIN).save(out, "PNG", compress_level=1)
     return out.getvalue()
 
 
-def _labelled(label: str, png: bytes) -> Image.Image:
+def _label(text: str, width: int) -> Image.Image:
     """In the face that comes with Pillow: the sheet is the same whatever fonts a machine has."""
-    picture = opened(png)
-    paper = typeset.blank(picture.width, round(1.2 * _LABEL))
-    ImageDraw.Draw(paper).text((0, 0), label, fill=typeset.BLACK, font=ImageFont.load_default(_LABEL))
-    return typeset.above([paper, picture])
+    paper = typeset.blank(width, round(1.2 * _LABEL))
+    ImageDraw.Draw(paper).text((0, 0), text, fill=typeset.BLACK, font=ImageFont.load_default(_LABEL))
+    return paper
 
 
 def clip(pictures: Sequence[bytes]) -> bytes:

@@ -35,7 +35,7 @@ def html(study: Study, folder: Path, served: bool) -> str:
     Raises WmsError if one of its texts cannot be read.
     """
     texts = {name: _read(folder / TEXTS / f"{name}.txt") for name, _ in _texts(study)}
-    return webpage("wmspec.eval.study", study.public() | {"served": served, "texts": texts})
+    return webpage("wmspec.eval.study", data=study.public() | {"served": served, "texts": texts})
 
 
 def unfinished(folder: Path) -> list[Path]:
