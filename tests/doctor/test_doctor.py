@@ -90,7 +90,7 @@ def test_an_engine_that_is_not_installed(tmp_path: Path) -> None:
                 if not entry.name.startswith("sapien") and not (tmp_path / entry.name).exists():
                     (tmp_path / entry.name).symlink_to(entry)
     code = (
-        "from wmspec.runtime import doctor; doctor.names, doctor._photo = lambda: ('sapien',), lambda *_: []\n"
+        "from wmspec.runtime.doctor import doctor; doctor.names, doctor._photo = lambda: ('sapien',), lambda *_: []\n"
         "from wmspec.cli import main; main(['doctor', '--json'])"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(Path(wmspec.__file__).parents[1])])}

@@ -77,7 +77,7 @@ def test_what_is_clear_of_something_does_not_touch_it(told: str, other: str) -> 
     installed("mujoco")
     import mujoco
 
-    from wmspec.backends.mujoco.beside import beside
+    from wmspec.backends.mujoco.clearance import beside
 
     rng, clear, steps = np.random.default_rng(0), 0, 200
     model = mujoco.MjModel.from_xml_string(TWO.format(told, other))
