@@ -23,6 +23,8 @@ def main(folder: Path = FOLDER) -> None:
     """Builds the wheel of this checkout and makes the environment in a folder, which is replaced."""
     site = environment(folder, build(ROOT, "wheel", folder.with_name(f"{folder.name}-wheel")))
     (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    if (share := Path(sys.prefix, "share")).is_dir():
+        (folder / "share").symlink_to(share)  # some of them keep data there
     for name in UNSHIPPED:
         (site / name).mkdir()
         (site / name / "__init__.py").write_text(f"__path__ = [{str(ROOT / name)!r}]\n")

@@ -8,6 +8,8 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
+import wmspec
+import wmspec.backends
 from tests.engines import ENGINES
 from wmspec.runtime.engines.registry import info
 
@@ -58,3 +60,9 @@ def test_backends_are_imported_by_the_name_that_they_have_when_installed() -> No
     folders = ("wmspec", "backends", "tests", "tools", "benchmarks", "conformance", "docs")
     files = [path for folder in folders for kind in ("*.py", "*.md") for path in (ROOT / folder).rglob(kind)]
     assert not {str(path): found for path in files if (found := absolute.findall(path.read_text("utf-8")))}
+
+
+def test_what_tests_start_imports_the_wmspec_that_they_import() -> None:
+    code = "import wmspec.backends; print(wmspec.__file__, wmspec.backends.__file__)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [wmspec.__file__, wmspec.backends.__file__]

@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+import wmspec as package
 from tests.engines import ENGINES, installed
 
 HERE = Path(__file__).parent
+HOME = Path(package.__file__).parents[1]
 FLIGHT = HERE / "flight.wms"
 MEETING = HERE.parent / "crosscheck/race.wms"
 
@@ -23,7 +25,7 @@ class Wmspec:
     """The command line where the toy engine is installed."""
 
     def __init__(self, site: Path) -> None:
-        self.environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(site), str(HERE.parents[1])])}
+        self.environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(site), str(HOME)])}
 
     def __call__(self, *arguments: str | Path, code: int = 0) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-m", "wmspec", *map(str, arguments)]
