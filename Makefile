@@ -5,7 +5,7 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/vision/shape_room.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: sbom help setup browser inspect demo quick lowest installed test test-all check format docs oracles agreement clean
+.PHONY: dist sbom help setup browser inspect demo quick lowest installed test test-all coverage generate check format docs conformance oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
@@ -17,9 +17,13 @@ help:
 	@echo "make test      that and all tests but the slow ones, on an installed wheel"
 	@echo "make test-all  the same with the slow tests"
 	@echo "make inspect   Inspect in an environment of its own, for the slow tests of exports"
+	@echo "make coverage  the lines and branches that the tests of make test run, in out/coverage"
+	@echo "make generate  everything that is made from the code: tables, grammars, schema, licences"
 	@echo "make format    rewrite the sources in the house style"
 	@echo "make sbom      a bill of materials of what is installed (CycloneDX), in out/sbom.json"
+	@echo "make dist      wheels and source archives of the distributions, in dist"
 	@echo "make docs      the documentation as a site, in out/site"
+	@echo "make conformance every engine on the cases of usdphysics-conformance, into docs/benchmarks/conformance.md"
 	@echo "make oracles   every engine against analytic answers, into docs/oracles.md"
 	@echo "make agreement 200 instances of every task in every engine, into docs/crosscheck.md"
 	@echo "make clean     remove what was made, except .venv"
@@ -47,8 +51,9 @@ check: setup
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
+	cd conformance && ../$(BIN)/deptry .
 
-QUICK := -n auto --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
+QUICK := -n auto --dist loadgroup --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
 
 quick: setup
 	$(BIN)/pytest $(QUICK)
@@ -56,12 +61,12 @@ quick: setup
 lowest: setup
 	$(BIN)/python -m venv --clear build/lowest
 	$(BIN)/python -m tools.supply lowest > build/lowest/lowest.txt
-	build/lowest/bin/pip install --quiet -r build/lowest/lowest.txt hypothesis pytest pytest-timeout pytest-xdist usd-validation-nvidia
-	build/lowest/bin/pip install --quiet --no-deps -e .
+	build/lowest/bin/pip install --quiet -r build/lowest/lowest.txt filelock hypothesis pytest pytest-timeout pytest-xdist usd-validation-nvidia
+	build/lowest/bin/pip install --quiet --no-deps -e . -e ./conformance
 	build/lowest/bin/pytest $(QUICK)
 
 # The tests of the checkout, run on an installed wheel: what only a checkout can do fails here.
-TEST := PYTHONSAFEPATH=1 build/installed/bin/python -m pytest --installed -n auto
+TEST := PYTHONSAFEPATH=1 build/installed/bin/python -m pytest --installed -n auto --dist loadgroup --durations=50
 
 installed: setup
 	$(BIN)/python -m tools.installed
@@ -70,7 +75,21 @@ test: check browser installed
 	$(TEST)
 
 test-all: check browser inspect installed
-	$(TEST) -m ""
+	$(TEST) -m "" --hypothesis-profile long
+
+# Tracing more than doubles the time of Python code, so it is no part of `make test`.
+coverage: browser
+	@mkdir -p out
+	$(BIN)/pytest -n auto --dist loadgroup --cov --cov-report=html --cov-report=term:skip-covered
+
+generate: setup
+	$(BIN)/python tools/reference.py
+	$(BIN)/python tools/grammars.py
+	$(BIN)/python tools/capabilities.py
+	$(BIN)/python tools/looks.py
+	@mkdir -p out
+	$(BIN)/wmspec schema > out/generated && mv out/generated docs/schema.json
+	$(BIN)/python -m tools.supply licences > out/generated && mv out/generated docs/licences.md
 
 format: setup
 	$(BIN)/ruff check --fix .
@@ -81,9 +100,19 @@ sbom: setup
 	$(BIN)/python -m tools.supply sbom > out/sbom.json
 	@echo "The bill of materials: $(CURDIR)/out/sbom.json"
 
+dist: setup
+	rm -rf dist
+	$(BIN)/python -m hatchling build -d dist/wmspec
+	cd conformance && ../$(BIN)/python -m hatchling build -d ../dist/usdphysics-conformance
+
 docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	@echo "The site: $(CURDIR)/out/site/index.html"
+
+conformance: setup
+	@mkdir -p out
+	-$(BIN)/wmspec conformance --json > out/conformance.json
+	$(BIN)/python -m tools.conformance out/conformance.json
 
 oracles: setup
 	$(BIN)/python -m tools.oracles

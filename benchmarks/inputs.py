@@ -20,7 +20,7 @@ from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source, Span
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.codes import CODES
-from wmspec.lang.parse.load import library_folder
+from wmspec.lang.parse.files import library_folder
 from wmspec.lang.parse.pages import page
 from wmspec.lang.parse.parser import parse, words
 from wmspec.lang.parse.tables import grammar, lark_parser

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
@@ -13,16 +14,23 @@ from hypothesis import settings
 import wmspec
 from tests.browser import browser
 from tests.engines import ENGINES
+from tests.shared import shared
 from wmspec.runtime.engines.registry import default
 
-__all__ = ["browser"]  # here alone: a process has one browser, however many folders look at pages
+__all__ = ["browser", "shared"]  # here alone: a process has one of each, however many folders use it
 
 # Time limits belong in benchmarks: a loaded machine must not fail a law. In CI the same examples are tried every time.
 settings.register_profile("wmspec", deadline=None, derandomize=bool(os.environ.get("CI")))
+settings.register_profile("long", settings.get_profile("wmspec"))
 settings.load_profile("wmspec")
 
 # Datasets say when they were published: in tests, always on the same day.
 os.environ.setdefault("SOURCE_DATE_EPOCH", "1767225600")
+
+# What tests check is cached apart from what the user checks; workers of one run share it.
+if "WMSPEC_CACHE_DIR" not in os.environ:
+    _cache = tempfile.TemporaryDirectory(prefix="wmspec-cache-")
+    os.environ["WMSPEC_CACHE_DIR"] = _cache.name
 
 HERE = Path(__file__).parent
 NEEDS = {
@@ -59,14 +67,25 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     for item in items:
-        for need in NEEDS.get(item.path.relative_to(HERE).parts[0], ()):
-            item.add_marker(need)
+        if group := _sharing(item):
+            item.add_marker(pytest.mark.xdist_group(group))
+        if item.path.is_relative_to(HERE):
+            for need in NEEDS.get(item.path.relative_to(HERE).parts[0], ()):
+                item.add_marker(need)
         if "browser" in getattr(item, "fixturenames", ()):
             item.add_marker("browser")
     if config.getoption("--one-engine"):
         one = {default()}
         config.hook.pytest_deselected(items=[item for item in items if _engines(item) - one])
         items[:] = [item for item in items if not _engines(item) - one]
+
+
+def _sharing(item: pytest.Item) -> str:
+    """The folder or file whose tests share a fixture of this one: a single process makes it (`--dist loadgroup`)."""
+    known = getattr(item, "_fixtureinfo", None)
+    fixtures = [each[-1] for each in known.name2fixturedefs.values()] if known else []
+    places = {fixture.baseid for fixture in fixtures if fixture.scope in ("module", "session")}
+    return min(places - {"", "tests"}, key=len, default="")
 
 
 def _engines(item: pytest.Item) -> set[str]:

@@ -1,51 +1,44 @@
-"""The score card of docs/conformance.md, from what `wmspec conform --json` printed.
+"""Writes docs/benchmarks/conformance.md from what `wmspec conformance --json` printed.
 
-python -m tools.conformance SCORES.json...
+python -m tools.conformance SCORES.json... [ENGINE=VERSION]...
+
+Versions are given for engines that are no backends of wmspec, and were scored by `usdphysics-conformance score --json`.
 """
 
 from __future__ import annotations
 
 import json
 import sys
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
-from tools.reference import table
+from usdphysics_conformance import __version__, score_card
+from wmspec.runtime.engines.registry import version_of
 
-PAGE = Path(__file__).parent.parent / "docs/conformance.md"
-START, STOP = "<!-- scores -->\n", "<!-- /scores -->\n"
+PAGE = Path(__file__).parent.parent / "docs/benchmarks/conformance.md"
 
+TEXT = """# Conformance: scores
 
-def cell(score: dict[str, Any]) -> str:
-    """What was measured, in bold where it is too far off."""
-    if score["measured"] is None:
-        return "—"
-    text = f"{score['measured']:.4g}"
-    return text if score["passed"] else f"**{text}**"
+Generated on {date} by `{command}`: usdphysics-conformance {version}, {engines}.
 
+Bold: out of tolerance. A dash: the case was not executed. [Conformance](../conformance.md) explains the cases.
 
-def card(scores: list[dict[str, Any]]) -> list[str]:
-    """The table: a row for each measure, a column for each engine."""
-    engines = list(dict.fromkeys(score["engine"] for score in scores))
-    rows: dict[tuple[str, str], dict[str, dict[str, Any]]] = {}
-    for score in scores:
-        rows.setdefault((score["case"], score["measure"]), {})[score["engine"]] = score
-    head = ("case", "what", "answer", "within", "unit", *engines)
-    made = []
-    for (case, what), row in rows.items():
-        one = next(iter(row.values()))
-        about = (f"`{case}`", what, f"{one['answer']:.4g}", f"{one['tolerance']:.3g}", one["unit"])
-        made.append((*about, *(cell(row[engine]) if engine in row else "" for engine in engines)))
-    passed = [sum(score["passed"] for score in scores if score["engine"] == engine) for engine in engines]
-    total = ("", "within the tolerance", str(len(rows)), "", "", *map(str, passed))
-    return list(table(head, iter([*made, total])))
+{card}"""
 
 
 def main() -> None:
     """Rewrite the page."""
-    scores = [score for path in sys.argv[1:] for score in json.loads(Path(path).read_text())]
-    before, start, rest = PAGE.read_text().partition(START)
-    PAGE.write_text(before + start + "\n" + "\n".join(card(scores)) + "\n\n" + STOP + rest.partition(STOP)[2])
+    files = [argument for argument in sys.argv[1:] if "=" not in argument]
+    versions = dict(argument.split("=") for argument in sys.argv[1:] if "=" in argument)
+    records = [record for file in files for record in json.loads(Path(file).read_text())]
+    engines = dict.fromkeys(record["engine"] for record in records)
+    named = ", ".join(f"{engine} {versions.get(engine) or version_of(engine)}" for engine in engines)
+    command = " ".join(["python -m tools.conformance", *sys.argv[1:]])
+    text = TEXT.format(
+        date=datetime.now(UTC).date(), command=command, version=__version__, engines=named, card=score_card(records)
+    )
+    PAGE.parent.mkdir(exist_ok=True)
+    PAGE.write_text(text)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Makes an environment that has wmspec from a wheel, for the tests: python -m tools.installed [FOLDER].
+"""Makes an environment that has wmspec and usdphysics-conformance from wheels: python -m tools.installed [FOLDER].
 
 What wmspec depends on is seen in the environment that runs this. Of the checkout only the packages that are never
 shipped can be imported: `wmspec` and `backends` of the checkout cannot, so a test fails if the wheel lacks something.
@@ -20,8 +20,12 @@ UNSHIPPED = ("tests", "tools", "benchmarks")
 
 
 def main(folder: Path = FOLDER) -> None:
-    """Builds the wheel of this checkout and makes the environment in a folder, which is replaced."""
-    site = environment(folder, build(ROOT, "wheel", folder.with_name(f"{folder.name}-wheel")))
+    """Builds the wheels of this checkout and makes the environment in a folder, which is replaced."""
+    wheels = [
+        build(ROOT, "wheel", folder.with_name(f"{folder.name}-wheel")),
+        build(ROOT / "conformance", "wheel", folder.with_name(f"{folder.name}-conformance-wheel")),
+    ]
+    site = environment(folder, *wheels)
     (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
     if (share := Path(sys.prefix, "share")).is_dir():
         (folder / "share").symlink_to(share)  # some of them keep data there
@@ -39,11 +43,11 @@ def build(source: Path, target: str, into: Path) -> Path:
     return archive
 
 
-def environment(folder: Path, wheel: Path) -> Path:
-    """Makes an environment with a wheel and nothing else. Returns its site-packages."""
+def environment(folder: Path, *wheels: Path) -> Path:
+    """Makes an environment with wheels and nothing else. Returns its site-packages."""
     venv.create(folder, clear=True, symlinks=True)
     pip = [sys.executable, "-m", "pip", "--python", folder / "bin/python"]
-    subprocess.run([*pip, "install", "--quiet", "--no-deps", "--no-index", wheel], check=True)
+    subprocess.run([*pip, "install", "--quiet", "--no-deps", "--no-index", *wheels], check=True)
     return next(folder.glob("lib/python*/site-packages"))
 
 

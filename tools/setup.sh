@@ -155,8 +155,8 @@ set_up_packages() {
     local engine missing=()
     say "installing wmspec and its engines"
     : >"$LOG"
-    if ! pip_install --only-binary=pybullet -e '.[all,dev]'; then
-        pip_install -e '.[dev]' || { tail -5 "$LOG" >&2; complain "wmspec could not be installed; more in $LOG"; exit 1; }
+    if ! pip_install --only-binary=pybullet -e '.[engines,dev]' -e ./conformance; then
+        pip_install -e '.[dev]' -e ./conformance || { tail -5 "$LOG" >&2; complain "wmspec could not be installed; more in $LOG"; exit 1; }
         for engine in "${ENGINES[@]}"; do install_engine "$engine" || missing+=("$engine"); done
     fi
     if ((${#missing[@]})); then
@@ -164,7 +164,7 @@ set_up_packages() {
     fi
 }
 
-fingerprint() { { cat pyproject.toml tools/setup.sh; "$VENV/bin/python" --version; pwd; } 2>/dev/null | cksum; }
+fingerprint() { { cat pyproject.toml conformance/pyproject.toml tools/setup.sh; "$VENV/bin/python" --version; pwd; } 2>/dev/null | cksum; }
 
 main() {
     if [[ ${1:-} == --browser ]]; then

@@ -117,7 +117,7 @@ _HEAD = """\
 # Licences
 
 wmspec is under the MIT licence. This is what it needs, with all extras but `local` (models on this machine), each under
-the licence that it states. `python -m tools.supply licences` makes this page, and a test holds it. None of it is in
+the licence that it states. `make generate` makes this page, and a test holds it. None of it is in
 wmspec's own archives.
 """
 

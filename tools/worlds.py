@@ -31,7 +31,7 @@ from wmspec.core.diagnostics import Report
 from wmspec.dataset.build import typeset
 from wmspec.dataset.build.typeset import Style
 from wmspec.lang.check.statements.task import check
-from wmspec.lang.parse.load import library_folder, read_source
+from wmspec.lang.parse.files import library_folder, read_source
 from wmspec.lang.parse.parser import parse
 from wmspec.lang.parse.syntax import Template
 from wmspec.runtime.caches.render_cache import RenderCache

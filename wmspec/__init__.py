@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _ROOT = Path(__file__).parent
 if not (_ROOT / "grammar").is_dir():  # a checkout has these folders beside wmspec/, an installed wheel inside it

@@ -47,7 +47,7 @@ def test_what_is_public() -> None:
         assert public.__doc__, f"{name} says nothing of itself"
         assert name in dir(wmspec)
     with pytest.raises(AttributeError, match="lod"):
-        _ = wmspec.lod  # type: ignore[attr-defined]
+        _ = wmspec.lod
 
 
 def test_importing_it_imports_nothing_heavy() -> None:
@@ -233,7 +233,7 @@ def test_a_crosscheck_is_a_table() -> None:
     installed("pybullet")
     agreement = wmspec.crosscheck(wmspec.load(COLLIDE), sample=2, backend="mujoco,pybullet", workers=1)
     (line,) = agreement.lines
-    assert dataclasses.is_dataclass(line)
+    assert dataclasses.is_dataclass(type(line))
     assert (line.task, line.engines, line.episodes.all) == ("collide", ("mujoco", "pybullet"), 4 * 4)  # a group
     table = agreement.to_pandas()
     assert list(table["task"]) == ["collide"]

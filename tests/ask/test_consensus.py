@@ -25,7 +25,7 @@ def label(engine: str, answer: int) -> QuestionRow:
     return replace(
         asked("motion_speed", 1, engine),
         options=options,
-        answer=list(order).index(answer),
+        answer=[*map(int, order)].index(answer),
         value=names[answer],
         evidence=LabelAnswer(names[answer], tuple(names)),
         agreement=(),

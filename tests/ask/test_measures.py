@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from inspect import signature
 from pkgutil import resolve_name
+from typing import Any
 
 import numpy as np
 import pytest
@@ -40,7 +41,7 @@ def measured(
     turned: dict[str, np.ndarray] | None = None,
     contacts: tuple[Contact, ...] = (),
     bodies: tuple[Body, ...] | None = None,
-    **paths: np.ndarray,
+    **paths: Any,
 ) -> Measured:
     """What was observed of spheres of 5 cm radius (or of `bodies`) that take these paths."""
     made = bodies or tuple(body(name, Sphere(0.05), path[0]) for name, path in paths.items())
@@ -53,10 +54,10 @@ def measured(
     return Measured(Values(SPEC, {}), Observed(scene(*made, duration=2.0), trace, looks))
 
 
-def of(m: Measured, function: str, *arguments: object) -> object:
+def of(m: Measured, function: str, *arguments: Any) -> Any:
     """A function of names, numbers and lists of names."""
 
-    def expr(value: object) -> object:
+    def expr(value: Any) -> Any:
         return Items(items=tuple(map(expr, value))) if isinstance(value, list) else Value(value=value)
 
     return evaluate(Call(function=function, arguments=tuple(map(expr, arguments))), m)
@@ -240,7 +241,7 @@ def test_the_highest_point() -> None:
 
 
 def test_touches_and_their_order() -> None:
-    still = {name: straight(0, 0, 0) for name in "abcd"}
+    still: dict[str, Any] = {name: straight(0, 0, 0) for name in "abcd"}
     met = (Contact("a", "b", 0.5, 0.6), Contact("c", "a", 0.9, 1.2), Contact("a", "b", 1.5, 1.5))
     m = measured(contacts=met, **still)
     assert of(m, "contact_time", "a", "b") == 0.5
@@ -258,7 +259,8 @@ def test_touches_and_their_order() -> None:
 
 
 def test_what_touches_two_at_once_touches_neither_first() -> None:
-    m = measured(contacts=(Contact("a", "b", 0, 2), Contact("a", "c", 0, 1)), **{n: straight(0, 0, 0) for n in "abc"})
+    still: dict[str, Any] = {name: straight(0, 0, 0) for name in "abc"}
+    m = measured(contacts=(Contact("a", "b", 0, 2), Contact("a", "c", 0, 1)), **still)
     with pytest.raises(WmsError, match="at once"):
         of(m, "touches_first", "a", ["b", "c"])
 

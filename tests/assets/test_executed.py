@@ -8,6 +8,7 @@ from dataclasses import replace
 from importlib.util import find_spec
 from math import pi, radians, sqrt
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -96,7 +97,7 @@ def test_the_cabinet_of_the_page_as_a_user_runs_it(tmp_path: Path) -> None:
 
 def test_a_mesh_of_usd_falls_and_rests_as_the_cube_that_it_is(engine: str, tmp_path: Path) -> None:
     """In centimetres, y up, mirrored: it lands on its lower face and stays there."""
-    said = {"meters": 0.01, "up": "Y", "scale": (-3, 3, 3), "turn": -1}
+    said: dict[str, Any] = {"meters": 0.01, "up": "Y", "scale": (-3, 3, 3), "turn": -1}
     written(tmp_path, "mesh.usda", **said)
     written(tmp_path, "cube.usda", "Cube", form="double size = 2", **said)
     floor = "object floor_ { shape: plane  size: 4 m  at: (0, 0, 0)  fixed: true }"

@@ -12,6 +12,7 @@ import pytest
 from tests.assets.specs import HERE, named, scene, spec, tensor
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.scene.model.transform import rotation
+from wmspec.sim.shapes.capsule import Capsule
 
 mujoco = pytest.importorskip("mujoco")
 LINKS = ("boom", "trolley", "hook", "plate")
@@ -77,6 +78,7 @@ def test_shapes_are_those_of_mujoco(tmp_path: Path) -> None:
     boom = named(found, "crane_boom").geoms
     assert [g.collides for g in boom] == [True, True, False]
     assert [type(g.shape).__name__ for g in boom] == ["Capsule", "Box", "Sphere"]
-    assert boom[0].shape.height == pytest.approx(2 * model.geom_size[1][1], rel=1e-6)  # type: ignore[union-attr]
+    assert isinstance(boom[0].shape, Capsule)
+    assert boom[0].shape.height == pytest.approx(2 * model.geom_size[1][1], rel=1e-6)
     assert boom[0].friction.dynamic == pytest.approx(0.7)
     assert named(found, "crane").motion == "static"

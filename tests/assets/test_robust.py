@@ -8,10 +8,11 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.assets.specs import CABINET, HERE
+from tests.examples import examples
 from tests.work import calls
 from wmspec.compile.lint.dry_run import dry_run
 from wmspec.core.diagnostics import Report, WmsError
@@ -57,7 +58,7 @@ def told(folder: Path, content: bytes, name: str = "a.urdf") -> list[str]:
     return [d.code for d in report.diagnostics]
 
 
-@settings(max_examples=100, deadline=None)
+@examples(100, 1000)
 @given(data=st.data())
 def test_mutated_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     text = data.draw(st.sampled_from(TEXTS))
@@ -68,7 +69,7 @@ def test_mutated_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataO
     told(tmp_path_factory.getbasetemp(), text.encode(errors="replace"))
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60, 600)
 @given(data=st.data())
 def test_mutated_words_of_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     """Well formed, but names and numbers go astray."""
@@ -79,7 +80,7 @@ def test_mutated_words_of_assets(tmp_path_factory: pytest.TempPathFactory, data:
     told(tmp_path_factory.getbasetemp(), '"'.join(words).encode())
 
 
-@settings(max_examples=50, deadline=None)
+@examples(50, 500)
 @given(content=st.binary(max_size=200))
 def test_bytes(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
     assert "WMS210" in told(tmp_path_factory.getbasetemp(), content)
@@ -132,7 +133,7 @@ def test_other_specs_do_not_wait_for_what_reads_assets() -> None:
 STAGES = [(HERE / name).read_text() for name in ("balance.usda", "box.usda")]
 
 
-@settings(max_examples=40, deadline=None)
+@examples(20, 200)
 @given(data=st.data())
 def test_mutated_stages(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     """A new file for each, since USD remembers those that it has opened."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -81,14 +82,14 @@ PLACES = [
 
 @pytest.mark.parametrize("said", PLACES, ids=str)
 @pytest.mark.parametrize("left", [False, True])
-def test_a_cube_of_polygons_is_a_cube(tmp_path: Path, said: dict[str, object], left: bool) -> None:
+def test_a_cube_of_polygons_is_a_cube(tmp_path: Path, said: dict[str, Any], left: bool) -> None:
     """The same volume, mass, moments, place and rest, whichever way it is mirrored."""
     written(tmp_path, "mesh.usda", form=quads(left), **said)
     written(tmp_path, "cube.usda", "Cube", form="double size = 2", **said)
     for where in ("at: (0, 0, 0)", "on: floor_ at (0, 0)  yaw: 40 deg"):
         one, other = (body(tmp_path, f'object a {{ file: "{n}.usda"  {where} }}') for n in ("mesh", "cube"))
         assert isinstance(other.geoms[0].shape, Box)
-        size = float(said["meters"])  # type: ignore[arg-type]
+        size = float(said["meters"])
         assert solid(one).volume == pytest.approx(other.geoms[0].shape.volume, rel=1e-5)
         np.testing.assert_allclose(upright(one.geoms, one.pose), upright(other.geoms, other.pose), atol=1e-5 * size)
         assert one.inertia is not None
@@ -102,11 +103,11 @@ def test_a_cube_of_polygons_is_a_cube(tmp_path: Path, said: dict[str, object], l
 
 
 @pytest.mark.parametrize("said", PLACES[::3], ids=str)
-def test_a_prim_of_a_file_is_a_mesh_of_a_spec(tmp_path: Path, said: dict[str, object]) -> None:
+def test_a_prim_of_a_file_is_a_mesh_of_a_spec(tmp_path: Path, said: dict[str, Any]) -> None:
     """In metres, z up, in the prim's own frame: where it is in its file is left out, how it is scaled is not."""
     written(tmp_path, "mesh.usda", **said)
     found = body(tmp_path, 'object a { file: "mesh.usda#/World/thing/form"  scale: 0.5  at: (0, 0, 2 m) }')
-    scale, meters = np.array(said["scale"], float), float(said["meters"])  # type: ignore[arg-type]
+    scale, meters = np.array(said["scale"], float), float(said["meters"])
     made = solid(found)
     assert made.volume == pytest.approx(abs(scale.prod()) * (0.5 * meters * 2) ** 3, rel=1e-5)
     middle = made.bounds.mean(axis=0)

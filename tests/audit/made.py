@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -102,7 +102,7 @@ def race(favoured: float = 0.5, level: bool = False, telling: bool = False) -> A
 
     def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
         truth, place = str(asked.factors["faster"]), int(asked_in_turn(asked, 320) >= favoured)
-        far = {b: 0.15 * float(asked.factors["ratio"]) if b == truth else 0.15 for b in ROWS}
+        far = {b: 0.15 * float(str(asked.factors["ratio"])) if b == truth else 0.15 for b in ROWS}
         starts = {b: 0.15 if level else random.random() for b in ROWS}
         tones = {"upper": TONES[str(asked.factors["tone"])], "lower": (20, 20, 20)}
         views = ([(starts[b] + late * far[b], y, tones[b]) for b, y in ROWS.items()] for late in (0, 1))
@@ -184,7 +184,7 @@ def option(name: str, rgb: Any) -> Option:
     return Option(kind, name, picture=Picture("front", 1.0, rgb), change=change)  # type: ignore[arg-type]
 
 
-def picture(balls: list[tuple[float, float, tuple[int, ...]]]) -> np.ndarray:
+def picture(balls: Sequence[tuple[float, float, tuple[int, ...]]]) -> np.ndarray:
     """Balls (x, y, colour) on a pale ground, smooth at their edges; what leaves at the right comes in at the left."""
     y, x = np.mgrid[0:SIDE, 0:SIDE] / SIDE
     image = np.full((SIDE, SIDE, 3), 225.0)

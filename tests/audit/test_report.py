@@ -31,14 +31,11 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
 
-def test_a_sound_dataset_and_an_unsound_one(tmp_path: Path) -> None:
-    make(tmp_path / "sound", "race", race(), 240)
-    make(tmp_path / "leaky", "race", race(level=True), 240)
-    assert "Of 1 task, 1 " in wmspec("audit", "sound", folder=tmp_path).stdout
-    assert {p.name for p in tmp_path.iterdir()} == {"sound", "leaky"}, "without -o nothing is written"
+def test_an_unsound_dataset(tmp_path: Path) -> None:
+    make(tmp_path / "leaky", "race", race(level=True), 160)
     told = wmspec("audit", "leaky", "-o", "report", folder=tmp_path, code=1).stdout
     assert re.search(
-        r"fails: shortcut race: from the best single picture \(picture 2: pixels\) alone, \d+% of 240 answered", told
+        r"fails: shortcut race: from the best single picture \(picture 2: pixels\) alone, \d+% of 160 answered", told
     )
     found = json.loads((tmp_path / "report/audit.json").read_text())
     assert not found["passed"]
@@ -50,9 +47,9 @@ def test_a_sound_dataset_and_an_unsound_one(tmp_path: Path) -> None:
     assert str(tmp_path) not in (tmp_path / "report/audit.html").read_text()
 
 
-def test_the_same_bytes_again_and_json_for_machines(tmp_path: Path) -> None:
-    make(tmp_path / "made", "race", race(), 60)
-    wmspec("audit", "made", "-o", "a", folder=tmp_path)
+def test_of_a_sound_dataset_the_same_bytes_again_and_json_for_machines(tmp_path: Path) -> None:
+    make(tmp_path / "made", "race", race(), 40)
+    assert "Of 1 task, 1 " in wmspec("audit", "made", "-o", "a", folder=tmp_path).stdout
     said = wmspec("audit", "made", "-o", "b", "--json", folder=tmp_path).stdout
     for name in ("audit.json", "audit.html"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
@@ -66,6 +63,8 @@ def test_a_damaged_dataset_fails_and_is_not_shown(tmp_path: Path) -> None:
     content = bytearray(shard.read_bytes())
     content[len(content) // 2] ^= 1
     shard.write_bytes(content)
+    wmspec("audit", "made", folder=tmp_path, code=1)
+    assert {p.name for p in tmp_path.iterdir()} == {"made"}, "without -o nothing is written"
     found = json.loads(wmspec("audit", "made", "-o", "report", "--json", folder=tmp_path, code=1).stdout)
     assert [(f["check"], f["verdict"]) for f in found["findings"]] == [("files", "fails")]
     assert shard.name in (tmp_path / "report/audit.html").read_text()

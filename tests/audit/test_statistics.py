@@ -84,7 +84,11 @@ def test_what_is_dealt_to_groups_is_found_where_it_tells() -> None:
     answers, levels, groups = _grouped(np.random.default_rng(1), 0.5)
     strength, p, method, effect = dependence(answers, levels, groups)
     assert p < 0.001
-    assert strength > detectable(_crossed(answers, levels), 0.01, effect) > detectable(_crossed(answers, levels), 0.01)
+    assert (
+        strength
+        > detectable(_crossed(answers, levels).tolist(), 0.01, effect)
+        > detectable(_crossed(answers, levels).tolist(), 0.01)
+    )
     assert method == "dealt to 40 groups 19,999 times"
 
 
@@ -302,9 +306,9 @@ def test_a_shortcut_of_the_size_told_is_found_by_the_best() -> None:
     asked, random = _asked(160, 4, 4)
     noise = [Seen(random.normal(size=(640, 8)), "options", "forest") for _ in range(6)]
     looks = [lambda s=s: s for s in noise]
-    rivals = Rivals.of(looks, asked)  # type: ignore[arg-type]
+    rivals = Rivals.of(looks, asked)
     spread = power.deviation(rivals.best(asked)[0], chance, asked.groups)
-    reach = power.Reach(0.25, spread, rivals.learned(looks, asked, chance))  # type: ignore[arg-type]
+    reach = power.Reach(0.25, spread, rivals.learned(looks, asked, chance))
     size = power.smallest(reach, power.threshold(tests))
     assert 0.1 < size < 0.3
     found = 0

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import time
+from typing import Any
 
 import pytest
 
@@ -34,7 +35,7 @@ class Unforeseen(Exception):
 
     def __init__(self, text: str, *, lock: object = None) -> None:
         super().__init__(text)
-        self.lock = lock or (i for i in ())
+        self.lock = lock or (i for i in "")
 
 
 def test_results_are_in_order_and_what_is_lost_is_told() -> None:
@@ -56,7 +57,7 @@ def test_whatever_goes_wrong_costs_its_own_piece(workers: int) -> None:
 
 @pytest.mark.parametrize(("module", "place"), [("other", ""), ("wmspec.other", " (wmspec/other.py:2)")])
 def test_a_reason_names_our_code_wherever_it_lies(module: str, place: str) -> None:
-    names = {"__name__": module}
+    names: dict[str, Any] = {"__name__": module}
     exec(compile("def work(i):\n    raise ValueError('no')", "/home/me/wmspec/other.py", "exec"), names)
     assert list(in_order(names["work"], [(1,)], Effort(0, timeout=60))) == [Lost("error", f"ValueError: no{place}")]
 
@@ -82,7 +83,7 @@ def test_an_idle_process_that_is_killed_costs_nothing() -> None:
 
 def test_there_are_no_more_workers_than_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[int] = []
-    real = pool.ProcessPool
+    real = pool.ProcessPool  # type: ignore[attr-defined]
 
     def noted(max_workers: int, **options: object) -> object:
         asked.append(max_workers)

@@ -10,8 +10,8 @@ from pxr import Usd
 
 import wmspec
 from tests.engines import installed
+from usdphysics_conformance.stages import ball, body, box, cylinder, floor, joint, prism, stage
 from wmspec.runtime.compare.regimes import entered
-from wmspec.runtime.conformance.build import ball, body, box, cylinder, floor, joint, prism, stage
 from wmspec.sim.usd import read
 
 CUBE = box(0.2, 0.2, 0.2)
@@ -58,7 +58,7 @@ def car(axle: float = 0.0) -> str:
     """A beam on two rolling wheels, held by their middles, or by points so far (m) above them."""
     places = {"left": -0.3, "right": 0.3}
     wheels = [
-        body(name, cylinder(0.1, 0.3, "Y"), (x, 0, 0.1), velocity=(1, 0, 0), spin=(0, 10, 0))
+        body(name, cylinder(0.1, 0.3, "Y"), (x, 0, 0.1), velocity=(1, 0, 0), angular_velocity=(0, 10, 0))
         for name, x in places.items()
     ]
     hinges = [
@@ -145,7 +145,7 @@ def gyroscope(spin: float) -> str:
         ball(0.1),
         (0.3, 0, 0),
         velocity=(0, 0.3 * around, 0),
-        spin=(spin, 0, around),
+        angular_velocity=(spin, 0, around),
         moments=(0.005, 0.0025, 0.0025),
     )
     return stage(top, joint("Spherical", "pivot", "", "top", (0, 0, 0), (-0.3, 0, 0)))

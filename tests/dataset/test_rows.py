@@ -109,7 +109,7 @@ def test_all_but_one_is_a_groupby(tmp_path: Path) -> None:
     rows = [encode(asked("collide", i, "mujoco")) for i in range(len(spec("collide").factors) * 6)]
     pq.write_table(table(rows, schema(spec("collide"))), tmp_path / "t.parquet")
     frame = pd.read_parquet(tmp_path / "t.parquet")
-    others = [c for c in frame if c.startswith("factor.") and c != "factor.target"]
+    others = [c for c in map(str, frame) if c.startswith("factor.") and c != "factor.target"]
     sizes = []
     for _, group in frame.groupby("group.target"):
         assert (group[others].nunique() == 1).all()

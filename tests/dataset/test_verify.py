@@ -21,7 +21,7 @@ from tests.engines import installed
 from wmspec.api import generate
 from wmspec.api.verifying import verify
 from wmspec.core.diagnostics import WmsError
-from wmspec.dataset.build.rows import png
+from wmspec.dataset.build.pictures import png
 from wmspec.dataset.build.shards import parquet
 
 

@@ -23,8 +23,8 @@ def test_there_is_a_test_for_each() -> None:
 def test_it_runs_from_beginning_to_end(name: str, tmp_path: Path) -> None:
     for engine in NEEDS[name]:
         installed(engine)
-    shown = nbformat.read(FOLDER / f"{name}.ipynb", 4)  # type: ignore[no-untyped-call]
-    run = nbformat.from_dict(shown)  # type: ignore[no-untyped-call]
+    shown = nbformat.read(FOLDER / f"{name}.ipynb", 4)
+    run = nbformat.from_dict(shown)
     NotebookClient(run, timeout=600, resources={"metadata": {"path": str(tmp_path)}}).execute()
     assert [kinds(cell) for cell in run.cells] == [kinds(cell) for cell in shown.cells], "its outputs are not current"
     assert not any(out.get("name") == "stderr" for cell in run.cells for out in cell.get("outputs", []))

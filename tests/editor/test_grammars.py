@@ -15,7 +15,7 @@ from pygments.token import Comment, Error, Keyword, Name, Number
 from tools.grammars import files, textmate
 from wmspec.editor.pygments import WmsLexer
 from wmspec.editor.words import joining, keywords, statements
-from wmspec.lang.parse.load import library_folder
+from wmspec.lang.parse.files import library_folder
 
 ROOT = Path(__file__).parents[2]
 SPECS = sorted(library_folder().parent.rglob("*.wms"))
@@ -23,7 +23,7 @@ SPECS = sorted(library_folder().parent.rglob("*.wms"))
 
 def test_the_files_are_those_that_the_tables_make() -> None:
     stale = [path.name for path, text in files().items() if path.read_text(encoding="utf-8") != text]
-    assert not stale, "run `python tools/grammars.py`"
+    assert not stale, "run `make generate`"
     assert {*statements(), *joining()} == {*keywords()} >= {"task", "in", "title"}
 
 

@@ -18,8 +18,8 @@ from tests.engines import installed  # noqa: E402
 from wmspec.api.loading import diagnose  # noqa: E402
 from wmspec.core.places import Source  # noqa: E402
 from wmspec.editor.start import first_spec  # noqa: E402
+from wmspec.lang.parse.files import library_folder  # noqa: E402
 from wmspec.lang.parse.format import format_spec  # noqa: E402
-from wmspec.lang.parse.load import library_folder  # noqa: E402
 
 T = TypeVar("T")
 PATIENCE = 300.0  # s: what ends a test that hangs, and no test of how busy the machine is
@@ -32,7 +32,7 @@ class Session:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.path = folder / "marbles.wms"
-        self.client = LanguageClient("tests", "1")
+        self.client: Any = LanguageClient("tests", "1")
         self.text = ""
         self.version = 0
         self.published: asyncio.Queue[Any] = asyncio.Queue()

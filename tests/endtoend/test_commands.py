@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.engines import installed
-from wmspec.lang.parse.load import library_folder
+from wmspec.lang.parse.files import library_folder
 
 SPECS = library_folder().parent
 SPEED = Path(__file__).parent / "specs/speed_tabletop.wms"

@@ -10,7 +10,7 @@ import wmspec
 from tests.engines import installed
 from tests.language.specs import task_of
 from wmspec.lang.check.ir.ir import Choices, Ref
-from wmspec.lang.parse.load import catalogue_folders
+from wmspec.lang.parse.files import catalogue_folders
 
 FOLDER = next(folder for folder in catalogue_folders() if folder.name == "prediction")
 PHYSICS = sorted(

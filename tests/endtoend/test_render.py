@@ -62,7 +62,7 @@ def test_a_gif_shows_the_whole_episode(trace: Path) -> None:
     film = Image.open(trace.parent / "film.gif")
     total = 0
     begins = []  # pictures that are alike are one
-    for i in range(film.n_frames):
+    for i in range(getattr(film, "n_frames", 1)):
         film.seek(i)
         begins.append(total)
         total += film.info["duration"]

@@ -439,7 +439,7 @@ def test_files_of_others_stay(words: Path, tmp_path: Path) -> None:
         out = tmp_path / f"{name[0]}.parquet"
         assert str(tmp_path / name) in evaluate(words, "-m", "oracle", "-o", out, code=2).output
         assert (tmp_path / name).read_text() == content
-    line = {"asked": {}}
+    line: dict[str, dict[str, Any]] = {"asked": {}}
     (tmp_path / "u").write_text(json.dumps(line) + '\n{"id": "a", "colour": "red"}\n')
     with pytest.raises(WmsError, match="no journal of this version"):
         Journal(tmp_path / "u", {})

@@ -3,17 +3,19 @@
 from functools import cache
 from pathlib import Path
 
+import pytest
 from hypothesis import strategies as st
 
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source
-from wmspec.core.resources import resource
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.statements.task import check_program
-from wmspec.lang.parse.load import catalogue_folders, load, load_source
+from wmspec.lang.parse.files import catalogue_folders
+from wmspec.lang.parse.load import load, load_source
 
-ROOT = resource("specs")
 SPECS = sorted(path for folder in catalogue_folders() for path in folder.rglob("*.wms"))
+#: For laws that take long and are the same of each: every third, and the others where slow tests run.
+THIRD = [path if i % 3 == 0 else pytest.param(path, marks=pytest.mark.slow) for i, path in enumerate(SPECS)]
 
 
 @cache

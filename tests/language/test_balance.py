@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 import wmspec
 from wmspec.compile.design.design import Design
+from wmspec.core.limits import MOST_DRAWS
 from wmspec.core.rng import bits
 from wmspec.lang.check.ir.ir import Plan
-from wmspec.runtime.questions.balance import MOST_DRAWS, balanced, together
+from wmspec.runtime.questions.balance import balanced, together
 from wmspec.runtime.questions.kinds.labels import LabelAnswer
 from wmspec.runtime.questions.model import Option, QuestionRow, Rejected
 

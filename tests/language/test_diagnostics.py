@@ -51,7 +51,7 @@ def test_an_error_crosses_a_process_border_whole(error: type[WmsError], told: li
 
 
 @given(st.lists(diagnostics()), st.randoms())
-def test_a_report_tells_each_once_in_the_order_of_the_text(told: list[Diagnostic], random) -> None:  # type: ignore[no-untyped-def]
+def test_a_report_tells_each_once_in_the_order_of_the_text(told: list[Diagnostic], random) -> None:
     report = Report(StageError)
     report.include(told)
     report.include(random.sample(told, len(told)))
@@ -112,7 +112,7 @@ def test_what_has_no_place_in_a_text_has_a_result_too() -> None:
 
 
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.breaches.__name__)
-def test_every_rule_has_a_code_with_a_page_and_says_what_it_finds(rule) -> None:  # type: ignore[no-untyped-def]
+def test_every_rule_has_a_code_with_a_page_and_says_what_it_finds(rule) -> None:
     assert rule.code in CODES
     assert rule.breaches.__doc__
 

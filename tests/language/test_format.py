@@ -6,17 +6,19 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.examples import examples
 from tests.language.specs import SPECS, random_text
 from wmspec.cli import main
 from wmspec.core.diagnostics import Report, SpecError
 from wmspec.core.places import Source
 from wmspec.lang.check.ir.record import plain
 from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.files import library_folder, read_source
 from wmspec.lang.parse.format import WIDTH, format_spec
-from wmspec.lang.parse.load import library_folder, load_source, read_source
+from wmspec.lang.parse.load import load_source
 
 CORPUS = sorted((Path(__file__).parent.parent / "corpus").glob("*.wms"))
 SHIPPED = [*SPECS, *sorted(library_folder().glob("*.wms"))]
@@ -83,7 +85,7 @@ def test_the_corpus(path: Path) -> None:
     assert meaning(once, path.parent) == meaning(text, path.parent)
 
 
-@settings(max_examples=60, deadline=None)
+@examples(8, 60)
 @given(data=st.data())
 def test_random_specs_keep_their_meaning_and_comments(data: st.DataObject) -> None:
     text = data.draw(st.one_of(random_text(), st.sampled_from([p.read_text() for p in SPECS])))
@@ -112,7 +114,7 @@ def test_a_block_stays_on_one_line_if_it_was_and_fits() -> None:
     assert len(formatted(long).splitlines()) == 14
 
 
-@settings(max_examples=30, deadline=None)
+@examples(8, 30)
 @given(data=st.data())
 def test_a_text_in_pieces_is_the_same_in_one_and_each_piece_has_a_line(data: st.DataObject) -> None:
     text = data.draw(random_text())

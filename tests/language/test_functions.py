@@ -189,3 +189,15 @@ def test_what_is_placed_for_a_viewer_is_seen_there_by_it(turned: float, far: flo
     }.items():
         _, x, y = found.call(name, ("a", far), seen_from="eye")
         assert seen(gaze(found, "eye"), x - 1, y - 2) == pytest.approx(expected, abs=1e-9)
+
+
+def test_a_property_is_read_as_its_kind_and_as_no_other() -> None:
+    known = values(thing("object", "ball", shape="sphere", size=0.1, mass=1, fixed=False, at=(0, 0)))
+    right = {"number": "mass", "flag": "fixed", "text": "shape", "reference": "shape", "spot": "at", "pair": "at"}
+    for kind, name in right.items():
+        assert getattr(known, kind)("ball", name) == known.property("ball", name)
+    assert isinstance(known.number("ball", "mass"), float)
+    for kind, name in product(("number", "flag", "text", "vector", "points"), ("mass", "fixed", "shape", "at")):
+        if right.get(kind) != name:
+            with pytest.raises(TypeError, match=f"`ball.{name}` is"):
+                getattr(known, kind)("ball", name)

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from hypothesis import assume, given, settings
@@ -61,7 +62,7 @@ def test_neighbours_are_in_the_group_and_differ_in_one_factor(spec: TaskSpec, co
 def test_over_the_groups_of_a_turn_each_value_comes_equally_often() -> None:
     design = Design(design_of({"a": 2, "b": 3, "c": 4, "d": 5}, compare("!=", "c", "d"), plan=groups(240, "a", "bc")))
     firsts = [design[design.blocks.members(block)[0]].factors for block in range(240)]
-    counts = (
+    counts: tuple[Counter[Any], ...] = (
         Counter(i["b"] for i in firsts[1::2]),
         Counter(i["d"] for i in firsts[1::2]),  # while c is crossed
         Counter((i["c"], i["d"]) for i in firsts[::2]),  # the allowed pairs

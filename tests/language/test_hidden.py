@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import wmspec
+from tests.examples import examples
 from wmspec.compile.lint.hidden_rules import _between
 from wmspec.core.space import Pose, turn
 
@@ -58,7 +59,7 @@ COORDINATE = st.floats(-2, 2).map(lambda x: round(x, 2))
 POINT = st.tuples(COORDINATE, COORDINATE, COORDINATE)
 
 
-@settings(max_examples=300, deadline=None)
+@examples(300, 3000)
 @given(eye=POINT, point=POINT, yaw=st.floats(-math.pi, math.pi))
 def test_a_box_between_two_points_has_a_point_of_the_way_between_them(
     eye: tuple[float, float, float], point: tuple[float, float, float], yaw: float

@@ -49,7 +49,7 @@ def undescribed(part: Any) -> Any:
 
 
 def test_the_published_schema_is_current() -> None:
-    """If it is not: `wmspec schema > docs/schema.json`."""
+    """If it is not: `make generate`."""
     published = json.loads((DOCS / "schema.json").read_text())
     assert (published if DESCRIBED else undescribed(published)) == schema()
     assert json.loads(CliRunner().invoke(main, ["schema"]).output) == schema()

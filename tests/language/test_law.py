@@ -3,11 +3,12 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pxr import Usd
 
-from tests.language.specs import DEEDS, SPECS, busy_text, random_spec, task_from, task_of
+from tests.examples import examples
+from tests.language.specs import DEEDS, SPECS, THIRD, busy_text, random_spec, task_from, task_of
 from tests.stage.composed import Difference, diff
 from tests.stage.law import violations
 from wmspec.compile.design.depend import Dependencies, dependencies
@@ -29,8 +30,8 @@ def assert_law(spec: TaskSpec, before: Document, after: Document, *changed: str)
         assert path in ours or any(path.startswith((f"{o}.", f"{o}/")) for o in ours), f"USD also sees {path}"
 
 
-@pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
-@settings(max_examples=3, deadline=None)
+@pytest.mark.parametrize("path", THIRD, ids=lambda p: p.stem)
+@examples(2, 6)
 @given(data=st.data())
 def test_neighbours_differ_in_one_factor_alone(path: Path, data: st.DataObject) -> None:
     spec = task_of(path)
@@ -44,8 +45,8 @@ def test_neighbours_differ_in_one_factor_alone(path: Path, data: st.DataObject) 
         assert_law(spec, document(spec, here), document(spec, there), factor)
 
 
-@pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
-@settings(max_examples=2, deadline=None)
+@pytest.mark.parametrize("path", THIRD, ids=lambda p: p.stem)
+@examples(2, 4)
 @given(data=st.data())
 def test_a_counterfactual_changes_its_target_alone(path: Path, data: st.DataObject) -> None:
     spec = task_of(path)
@@ -72,14 +73,14 @@ def test_the_law_holds_whatever_happens(deeds: str) -> None:
             assert violations(depend, truth, document(spec, design[index], change), *changed_by(change)) == ()
 
 
-@settings(max_examples=30, deadline=None)
+@examples(8, 30)
 @given(spec=random_spec() | random_spec(grouped=True), data=st.data())
 def test_the_law_holds_on_random_specs(spec: TaskSpec, data: st.DataObject) -> None:
     redrawn = data.draw(st.integers(0, 2)) if spec.plan.balance else 0
     design, depend = Design(spec).redrawn(redrawn), Dependencies(spec)
     here = design[data.draw(st.integers(0, len(design) - 1))]
     truth = document(spec, here)
-    changed = {
+    changed: dict[tuple[str, ...], Document] = {
         (f.name,): document(spec, design[i]) for f in design.factors for i in design.neighbours(here.index, f.name)[:1]
     }
     changed |= {changed_by(c): document(spec, here, c) for c in spec.questions[0].alternatives(here.factors)}
@@ -90,7 +91,7 @@ def test_the_law_holds_on_random_specs(spec: TaskSpec, data: st.DataObject) -> N
     assert made_over(truth, other) == ()
 
 
-@settings(max_examples=30, deadline=None)
+@examples(8, 30)
 @given(spec=random_spec(grouped=True), seed=st.integers(0, 3), data=st.data())
 def test_a_member_of_a_closed_set_is_its_sibling(spec: TaskSpec, seed: int, data: st.DataObject) -> None:
     """What an instance would be with a sibling's levels is the sibling, to the last property."""

@@ -18,8 +18,9 @@ from wmspec.lang.check.ir.record import plain
 from wmspec.lang.check.statements.dimensions import DIMENSIONS
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.check.tables.vocabulary import CONDITIONAL, PLANS, SPREADS, STUDIED, WEIGHTED, Form, Plan
+from wmspec.lang.parse.files import read_source
 from wmspec.lang.parse.format import format_spec
-from wmspec.lang.parse.load import load_source, read_source
+from wmspec.lang.parse.load import load_source
 from wmspec.lang.parse.parser import parse
 from wmspec.lang.parse.syntax import Task
 
@@ -100,5 +101,5 @@ def test_a_task_made_in_python_is_the_one_written_as_text() -> None:
 
 
 def test_the_tables_are_current() -> None:
-    """If they are not: `python tools/reference.py`."""
+    """If they are not: `make generate`."""
     assert subprocess.run([sys.executable, ROOT / "tools/reference.py", "--check"], check=False).returncode == 0

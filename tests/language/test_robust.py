@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.examples import examples
 from tests.language.specs import SPECS
 from wmspec.compile.lint.dry_run import dry_run
 from wmspec.core.diagnostics import Report, WmsError
@@ -31,7 +32,7 @@ def survive(text: str) -> None:
         assert diagnostic.record()
 
 
-@settings(max_examples=150, deadline=None)
+@examples(20, 300)
 @given(data=st.data())
 def test_mutated_specs(data: st.DataObject) -> None:
     text = data.draw(st.sampled_from(TEXTS))
@@ -42,13 +43,13 @@ def test_mutated_specs(data: st.DataObject) -> None:
     survive(text)
 
 
-@settings(max_examples=150, deadline=None)
+@examples(150, 1500)
 @given(st.text())
 def test_random_text(text: str) -> None:
     survive(text)
 
 
-@settings(max_examples=80, deadline=None)
+@examples(80, 800)
 @given(
     st.lists(
         st.one_of(FRAGMENTS, st.sampled_from(["task", "object", "factor", "let", "action", "question", "x", "red"])),
@@ -60,7 +61,7 @@ def test_random_words(words: list[str]) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=3000, deadline=None)
+@settings(max_examples=3000)
 @given(data=st.data())
 def test_heavily_mutated_specs(data: st.DataObject) -> None:
     """The same for longer; `benchmarks/fuzz.py` goes on from here, with limits of time and memory."""

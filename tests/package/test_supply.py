@@ -39,7 +39,7 @@ def test_the_oldest_versions_are_those_of_the_bounds() -> None:
 def test_the_page_of_licences_names_all_that_is_installed() -> None:
     page = (ROOT / "docs/licences.md").read_text()
     for name, of in supply.tree(supply.USED).items():
-        assert f"| {name} | {supply.licence(of)} |" in page, "`python -m tools.supply licences > docs/licences.md`"
+        assert f"| {name} | {supply.licence(of)} |" in page, "run `make generate`"
     assert supply.UNSTATED not in page
 
 

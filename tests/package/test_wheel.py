@@ -26,7 +26,7 @@ SPEC = "specs/prediction/mechanistic/collide.wms"
 in_a_checkout = pytest.mark.skipif(not (ROOT / ".git").exists(), reason="what is tracked is known in a checkout only")
 
 
-def run(*command: str | Path, cwd: Path, **env: str) -> str:
+def run(*command: object, cwd: Path, **env: str) -> str:
     """What a command prints, started as a user does: Python's settings of these tests are none of its business."""
     clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     done = subprocess.run(
@@ -106,7 +106,7 @@ def link(package: Distribution, site: Path) -> None:
     for file in package.files:
         if ".." not in file.parts and not (site / file).exists():  # two packages may share a file
             (site / file).parent.mkdir(parents=True, exist_ok=True)
-            (site / file).symlink_to(Path(package.locate_file(file)).absolute())
+            (site / file).symlink_to(Path(str(package.locate_file(file))).absolute())
 
 
 def test_the_wheel_needs_no_more_than_it_asks_for(alone: Path, tmp_path: Path) -> None:

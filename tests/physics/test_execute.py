@@ -192,7 +192,7 @@ def test_what_makes_no_sense_is_refused_with_its_prim(execute: Execute) -> None:
 def test_of_two_coefficients_of_friction_that_of_motion_counts_and_this_is_told(engine: str) -> None:
     slope = turn((0, 1, 0), np.radians(27))
     pair = Friction(static=0.6, dynamic=0.4)
-    box = body("b", cube(0.05), rotate(slope, np.array([0, 0, 0.05])), orientation=slope)  # type: ignore[arg-type]
+    box = body("b", cube(0.05), rotate(slope, np.array([0, 0, 0.05])), orientation=slope)
     both = [
         replace(one, geoms=tuple(replace(geom, friction=pair) for geom in one.geoms))
         for one in (floor(orientation=slope), box)

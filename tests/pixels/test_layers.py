@@ -41,4 +41,5 @@ def test_pictures_are_the_same_where_they_come_as_tuples(monkeypatch: pytest.Mon
     assert np.array_equal(arrays.rgb, tuples.rgb)
     assert np.array_equal(arrays.ids, tuples.ids)
     assert arrays.depth is not None
+    assert tuples.depth is not None
     assert np.array_equal(arrays.depth, tuples.depth)

@@ -12,7 +12,7 @@ import pytest
 from tests.engines import ENGINES
 from tests.pixels.scenes import LYING, body, scene, turned, wedge
 from tools import looks
-from wmspec.sim.materials import MATERIALS, Material
+from wmspec.sim.materials import MATERIALS, TEXTURES, Material
 from wmspec.sim.scene.model import Camera, Frame, Geom, Pose, Scene, Shot, Surface
 from wmspec.sim.scene.model.transform import identity
 from wmspec.sim.scene.render.camera import look_at
@@ -41,7 +41,7 @@ def surface(material: Material, color: Any = None) -> Surface:
 
 def test_the_table_and_the_files_name_one_another() -> None:
     assert sorted(one.image for one in MATERIALS.values() if one.image) == IMAGES
-    assert sorted(path.name for path in looks.TEXTURES.iterdir()) == IMAGES
+    assert sorted(path.name for path in TEXTURES.iterdir()) == IMAGES
 
 
 @pytest.mark.parametrize("name", IMAGES)
@@ -52,7 +52,7 @@ def test_files_are_as_the_tool_writes_them(name: str) -> None:
 @pytest.mark.parametrize("name", IMAGES)
 def test_images_repeat_without_seams(name: str) -> None:
     """Across the border texels differ no more than they do anywhere inside."""
-    grey = texture(str(looks.TEXTURES / name))[..., 0].astype(float)
+    grey = texture(str(TEXTURES / name))[..., 0].astype(float)
     for axis in (0, 1):
         inside = np.abs(np.diff(grey, axis=axis)).mean(axis=1 - axis)
         across = np.abs(np.take(grey, 0, axis) - np.take(grey, -1, axis)).mean()
@@ -62,7 +62,7 @@ def test_images_repeat_without_seams(name: str) -> None:
 @pytest.mark.parametrize("name", IMAGES)
 def test_images_keep_the_tint_in_sight(name: str) -> None:
     """Grey, with light texels in which the colour is as it was given."""
-    image = texture(str(looks.TEXTURES / name))
+    image = texture(str(TEXTURES / name))
     assert np.all(image == image[..., :1])
     assert np.percentile(image, 95) >= 190
 

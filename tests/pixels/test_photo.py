@@ -6,6 +6,7 @@ import json
 import math
 import sys
 from dataclasses import replace
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +67,8 @@ def photo() -> Frame:
 def test_masks_and_distances_are_those_of_the_parity_look(photo: Frame) -> None:
     parity = drawn(things(), look="parity")
     assert np.array_equal(photo.ids, parity.ids)
+    assert photo.depth is not None
+    assert parity.depth is not None
     assert np.array_equal(photo.depth, parity.depth)
     assert not np.array_equal(photo.rgb, parity.rgb)
 
@@ -202,7 +205,7 @@ def test_a_dataset_says_what_drew_it_and_is_drawn_again(tmp_path: Path) -> None:
     how: Any = {"backend": "mujoco", "size": 32, "look": "photo", "samples": 1, "per_task": 1}
     generate(SPEED, tmp_path / "out", workers=0, **how)
     versions = json.loads((tmp_path / "out/manifest.json").read_text())["versions"]
-    assert versions["mitsuba"] == f"{library.version('mitsuba')} {library.variant()}"
+    assert versions["mitsuba"] == f"{version('mitsuba')} {library.variant()}"
     assert "mitsuba-oidn" in versions
     again = verify(tmp_path / "out", workers=0)
     assert (again.verdict, dict(again.versions)) == ("same", {})

@@ -12,7 +12,7 @@ from wmspec.lang.check.ir.ir import Thing
 def hop(prim: Prim, action: Thing, values: Values) -> None:
     """What rises by h sets off with the speed sqrt(2 g h)."""
     name = action.name
-    speed = math.sqrt(2 * values.gravity * values.property(name, "height"))
+    speed = math.sqrt(2 * values.gravity * values.number(name, "height"))
     prim.set("wms:speed", "double", speed, f"{name}.height", "world.gravity", uniform=True)
     prim.set("wms:direction", "double3", (0.0, 0.0, 1.0), uniform=True)
     prim.set("wms:spin", "double3", (0.0, 0.0, 0.0), uniform=True)

@@ -173,7 +173,8 @@ def test_they_are_drawn_closed_and_from_outside(word: str, words: dict[str, Any]
     facets, mesh = tessellate(shape), meshed(shape)
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(shape.volume, rel=0.02)
-    across = np.cross(*(facets.points[facets.faces[:, k]] - facets.points[facets.faces[:, 0]] for k in (1, 2)))
+    first, second, third = (facets.points[facets.faces[:, k]] for k in range(3))
+    across = np.cross(second - first, third - first)
     assert (np.einsum("ij,ij->i", across, facets.normals[facets.faces].mean(axis=1)) > 0).all()
     ways = np.random.default_rng(0).normal(size=(50, 3))
     for way in ways / np.linalg.norm(ways, axis=1, keepdims=True):

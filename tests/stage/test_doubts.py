@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from pxr import Usd
 
-from wmspec.runtime.conformance.build import body, box, floor, joint, stage
+from usdphysics_conformance.stages import body, box, floor, joint, stage
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.usd import read
 

@@ -47,11 +47,13 @@ def test_the_kinds() -> None:
     assert (only("Fixed").kind, only("Fixed").limits) == ("fixed", None)
     hinge = only("Revolute", "float physics:lowerLimit = -90\nfloat physics:upperLimit = 45")
     assert (hinge.kind, hinge.name, hinge.first, hinge.second, hinge.collides) == ("hinge", "j", "a", "b", False)
+    assert hinge.limits is not None
     assert_allclose(hinge.limits, (-math.pi / 2, math.pi / 4))
     slider = only("Prismatic", "float physics:lowerLimit = -0.1\nbool physics:collisionEnabled = 1")
     assert (slider.kind, slider.limits, slider.collides) == ("slider", (pytest.approx(-0.1), math.inf), True)
     ball = only("Spherical", "float physics:coneAngle0Limit = 30")
     assert ball.kind == "ball"
+    assert ball.limits is not None
     assert_allclose(ball.limits, (math.pi / 6, math.pi))
     assert only("Spherical").limits is None
 
@@ -254,7 +256,7 @@ def test_an_articulation_without_collisions_of_its_own() -> None:
     joints = "".join(
         f"""def PhysicsRevoluteJoint "j{i}" {{ rel physics:body0 = </World/r/{a}>
             rel physics:body1 = </World/r/{b}> {FRAMES} }}"""
-        for i, (a, b) in enumerate(("ab", "bc"))
+        for i, (a, b) in enumerate((("a", "b"), ("b", "c")))
     )
     root = f"""def Xform "r" (prepend apiSchemas = ["PhysicsArticulationRootAPI"]) {{
         bool physxArticulation:enabledSelfCollisions = 0 {THREE} {joints} }}"""

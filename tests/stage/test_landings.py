@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from pxr import Usd
 
-from wmspec.runtime.conformance.build import body, box, floor, joint, stage
+from usdphysics_conformance.stages import body, box, floor, joint, stage
 from wmspec.sim.scene.physics.initial_drops import landings
 from wmspec.sim.usd import read
 
@@ -30,5 +30,5 @@ HIGH = body("high", CUBE, (0.1, 0, 0.9))
 )
 def test_what_falls_on_what(prims: tuple[str, ...], material: dict[str, float], found: set[tuple[int, int]]) -> None:
     made = Usd.Stage.CreateInMemory()
-    made.GetRootLayer().ImportFromString(stage(floor(), *prims, **material))  # type: ignore[arg-type]
+    made.GetRootLayer().ImportFromString(stage(floor(), *prims, **material))
     assert landings(read(made, strict=False)) == found

@@ -9,8 +9,8 @@ import pytest
 from pxr import Usd
 
 from tests.engines import ENGINES, installed
+from usdphysics_conformance.stages import body, box, joint, stage
 from wmspec.core.diagnostics import StageError
-from wmspec.runtime.conformance.build import body, box, joint, stage
 from wmspec.sim.scene.joints.articulations import trees
 from wmspec.sim.scene.joints.coordinates import gears
 from wmspec.sim.scene.model import Scene

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pxr import Usd
 
+from usdphysics_conformance import all_cases
 from wmspec.core.diagnostics import StageError
-from wmspec.runtime.conformance.score import cases
 from wmspec.sim.scene.joints.articulations import trees
 from wmspec.sim.scene.joints.com_frame import com_frame
 from wmspec.sim.scene.joints.coordinates import coordinates
@@ -29,7 +29,7 @@ NUMBERS = st.floats(-5, 5).map(lambda x: round(x, 3))
 @cache
 def mechanism(name: str) -> Scene:
     stage = Usd.Stage.CreateInMemory()
-    stage.GetRootLayer().ImportFromString(cases()[name].stage)
+    stage.GetRootLayer().ImportFromString(all_cases()[name].stage)
     return replace(read(stage, strict=False), duration=0.1)
 
 
@@ -91,7 +91,7 @@ def test_joints_keep_their_points_together(name: str, speeds: list[float]) -> No
 
 def test_the_strict_refuse_what_does_not_fit() -> None:
     stage = Usd.Stage.CreateInMemory()
-    stage.GetRootLayer().ImportFromString(cases()["pendulum_jerked"].stage)
+    stage.GetRootLayer().ImportFromString(all_cases()["pendulum_jerked"].stage)
     with pytest.raises(StageError, match=r"are not what its joints let be, which is \(1\.429, 0, 0\) m/s"):
         validate(read(stage))
     assert any("it begins so" in note.message for note in read(stage, strict=False).notes)

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 
+from tests.examples import examples
 from tests.language.specs import SPECS, random_spec, task_from, task_of
 from tests.stage.same import difference
 from wmspec.compile.design.design import Design
@@ -67,7 +68,7 @@ def agree(spec: TaskSpec, instances: int, most: int | None = None) -> None:
 KEYS = (physics_key, look_key, form_key)
 
 
-@pytest.mark.parametrize("path", SPECS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", SPECS[::3], ids=lambda path: path.stem)
 def test_every_task_is_read_alike(path: Path) -> None:
     agree(task_of(path), 2, most=1)
 
@@ -78,7 +79,7 @@ def test_many_instances_of_every_task_are_read_alike(path: Path) -> None:
     agree(task_of(path), 12)
 
 
-@settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck))
+@examples(3, 6, suppress_health_check=list(HealthCheck))
 @given(random_spec())
 def test_random_tasks_are_read_alike(spec: TaskSpec) -> None:
     agree(spec, 2, most=2)

@@ -630,7 +630,7 @@ def test_layers_that_are_not_there(tmp_path: Path) -> None:
 @pytest.mark.parametrize("number", [0, -1, math.nan, math.inf])
 def test_units_are_above_0(unit: str, number: float) -> None:
     with pytest.raises(StageError) as caught:
-        read(stage(BALL % "" + REFUSED["joint"][0], **{unit: number}))
+        read(stage(BALL % "" + REFUSED["joint"][0], **{unit: number}))  # type: ignore[arg-type]
     told = [(str(problem.place), problem.message) for problem in caught.value.diagnostics]
     assert told == [("/", f"{unit}PerUnit = {number:g}"), ("/World/j", "distance joints are not supported")]
 

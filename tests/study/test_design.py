@@ -23,7 +23,7 @@ from wmspec.eval.study.model import Item, load
 def items(sizes: list[int], options: int, checks: int = 0, practice: int = 0) -> list[Item]:
     words = tuple("abcdefgh"[:options])
     made = [
-        Item(id=f"t{t}/{i}", kind=kind, task=f"t{t}", text="?", words=words, answer=i * 5 % options)
+        Item(id=f"t{t}/{i}", kind=kind, task=f"t{t}", text="?", words=words, answer=i * 5 % options)  # type: ignore[arg-type]
         for t, size in enumerate(sizes)
         for kind, count in (("practice", practice), ("question", size))
         for i in range(count)
@@ -73,7 +73,7 @@ def test_practice_comes_first_and_checks_in_between() -> None:
         kinds = [given_[step.item].kind for step in slot]
         assert Counter(kinds) == {"question": 60, "practice": 4, "check": 6}
         assert kinds[:2] == ["practice", "practice"]
-        first = {}
+        first: dict[tuple[str, str], int] = {}
         for place, step in enumerate(slot):
             item = given_[step.item]
             if item.task:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -39,7 +40,7 @@ def test_every_question_is_on_a_sheet_and_in_the_key_and_no_truth_beside_it(tmp_
 
 @given(blocks=st.lists(st.integers(0, 5), max_size=40), readers=st.integers(1, 5))
 def test_siblings_go_to_different_readers_while_there_are_any(blocks: list[int], readers: int) -> None:
-    rows = [{"question": 0, "block": block, "id": str(i)} for i, block in enumerate(blocks)]
+    rows: list[dict[str, Any]] = [{"question": 0, "block": block, "id": str(i)} for i, block in enumerate(blocks)]
     hands = readings.dealt(rows, readers)
     assert sorted(row["id"] for hand in hands for row in hand) == sorted(row["id"] for row in rows)
     for block in set(blocks):

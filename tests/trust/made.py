@@ -28,7 +28,7 @@ def Sphere "ball" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisio
 """
 
 
-def wmspec(*arguments: str | Path) -> Result:
+def wmspec(*arguments: object) -> Result:
     """The command line; an exception that nobody foresaw is raised, as a traceback would be."""
     result = CliRunner().invoke(main, [str(a) for a in arguments])
     if result.exception is not None and not isinstance(result.exception, SystemExit):

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import wmspec
-from wmspec.lang.parse.load import library_folder
+from wmspec.lang.parse.files import library_folder
 
 SPECS = library_folder().parent
 CATALOGUE = sorted(path for kind in ("perception", "prediction") for path in (SPECS / kind).rglob("*.wms"))

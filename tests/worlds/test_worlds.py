@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import pytest
@@ -169,7 +170,7 @@ def test_no_camera_of_a_room_sees_an_empty_sky_or_an_empty_wall(name: str) -> No
 def test_no_camera_of_the_perception_catalogue_sees_an_empty_wall(library: str) -> None:
     """Wherever a group is set, and with nothing lying about."""
     task = wmspec.load(text=DRAWN.format(library=library))
-    bare = {}
+    bare: dict[Any, Any] = {}
     for i in range(0, len(task), 2):
         nuisances = {name.removeprefix("here_"): value for name, value in task[i].nuisances.items()}
         if nuisances["clutter"] == 0:

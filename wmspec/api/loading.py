@@ -11,9 +11,9 @@ from pathlib import Path
 from wmspec.api.task import Task
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError, suggestion
-from wmspec.core.places import FilePlace, Source
-from wmspec.core.safe_io import inside
+from wmspec.core.places import Source
 from wmspec.lang.check.statements.task import check_program
+from wmspec.lang.parse.files import catalogue_folders, shown, spec_files
 from wmspec.lang.parse.load import Program, load_source
 from wmspec.lang.parse.load import load as load_program
 
@@ -58,8 +58,6 @@ def load_all(*paths: PathOrText, seed: int = 0, tell: Tell = warn) -> tuple[Task
         SpecError: specs have mistakes; its `diagnostics` are all of them.
         WmsError: a file cannot be read, there is no task at all, or two have one name.
     """
-    from wmspec.lang.parse.load import catalogue_folders
-
     return _tasks(spec_files(map(Path, paths or catalogue_folders())), seed, tell)
 
 
@@ -87,23 +85,58 @@ def diagnose(*paths: PathOrText, text: str | None = None) -> Diagnosis:
     Libraries and files are looked for beside a file, and from a `text` in the working folder. Raises WmsError if a file
     cannot be read.
     """
-    report = Report()
     files: list[Path | Source] = [*spec_files(map(Path, paths)), *([_text(text)] if text is not None else [])]
-    tasks = [task for path in files for task in _checked(path, 0, report)]
-    return _diagnosis(report, tasks, tried=True)
+    return joined([diagnosed(file)[0] for file in files])
+
+
+def diagnosed(file: Path | Source) -> tuple[Diagnosis, Program]:
+    """What is wrong with one spec, and what it was read from. Raises WmsError if the file cannot be read."""
+    report = Report()  # mistakes of one file do not keep another's tasks from being checked
+    program = _program(file, report)
+    path = file if isinstance(file, Path) else None
+    tasks = [Task(spec, program, path) for spec in check_program(program, report)]
+    return _diagnosis(report, tasks, tried=True), program
+
+
+def joined(found: Sequence[Diagnosis]) -> Diagnosis:
+    """Several diagnoses as one."""
+    if len(found) == 1:
+        return found[0]
+    report = Report()
+    for each in found:
+        report.include(each.diagnostics)
+    return Diagnosis(
+        report.diagnostics,
+        tuple(task for each in found for task in each.tasks),
+        {name: design for each in found for name, design in each.designs.items()},
+        frozenset[str]().union(*(each.mistaken for each in found)),
+    )
+
+
+class TextCheck:
+    """A text that is to be the file at `path`, parsed and checked. Raises WmsError if a library cannot be read."""
+
+    def __init__(self, text: str, path: Path) -> None:
+        self._report = Report()
+        program = load_source(Source(shown(path), text.replace("\r\n", "\n")), path.parent, self._report)
+        tasks = tuple(Task(spec, program, path) for spec in check_program(program, self._report))
+        self.tasks = () if self._report.failed else tasks
+        """Those of a text without mistakes."""
+        self._tasks = tasks
+
+    def diagnosis(self, *, tried: bool = True) -> Diagnosis:
+        """What is wrong with the text, and if it is `tried` with a sample of its scenes as well."""
+        return _diagnosis(self._report, self._tasks, tried)
 
 
 def diagnose_text(text: str, path: Path, *, tried: bool = True) -> tuple[Diagnosis, tuple[Task, ...]]:
-    """The same for a text that is to be the file at `path`, and its tasks if it has no mistakes.
+    """The diagnosis of a text that is to be the file at `path`, and its tasks if it has no mistakes.
 
     Unless it is `tried`, no scenes are built.
     """
-    from wmspec.lang.parse.load import shown
-
-    report = Report()
-    program = load_source(Source(shown(path), text.replace("\r\n", "\n")), path.parent, report)
-    tasks = tuple(Task(spec, program, path) for spec in check_program(program, report))
-    return _diagnosis(report, tasks, tried), () if report.failed else tasks
+    check = TextCheck(text, path)
+    diagnosis = check.diagnosis(tried=tried)
+    return diagnosis, check.tasks if diagnosis.passed else ()
 
 
 def _diagnosis(report: Report, tasks: Sequence[Task], tried: bool) -> Diagnosis:
@@ -121,20 +154,6 @@ def _diagnosis(report: Report, tasks: Sequence[Task], tried: bool) -> Diagnosis:
         designs |= {} if design is None else {task.name: design}
         mistaken |= {task.name} if own.failed else set()
     return Diagnosis(report.diagnostics, tuple(sizes), designs, frozenset(mistaken))
-
-
-def spec_files(paths: Iterable[Path]) -> list[Path]:
-    """The spec files meant: a file as it is, a folder as every .wms below it. Raises WmsError where there is none."""
-    files: list[Path] = []
-    for path in paths:
-        if path.is_dir():
-            below = sorted(spec for spec in path.rglob("*.wms") if inside(path, spec))
-            if not below:
-                raise WmsError("there is no .wms file in this folder", FilePlace(str(path)))
-            files += below
-        else:
-            files.append(path)
-    return list(dict.fromkeys(files))
 
 
 def of_dimensions(tasks: Sequence[Task], dimensions: Sequence[str]) -> tuple[Task, ...]:

@@ -41,7 +41,7 @@ COMMANDS = (
     "report",
     "export",
     "recast",
-    "conform",
+    "conformance",
     "doctor",
 )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,8 +12,7 @@ import click
 from wmspec.cli.common import balanced, by_size, paint, standard_input, within
 
 if TYPE_CHECKING:
-    from wmspec.api import Diagnosis
-    from wmspec.compile.design.design import Design
+    from wmspec.api.checking import Checked, CheckedTask
 
 
 @click.command("check")
@@ -22,53 +22,57 @@ if TYPE_CHECKING:
 @click.option(
     "--timeout", type=click.FloatRange(1), default=600.0, show_default=True, help="Seconds that all of it may take."
 )
-def check_command(specs: tuple[Path, ...], form: str, timeout: float) -> None:
+@click.option("--no-cache", is_flag=True, help="Check everything anew, and keep nothing.")
+def check_command(specs: tuple[Path, ...], form: str, timeout: float, no_cache: bool) -> None:
     """Check specs: names, units, kinds, the design, and a sample of scenes; `-` checks standard input.
 
     Exits with 2 if there is a mistake.
 
+    The result of a file is kept in the user's cache (WMSPEC_CACHE_DIR, else ~/.cache/wmspec) and returned again until
+    the file, a library or file that it uses, or wmspec changes.
+
     Text is coloured on a terminal, unless NO_COLOR is set. SARIF is what code hosts show beside the lines.
     """
-    from wmspec.api import diagnose
+    from wmspec.api.checking import check_files, check_text
+    from wmspec.core.disk_cache import disabled
 
-    with within(timeout):
-        diagnosis = diagnose(*specs) if specs != (Path("-"),) else diagnose(text=standard_input().text)
+    with within(timeout), disabled() if no_cache else nullcontext():
+        checked = check_text(standard_input()) if specs == (Path("-"),) else check_files(specs)
     if form == "json":
-        records = [d.record() for d in diagnosis.diagnostics]
-        sizes = {name: design.sample_sizes for name, design in diagnosis.designs.items()}
-        told = {"diagnostics": records, "tasks": dict(diagnosis.tasks), "sample_sizes": sizes}
-        click.echo(json.dumps(told, indent=2))
+        records = [d.record() for d in checked.diagnostics]
+        counts = {task.name: task.instances for task in checked.tasks}
+        sizes = {task.name: task.sample_sizes for task in checked.tasks if task.sample_sizes is not None}
+        click.echo(json.dumps({"diagnostics": records, "tasks": counts, "sample_sizes": sizes}, indent=2))
     elif form == "sarif":
         from wmspec.cli.sarif import sarif
 
-        click.echo(json.dumps(sarif(diagnosis.diagnostics), indent=2))
+        click.echo(json.dumps(sarif(checked.diagnostics), indent=2))
     else:
-        _print(diagnosis)
-    if not diagnosis.passed:
+        _print(checked)
+    if not checked.passed:
         raise SystemExit(2)
 
 
-def _print(diagnosis: Diagnosis) -> None:
+def _print(checked: Checked) -> None:
     """Diagnostics to standard error, the tasks without mistakes to standard output."""
-    for diagnostic in diagnosis.diagnostics:
+    for diagnostic in checked.diagnostics:
         click.echo(diagnostic.render(paint()) + "\n", err=True)
-    for name, count in diagnosis.tasks:
-        if name not in diagnosis.mistaken:
-            click.echo(f"{name}: {count:,} instances, no mistakes")
-            if name in diagnosis.designs:
-                _print_design(diagnosis.designs[name])
-    if not diagnosis.passed:
-        errors = [d for d in diagnosis.diagnostics if d.severity == "error"]
+    for task in checked.tasks:
+        if not task.mistaken:
+            click.echo(f"{task.name}: {task.instances:,} instances, no mistakes")
+            _print_design(task)
+    if not checked.passed:
+        errors = [d for d in checked.diagnostics if d.severity == "error"]
         codes = sorted({d.code for d in errors})
         more = f"`wmspec explain {codes[0]}` tells more"
         click.echo(f"{len(errors)} mistake{'s' * (len(errors) != 1)}; {more}", err=True)
-    elif not diagnosis.tasks:
+    elif not checked.tasks:
         click.echo("no tasks here, and no mistakes")
 
 
-def _print_design(design: Design) -> None:
+def _print_design(task: CheckedTask) -> None:
     """The sample sizes, and what balance may cost."""
-    for size, names in by_size(design.sample_sizes).items():
+    for size, names in by_size(task.sample_sizes or {}).items():
         click.echo(f"  {size:,} independent group{'s' * (size != 1)}: {', '.join(names)}")
-    if question := design.spec.plan.balance:
-        click.echo(f"  {balanced(question)}")
+    if task.balance:
+        click.echo(f"  {balanced(task.balance)}")

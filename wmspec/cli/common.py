@@ -49,7 +49,7 @@ def by_size(sizes: Mapping[str, int]) -> dict[int, list[str]]:
 
 def balanced(question: str) -> str:
     """What balance may cost."""
-    from wmspec.runtime.questions.balance import MOST_DRAWS
+    from wmspec.core.limits import MOST_DRAWS
 
     most = f"each group is drawn up to {MOST_DRAWS} times"
     return f"balanced answers of `{question}`: {most}; `wmspec generate --dry-run` measures how often"

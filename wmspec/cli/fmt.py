@@ -23,10 +23,9 @@ def fmt_command(specs: tuple[Path, ...], only_check: bool, diff: bool) -> None:
 
     Spaces, indents and columns become regular. Words, comments and what the spec means stay as they are.
     """
-    from wmspec.api.loading import spec_files
     from wmspec.core.diagnostics import SpecError
+    from wmspec.lang.parse.files import read_source, spec_files
     from wmspec.lang.parse.format import format_spec
-    from wmspec.lang.parse.load import read_source
 
     changed = failed = 0
     for path in [Path("-")] if specs == (Path("-"),) else spec_files(specs):

@@ -53,3 +53,5 @@ SECONDS = Limit(600, "seconds", "let it last less long")
 POSES = Limit(20_000_000, "poses, samples times bodies", "let it last less long, or have fewer bodies")
 #: Of all tasks of a dataset.
 INSTANCES = Limit(10_000_000, "instances", "make some of them: give --per-task")
+#: So many draws of a group are tried for balanced answers.
+MOST_DRAWS = 32

@@ -8,6 +8,9 @@ import os
 import re
 import stat
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,8 +28,25 @@ def is_name(text: object) -> bool:
     return isinstance(text, str) and _NAME.fullmatch(text) is not None
 
 
+#: While files that a spec names are being collected: the folders in which any were looked for, libraries apart.
+_searched: ContextVar[set[Path] | None] = ContextVar("_searched", default=None)
+
+
+@contextmanager
+def folders_searched() -> Iterator[set[Path]]:
+    """Collects the folders in which the block looks for files other than specs."""
+    folders = set[Path]()
+    token = _searched.set(folders)
+    try:
+        yield folders
+    finally:
+        _searched.reset(token)
+
+
 def inside(folder: Path, path: Path) -> bool:
     """Whether there is a file at a path that lies below the folder, wherever symbolic links lead."""
+    if (searched := _searched.get()) is not None and path.suffix != ".wms":
+        searched.add(folder)
     try:
         return path.is_file() and path.resolve().is_relative_to(folder.resolve())
     except (OSError, ValueError, RuntimeError):  # a name that is too long, a null character, links in a circle

@@ -37,7 +37,7 @@ from wmspec.lang.check.types.types import (
 )
 from wmspec.lang.check.types.units import fitting
 from wmspec.lang.parse import syntax as s
-from wmspec.lang.parse.load import library_folder, search_path
+from wmspec.lang.parse.files import library_folder, search_path
 from wmspec.lang.parse.parser import parse_expression
 
 Sort = Literal["property", "argument", "unit", "name", "function", "verb", "word", "keyword", "library", "part"]

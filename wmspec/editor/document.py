@@ -15,7 +15,8 @@ from wmspec.core.places import Source, Span
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.statements.task import known
 from wmspec.lang.parse import syntax as s
-from wmspec.lang.parse.load import Program, load_source, shown
+from wmspec.lang.parse.files import shown
+from wmspec.lang.parse.load import Program, load_source
 from wmspec.lang.parse.parser import parse
 
 

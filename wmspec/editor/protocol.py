@@ -18,7 +18,7 @@ from wmspec.editor.document import Document, children
 from wmspec.lang.parse import codes
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.codes import CODES
-from wmspec.lang.parse.load import located
+from wmspec.lang.parse.files import located
 
 #: Where the page of each code is, as `wmspec explain` shows it.
 PAGES = Path(codes.__file__).parent

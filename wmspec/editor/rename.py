@@ -12,7 +12,7 @@ from wmspec.editor.document import Document
 from wmspec.editor.names import Names, Occurrence
 from wmspec.lang.check.expressions.scope import BUILTIN, RESERVED
 from wmspec.lang.parse import syntax as s
-from wmspec.lang.parse.load import library_folder
+from wmspec.lang.parse.files import library_folder
 from wmspec.lang.parse.tables import tables
 
 

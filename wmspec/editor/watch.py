@@ -15,7 +15,8 @@ from wmspec.api.task import Task
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError
 from wmspec.core.places import Source
 from wmspec.editor import examples
-from wmspec.lang.parse.load import load_source, read_source, shown
+from wmspec.lang.parse.files import read_source, shown
+from wmspec.lang.parse.load import load_source
 from wmspec.runtime.workers.pool import Helper, Lost
 
 #: How often the files are looked at (s), and how long one instance may take.

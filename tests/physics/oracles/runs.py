@@ -52,7 +52,9 @@ class Run:
 
     def factor(self, name: str) -> float:
         """The value of a factor that is a number."""
-        return float(self.factors[name])
+        value = self.factors[name]
+        assert isinstance(value, float)
+        return value
 
     @property
     def moving(self) -> list[Motion]:

@@ -26,7 +26,7 @@ def named(question: Question, values: Values) -> set[str]:
             value = evaluate(part, values)
             names.update(v for v in (value if isinstance(value, tuple) else (value,)) if isinstance(v, str))
     for joint in [name for name in names if name in things and things[name].kind == "joint"]:
-        names.add(str(values.property(joint, "of")))  # what is said of a joint is seen on what it moves
+        names.add(values.reference(joint, "of"))  # what is said of a joint is seen on what it moves
     if not any(name in things and things[name].kind == "object" for name in names):
         names |= _showing(question.answer, values)
     return names

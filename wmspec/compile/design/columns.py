@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from itertools import chain
 from typing import Protocol
 
 from wmspec.compile.design.levels import Level, quantile
@@ -132,17 +134,26 @@ def balanced(column: Column, key: tuple[object, ...]) -> list[int]:
 
 def _evened(column: Column, key: tuple[object, ...]) -> list[int]:
     """The ranks of a column in an order in which each value of each factor comes at even intervals, else at random."""
-    rows = {rank: list(enumerate(column.values(rank))) for rank in range(column.size)}
-    total: dict[tuple[int, Level], int] = {}
-    for row in rows.values():
-        for cell in row:
-            total[cell] = total.get(cell, 0) + 1
-    taken = dict.fromkeys(total, 0)
+    cells: dict[tuple[int, Level], int] = {}
+    ranks = (enumerate(column.values(rank)) for rank in range(column.size))
+    rows = tuple(tuple(cells.setdefault(cell, len(cells)) for cell in row) for row in ranks)
+    return list(_spread_evenly(rows, key))
+
+
+@lru_cache(maxsize=256)  # a dry run needs the same few orders dozens of times
+def _spread_evenly(rows: tuple[tuple[int, ...], ...], key: tuple[object, ...]) -> tuple[int, ...]:
+    """The numbers of rows in an order in which each cell comes at even intervals; ties depend on the key."""
+    total = Counter(chain.from_iterable(rows))
+    due = [1 / total[cell] for cell in range(len(total))]
+    taken = [0] * len(due)
+    tied = {i: bits(*key, "tie", i) for i in range(len(rows))}
+    left = sorted(tied, key=tied.__getitem__)  # of equals, min takes the first
     order: list[int] = []
-    tie = {rank: bits(*key, "tie", rank) for rank in rows}
-    while rows:
-        rank = min(rows, key=lambda r: (sum((taken[c] + 1) / total[c] for c in rows[r]), tie[r]))
-        order.append(rank)
-        for cell in rows.pop(rank):
+    while left:
+        chosen = min(left, key=lambda i: sum(map(due.__getitem__, rows[i])))
+        left.remove(chosen)
+        order.append(chosen)
+        for cell in rows[chosen]:
             taken[cell] += 1
-    return order
+            due[cell] = (taken[cell] + 1) / total[cell]
+    return tuple(order)

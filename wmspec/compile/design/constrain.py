@@ -74,7 +74,7 @@ class _Known:
     def ref(self, name: str) -> Any:
         return self._known[name] if name in self._known else self._scene.ref(name)
 
-    def property(self, owner: str, name: str) -> Any:
+    def property(self, owner: str, name: str) -> object:
         return self._scene.property(owner, name)
 
     def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:

@@ -43,7 +43,7 @@ def at_zero(values: Values, owner: str) -> Pose:
     """Where a link of an asset would be with all joints at 0, seen from the asset's frame; what is of none is there."""
     if owner in values.assets:
         return HERE
-    return Pose(values.property(owner, "at"), turn(*geometry.own_turn(values, owner)))
+    return Pose(values.vector(owner, "at"), turn(*geometry.own_turn(values, owner)))
 
 
 def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
@@ -64,25 +64,25 @@ def _shift(values: Values, owner: str) -> Pose:
             break
         joint = holders[link]
         shift = _moved(values, joint).then(shift)
-        link = values.property(joint.name, "to") if values.has(joint.name, "to") else ""
+        link = values.reference(joint.name, "to") if values.has(joint.name, "to") else ""
     return shift
 
 
 def _holders(values: Values, of: str) -> dict[str, Thing]:
     """The joint that holds each link of an asset, but for those that nothing holds."""
-    return {values.property(t.name, "of"): t for t in values.assets.get(of, ()) if t.kind == "joint"}
+    return {values.reference(t.name, "of"): t for t in values.assets.get(of, ()) if t.kind == "joint"}
 
 
 def _moved(values: Values, joint: Thing) -> Pose:
     """What a joint does to all that is beyond it, where it starts, seen from the asset's frame."""
     if joint.model not in ("hinge", "slider"):
         return HERE
-    start: float = values.property(joint.name, "start") if values.has(joint.name, "start") else 0.0
+    start = values.number(joint.name, "start") if values.has(joint.name, "start") else 0.0
     within_limits(values, joint, start)
-    axis: Vector = unit(values.property(joint.name, "axis"))
+    axis: Vector = unit(values.vector(joint.name, "axis"))
     if joint.model == "slider":
         return Pose(times(start, axis))
-    middle: Vector = values.property(joint.name, "at")
+    middle = values.vector(joint.name, "at")
     there = Pose(middle, about(axis, start))
     return there.then(Pose(times(-1.0, middle)))
 
@@ -92,14 +92,14 @@ def within_limits(values: Values, thing: Thing, start: float, help: str = "") ->
     joint, model = thing.name, thing.model
     if (end := beyond(values, joint, start)) is not None:
         place = values.place(joint, "start" if values.has(joint, "start") else end)
-        limit = told(values.property(joint, end), model)
+        limit = told(values.number(joint, end), model)
         raise ImpossibleValue(f"`{joint}` starts at {told(start, model)}, beyond its limit of {limit}", place, help)
 
 
 def beyond(values: Values, joint: str, coordinate: float) -> str | None:
     """Which limit of a hinge or slider, `low` or `high`, a coordinate (rad or m) is beyond; None if it is within."""
     for end, sign in (("low", 1.0), ("high", -1.0)):
-        if values.has(joint, end) and sign * (coordinate - values.property(joint, end)) < -_ROUNDING:
+        if values.has(joint, end) and sign * (coordinate - values.number(joint, end)) < -_ROUNDING:
             return end
     return None
 

@@ -142,7 +142,7 @@ def _pick(size: Callable[[Values, str], float], most: bool) -> Callable[..., str
 
 
 def _luminance(values: Values, owner: str) -> float:
-    return colors.luminance(values.property(owner, "color"))
+    return colors.luminance(values.text(owner, "color"))
 
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {

@@ -33,7 +33,7 @@ def every_piece(values: Values, owner: str) -> tuple[tuple[str, Piece], ...]:
 
 def touchable(values: Values, part: str) -> bool:
     """Whether a part can be touched, or an object that is not made of parts."""
-    return not values.has(part, "solid") or bool(values.property(part, "solid"))
+    return not values.has(part, "solid") or values.flag(part, "solid")
 
 
 def volume(values: Values, owner: str) -> float:
@@ -44,13 +44,13 @@ def volume(values: Values, owner: str) -> float:
 def mass(values: Values, name: str) -> float:
     """What an object weighs (kg), as it says itself or by its density."""
     if values.has(name, "mass"):
-        return float(values.property(name, "mass"))
-    return float(values.property(name, "density")) * volume(values, name)
+        return values.number(name, "mass")
+    return values.number(name, "density") * volume(values, name)
 
 
 def own_turn(values: Values, owner: str) -> tuple[float, float, float]:
     """Yaw, pitch and roll (rad) of an object or part."""
-    return (values.property(owner, "yaw"), values.property(owner, "pitch"), values.property(owner, "roll"))
+    return (values.number(owner, "yaw"), values.number(owner, "pitch"), values.number(owner, "roll"))
 
 
 def _touched(values: Values, owner: str) -> tuple[Piece, ...]:
@@ -62,7 +62,7 @@ def _pieces(values: Values, owner: str) -> tuple[tuple[str, Piece], ...]:
     parts = values.parts(owner)
     if not parts:
         return ((owner, Piece(_solid(values, owner), HERE)),)
-    poses = (Pose(values.property(p, "at"), turn(*own_turn(values, p))) for p in parts)
+    poses = (Pose(values.vector(p, "at"), turn(*own_turn(values, p))) for p in parts)
     return tuple((p, Piece(_solid(values, p), pose)) for p, pose in zip(parts, poses, strict=True))
 
 
@@ -71,7 +71,8 @@ def _solid(values: Values, owner: str) -> Shape:
         return _shape(values, owner)
     from wmspec.compile.layout.meshes import load
 
-    path, scale, touched = (values.property(owner, name) for name in ("file", "scale", "collision"))
+    path, touched, scale = values.text(owner, "file"), values.text(owner, "collision"), values.property(owner, "scale")
+    assert isinstance(scale, float | tuple)
     try:
         return load(path, scale, touched, touchable(values, owner))
     except ImpossibleValue as error:
@@ -80,7 +81,7 @@ def _solid(values: Values, owner: str) -> Shape:
 
 def _shape(values: Values, owner: str) -> Shape:
     """A shape of the table, of the sizes that are said."""
-    word = values.property(owner, "shape")
+    word = values.text(owner, "shape")
     kind = SHAPES[word]
     words = {name: values.property(owner, name) for name in MEASURES if values.has(owner, name)}
     edges = len(words["size"]) if isinstance(words["size"], tuple) else 1

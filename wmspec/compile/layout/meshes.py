@@ -13,7 +13,7 @@ from wmspec.core.space import Vector
 from wmspec.lang.check.tables.vocabulary import FILES, MOST_LENGTH, STAGES
 from wmspec.lang.importers.mesh_files import harmless
 from wmspec.lang.importers.prim_names import parted
-from wmspec.lang.parse.load import located
+from wmspec.lang.parse.files import located
 from wmspec.sim.shapes import Mesh
 
 if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wait for numpy

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from wmspec.compile.layout import paths
 from wmspec.compile.layout.geometry import own_turn
 from wmspec.compile.layout.placement import rest
-from wmspec.compile.layout.surfaces import WORLD
+from wmspec.compile.layout.surfaces import is_point
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import Pose, Vector, add, heading, multiply, times, turn
 from wmspec.lang.check.ir.ir import TaskSpec, Thing
@@ -35,7 +35,7 @@ def carriers(values: Values) -> dict[str, str]:
     carrying: dict[str, str] = {}
     for action in values.spec.things:
         if action.kind == "action" and not action.of and action.verb in CARRYING and values.there(action.name):
-            carrying.setdefault(values.property(action.name, "object"), action.name)
+            carrying.setdefault(values.reference(action.name, "object"), action.name)
     return carrying
 
 
@@ -47,8 +47,8 @@ def carrier_sources(spec: TaskSpec) -> frozenset[str]:
 
 def before(values: Values, action: Thing) -> Stand:
     """Where the object of a carrying action is when it begins."""
-    owner = values.property(action.name, "object")
-    stand = Stand(values.pose(owner), values.property(owner, "yaw"))
+    owner = values.reference(action.name, "object")
+    stand = Stand(values.pose(owner), values.number(owner, "yaw"))
     moves = sorted((a for verb in CARRYING for a in values.acting(verb, owner)), key=lambda a: _start(values, a))
     for move in moves[: next(i for i, m in enumerate(moves) if m.name == action.name)]:
         stand = after(values, move, stand)
@@ -56,7 +56,7 @@ def before(values: Values, action: Thing) -> Stand:
 
 
 def _start(values: Values, action: Thing) -> float:
-    start: float = values.property(action.name, "start")
+    start = values.number(action.name, "start")
     return start
 
 
@@ -69,17 +69,17 @@ def after(values: Values, move: Thing, stand: Stand) -> Stand:
         gained = turns[-1] if turns else 0.0
         pose = Pose(points[-1], multiply(turn(gained), stand.pose.orientation) if gained else stand.pose.orientation)
         return Stand(pose, stand.yaw + gained)
-    speed, duration = values.property(move.name, "speed"), values.property(move.name, "duration")
-    gone = times(speed * duration, heading(angle(values.property(move.name, "direction"))))
+    speed, duration = values.number(move.name, "speed"), values.number(move.name, "duration")
+    gone = times(speed * duration, heading(angle(values.direction(move.name))))
     return replace(stand, pose=Pose(add(stand.pose.position, gone), stand.pose.orientation))
 
 
 def landed(values: Values, action: Thing, stand: Stand) -> Stand:
     """Where a teleport puts its object: at a point in space, or resting on what it rested on at another place."""
-    owner, to = values.property(action.name, "object"), values.property(action.name, "to")
-    yaw = values.property(action.name, "yaw") if values.has(action.name, "yaw") else stand.yaw
+    owner, to = values.reference(action.name, "object"), values.spot(action.name, "to")
+    yaw = values.number(action.name, "yaw") if values.has(action.name, "yaw") else stand.yaw
     _, pitch, roll = own_turn(values, owner)
-    if len(to) == 3 and to[0] != WORLD:
+    if is_point(to) and len(to) == 3:
         return Stand(Pose(to, turn(yaw, pitch, roll)), yaw)
     return Stand(rest(values, owner, to, yaw, pitch, roll), yaw)
 
@@ -91,11 +91,12 @@ def way(
 
     If it turns with its path, also how far (rad) it has turned at each point; else nothing.
     """
-    form, length, width, leads = (values.property(action.name, n) for n in ("path", "length", "width", "direction"))
-    points = paths.named(form, length, width) if isinstance(form, str) else form
-    turned = paths.turned(points, angle(leads))
-    points, turns = paths.faced(turned) if values.property(action.name, "facing") else (turned, ())
-    line, moments = paths.walked(points, values.property(action.name, "duration"))
+    name = action.name
+    form, length, width = values.property(name, "path"), values.number(name, "length"), values.number(name, "width")
+    points = paths.named(form, length, width) if isinstance(form, str) else values.points(name, "path")
+    turned = paths.turned(points, angle(values.direction(name)))
+    points, turns = paths.faced(turned) if values.flag(action.name, "facing") else (turned, ())
+    line, moments = paths.walked(points, values.number(action.name, "duration"))
     if len(line) < 2 or moments[-1] <= 0:
         raise ImpossibleValue(
             f"the path of `{action.name}` leads nowhere", action.place, "give it a length and a time above 0"

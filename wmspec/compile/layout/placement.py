@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from wmspec.compile.layout import assets, scatter
 from wmspec.compile.layout.geometry import own_turn
 from wmspec.compile.layout.solids import Face, reach
-from wmspec.compile.layout.surfaces import WORLD, under
+from wmspec.compile.layout.surfaces import Spot, is_point, under
 from wmspec.core.space import Pose, add, inverse, multiply, rotate, tilt, times, turn
 
 if TYPE_CHECKING:
@@ -32,20 +32,20 @@ def frame(values: Values, base: str) -> Pose:
 
 def _placed(values: Values, owner: str) -> Pose:
     """Where an object is itself placed, or the frame of an asset by its base."""
-    at = scatter.place(values, owner) if values.has(owner, "scatter") else values.property(owner, "at")
+    at = scatter.place(values, owner) if values.has(owner, "scatter") else values.spot(owner)
     resting = rest(values, owner, at, *own_turn(values, owner))
     links = assets.links(values, owner)
-    heights = [values.property(a.name, "height") for link in links for a in values.acting("drop", link)]
+    heights = [values.number(a.name, "height") for link in links for a in values.acting("drop", link)]
     return Pose(add(resting.position, (0.0, 0.0, max(heights))), resting.orientation) if heights else resting
 
 
-def rest(values: Values, owner: str, at: tuple[Any, ...], yaw: float, pitch: float = 0.0, roll: float = 0.0) -> Pose:
+def rest(values: Values, owner: str, at: Spot, yaw: float, pitch: float = 0.0, roll: float = 0.0) -> Pose:
     """Where an object turned like that would be with this `at`: (x, y) on what holds it, else (x, y) or (x, y, z)."""
     own = turn(yaw, pitch, roll)
     face = under(values, owner, at)
     if face is None:
-        if len(at) == 3 and at[0] != WORLD:
-            return Pose((at[0], at[1], at[2]), own)
+        if is_point(at) and len(at) == 3:
+            return Pose(at, own)
         x, y = at[-2:]
         face = Face((x, y, 0.0))
     depth = reach(assets.pieces(values, owner), rotate(inverse(own), (0.0, 0.0, -1.0)))

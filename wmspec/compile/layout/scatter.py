@@ -36,7 +36,7 @@ def place(values: Values, owner: str) -> tuple[float, float]:
 
 
 def _base(values: Values, owner: str) -> str:
-    base: str = values.property(owner, "on") if values.has(owner, "on") else ""
+    base = values.reference(owner, "on") if values.has(owner, "on") else ""
     return base
 
 
@@ -65,8 +65,8 @@ def _free(values: Values, name: str, face: Face, taken: list[Circle], deal: int)
     """The first of this deal's proposals that is free, if one is."""
     _, pitch, roll = own_turn(values, name)
     radius = footprint(assets.pieces(values, name), turn(0.0, pitch, roll))
-    x, y = seen_from(face, values.property(name, "at"))
-    (width, depth), gap = values.property(name, "scatter"), values.property(name, "gap")
+    x, y = seen_from(face, values.spot(name))
+    (width, depth), gap = values.pair(name, "scatter"), values.number(name, "gap")
     for k in range(deal * TRIES, (deal + 1) * TRIES):
         u, v = (uniform(*values.key, name, axis, k) - 0.5 for axis in "xy")
         here = (x + width * u, y + depth * v)

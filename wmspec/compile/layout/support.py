@@ -20,7 +20,7 @@ def supported(name: str, values: Values) -> None:
     """
     if not values.has(name, "on"):
         return
-    base: str = values.property(name, "on")
+    base = values.reference(name, "on")
     made, pose = assets.pieces(values, name), frame(values, name) if name in values.assets else values.pose(name)
     low, high = bounds(made, pose)
     if len(made) == 1 and made[0].solid.symmetry == "ball" and tops(values, base)[0].normal == UP:

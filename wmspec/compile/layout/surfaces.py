@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Final, TypeGuard
 
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import Face, bounds, surface, upward
@@ -15,22 +15,29 @@ if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
 
 #: What `left_of(...)` and the like give: a place on the ground of the world, `("place", x, y)`.
-WORLD = "place"
+WORLD: Final = "place"
+#: Where something is put: (x, y) on what holds it, (x, y, z) in the world, or a place on its ground.
+Spot = tuple[float, float] | Vector | tuple[str, float, float]
 #: Shapes that are hollow, or can be.
 HOLLOW = ("tube", "lathe", "extrude")
 
 
-def under(values: Values, owner: str, at: tuple[Any, ...]) -> Face | None:
+def is_point(at: Spot) -> TypeGuard[tuple[float, float] | Vector]:
+    """Whether a spot is a point, and no place on the ground of the world."""
+    return at[0] != WORLD
+
+
+def under(values: Values, owner: str, at: Spot) -> Face | None:
     """The point that an object rests on, as a face whose middle it is; None if it neither rests on nor in anything."""
     held = holder(values, owner)
     if held is None:
         return None
-    if len(at) == 3 and at[0] != WORLD:
+    if is_point(at) and len(at) == 3:
         raise ImpossibleValue(f"`{owner}` rests on something, so its place there is (x, y)", values.place(owner, "at"))
     way, base = held
     if way == "inside" and not values.parts(base):
         place = values.place(owner, "inside")
-        shape = values.property(base, "shape")
+        shape = values.text(base, "shape")
         hollow = shape in HOLLOW and not values.has(base, "file")
         remedy = f"put its shape into a part: `part wall {{ shape: {shape} ... }}`" if hollow else f"use `on: {base}`"
         raise ImpossibleValue(f"`{base}` has no parts, so nothing can be inside it", place, remedy)
@@ -39,7 +46,7 @@ def under(values: Values, owner: str, at: tuple[Any, ...]) -> Face | None:
 
 def holder(values: Values, owner: str) -> tuple[str, str] | None:
     """What an object rests `on` or `inside`, and which of the two; None if on nothing."""
-    holders = [(way, values.property(owner, way)) for way in ("on", "inside") if values.has(owner, way)]
+    holders = [(way, values.reference(owner, way)) for way in ("on", "inside") if values.has(owner, way)]
     if len(holders) == 2:
         raise ImpossibleValue(f"`{owner}` is both `on` and `inside`", values.place(owner, "inside"), "keep one of them")
     if holders and holders[0][1] == owner:
@@ -59,17 +66,17 @@ def _tops(values: Values, base: str) -> list[Face]:
     here, made = values.pose(base), pieces(values, base)
     if len(made) == 1 and made[0].solid.flats:
         placed = here.then(made[0].pose)
-        return list(upward(made[0].solid, placed, values.property(base, "yaw")))
+        return list(upward(made[0].solid, placed, values.number(base, "yaw")))
     highest = bounds(made, here)[1][2]
-    return [Face((here.position[0], here.position[1], highest), UP, values.property(base, "yaw"))]
+    return [Face((here.position[0], here.position[1], highest), UP, values.number(base, "yaw"))]
 
 
-def top(values: Values, base: str, at: tuple[Any, ...]) -> Face:
+def top(values: Values, base: str, at: Spot) -> Face:
     """The point at `at` on top of an object: from the middle of the face that looks up most, or in the world."""
     faces = tops(values, base)
-    if at[0] != WORLD:
+    if is_point(at):
         return Face(add(faces[0].middle, _along(faces[0], at[0], at[1])), faces[0].normal)
-    x, y = at[1:]
+    x, y = at[-2:]
     lid = min(faces, key=lambda face: face.height(x, y))
     return Face((x, y, lid.height(x, y)), lid.normal)
 
@@ -79,11 +86,11 @@ def _along(face: Face, x: float, y: float) -> Vector:
     return rotate(tilt(face.normal), (cos * x - sin * y, sin * x + cos * y, 0.0))
 
 
-def seen_from(face: Face, at: tuple[Any, ...]) -> tuple[float, float]:
+def seen_from(face: Face, at: Spot) -> tuple[float, float]:
     """A place as (x, y) from the middle of a face, along its own axes."""
-    if at[0] != WORLD:
+    if is_point(at):
         return (at[0], at[1])
-    x, y = at[1:]
+    x, y = at[-2:]
     away = add((x, y, face.height(x, y)), times(-1.0, face.middle))
     level = rotate(inverse(tilt(face.normal)), away)
     cos, sin = math.cos(face.yaw), math.sin(face.yaw)
@@ -93,7 +100,7 @@ def seen_from(face: Face, at: tuple[Any, ...]) -> tuple[float, float]:
 # ---------------------------------------------------------------- inside
 
 
-def bottom(values: Values, base: str, at: tuple[Any, ...]) -> Face:
+def bottom(values: Values, base: str, at: Spot) -> Face:
     """The point at `at` in the hollow of a compound object: on its lowest part there, or on what that stands on."""
     x, y = _ground(values, base, at)
     floor = min(_floors(values, base, x, y), key=lambda face: face.height(x, y), default=None)
@@ -101,9 +108,9 @@ def bottom(values: Values, base: str, at: tuple[Any, ...]) -> Face:
     return Face((x, y, face.height(x, y)), face.normal)
 
 
-def _ground(values: Values, base: str, at: tuple[Any, ...]) -> tuple[float, float]:
-    if at[0] == WORLD:
-        return (at[1], at[2])
+def _ground(values: Values, base: str, at: Spot) -> tuple[float, float]:
+    if not is_point(at):
+        return at[-2:]
     x, y, _ = values.pose(base).apply((at[0], at[1], 0.0))
     return (x, y)
 

@@ -8,10 +8,11 @@ from functools import cached_property
 from typing import Any, TypeVar, cast
 
 from wmspec.compile.layout import functions, placement
+from wmspec.compile.layout.surfaces import Spot
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.limits import SECONDS
 from wmspec.core.places import Location
-from wmspec.core.space import Pose
+from wmspec.core.space import Pose, Vector
 from wmspec.lang.check.ir.evaluate import NoValue, evaluate
 from wmspec.lang.check.ir.ir import Counterfactual, Expr, TaskSpec, Thing, Value
 from wmspec.lang.check.tables import colors
@@ -71,10 +72,10 @@ class Values:
 
     def during(self, time: float) -> bool:
         """Whether a time (s) is within the episode."""
-        return -1e-9 <= time <= float(self.ref("end")) + 1e-9
+        return -1e-9 <= time <= self.end + 1e-9
 
-    def property(self, owner: str, name: str) -> Any:
-        """The value of a property or argument. Raises WmsError with its place if it is impossible."""
+    def property(self, owner: str, name: str) -> object:
+        """The value of a property or argument, of any kind. Raises WmsError with its place if it is impossible."""
         key = (owner, name)
         if key in self._known:
             return self._known[key]
@@ -85,6 +86,80 @@ class Values:
         self._check(self._things[owner], name, constant, setting.place)
         self._known[key] = constant
         return constant
+
+    # The same by kind. The checker has seen to the kinds, so a TypeError from here is a mistake of wmspec's own.
+
+    def number(self, owner: str, name: str) -> float:
+        """A property that is a number, in SI units."""
+        value = self.property(owner, name)
+        if isinstance(value, float):
+            return value
+        if isinstance(value, int) and not isinstance(value, bool):
+            return float(value)
+        raise _mismatch(owner, name, value, "a number")
+
+    def flag(self, owner: str, name: str) -> bool:
+        """A property that is true or false."""
+        value = self.property(owner, name)
+        if isinstance(value, bool):
+            return value
+        raise _mismatch(owner, name, value, "true or false")
+
+    def text(self, owner: str, name: str) -> str:
+        """A property that is a text, or a word of a vocabulary such as a shape or a colour."""
+        value = self.property(owner, name)
+        if isinstance(value, str):
+            return value
+        raise _mismatch(owner, name, value, "a text")
+
+    def reference(self, owner: str, name: str) -> str:
+        """A property that refers to a thing of the spec: its name."""
+        value = self.property(owner, name)
+        if isinstance(value, str):
+            return value
+        raise _mismatch(owner, name, value, "the name of a thing")
+
+    def references(self, owner: str, name: str) -> tuple[str, ...]:
+        """A property that refers to several things of the spec: their names."""
+        value = self.property(owner, name)
+        if isinstance(value, tuple) and all(isinstance(each, str) for each in value):
+            return value
+        raise _mismatch(owner, name, value, "names of things")
+
+    def pair(self, owner: str, name: str) -> tuple[float, float]:
+        """A property that is two numbers, in SI units."""
+        value = self.property(owner, name)
+        if isinstance(value, tuple) and len(value) == 2:
+            return value
+        raise _mismatch(owner, name, value, "two numbers")
+
+    def vector(self, owner: str, name: str) -> Vector:
+        """A property that is three numbers, in SI units."""
+        value = self.property(owner, name)
+        if isinstance(value, tuple) and len(value) == 3:
+            return value
+        raise _mismatch(owner, name, value, "three numbers")
+
+    def points(self, owner: str, name: str) -> tuple[tuple[float, ...], ...]:
+        """A property that is a list of pairs or vectors, in SI units."""
+        value = self.property(owner, name)
+        if isinstance(value, tuple) and all(isinstance(each, tuple) for each in value):
+            return value
+        raise _mismatch(owner, name, value, "a list of points")
+
+    def spot(self, owner: str, name: str = "at") -> Spot:
+        """A property that is a point or a place on the ground."""
+        value = self.property(owner, name)
+        if isinstance(value, tuple) and 2 <= len(value) <= 3:
+            return value
+        raise _mismatch(owner, name, value, "a place")
+
+    def direction(self, owner: str, name: str = "direction") -> float | str:
+        """A property that is a heading: an angle (rad), or a word such as `left`."""
+        value = self.property(owner, name)
+        if isinstance(value, float | int | str):
+            return value
+        raise _mismatch(owner, name, value, "a direction")
 
     def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:
         """A function of the design."""
@@ -129,13 +204,17 @@ class Values:
             change = self.change
             about = change is not None and change.owner == name
             happens = about if thing.added else not (about and change is not None and change.change == "without")
-            return happens and ("object" not in thing.properties or self.there(self.property(name, "object")))
-        return "present" not in thing.properties or bool(self.property(name, "present"))
+            return happens and ("object" not in thing.properties or self.there(self.reference(name, "object")))
+        return "present" not in thing.properties or self.flag(name, "present")
+
+    def ends(self, joint: str) -> tuple[str, ...]:
+        """The objects that a joint joins: two, or one that it joins to the world."""
+        return tuple(self.reference(joint, end) for end in ("of", "to") if self.has(joint, end))
 
     def acting(self, verb: str, owner: str) -> list[Thing]:
         """The actions of a verb that are done to an object."""
         return [
-            a for a in self._actions.get(verb, ()) if self.property(a.name, "object") == owner and self.there(a.name)
+            a for a in self._actions.get(verb, ()) if self.reference(a.name, "object") == owner and self.there(a.name)
         ]
 
     @cached_property
@@ -172,7 +251,12 @@ class Values:
     @cached_property
     def gravity(self) -> float:
         """The acceleration of free fall, m/s²."""
-        return float(self.property(self.world, "gravity")) if self.world else EARTH
+        return self.number(self.world, "gravity") if self.world else EARTH
+
+    @cached_property
+    def end(self) -> float:
+        """When the episode ends (s)."""
+        return float(self.ref("end"))
 
     # ------------------------------------------------------------ where things are
 
@@ -222,9 +306,9 @@ class Values:
     def _of_material(self, owner: str, name: str) -> Any:
         """What an object's material decides; a picture on it keeps its own colours."""
         if name != "color":
-            return getattr(MATERIALS[self.property(owner, "material")], name)
+            return getattr(MATERIALS[self.text(owner, "material")], name)
         return colors.word(
-            (1.0, 1.0, 1.0) if self.has(owner, "image") else MATERIALS[self.property(owner, "material")].color
+            (1.0, 1.0, 1.0) if self.has(owner, "image") else MATERIALS[self.text(owner, "material")].color
         )
 
     def _turn(self, change: Counterfactual, owner: str) -> Any:
@@ -232,15 +316,19 @@ class Values:
 
         The later one takes the start of the earlier one, which now ends when the later one would have.
         """
-        start = self.truth.property(owner, "start")
+        start = self.truth.number(owner, "start")
         if owner not in (change.owner, change.property):
             return start
-        early, late = sorted((change.owner, change.property), key=lambda a: float(self.truth.property(a, "start")))
-        first, second = self.truth.property(early, "start"), self.truth.property(late, "start")
+        early, late = sorted((change.owner, change.property), key=lambda a: self.truth.number(a, "start"))
+        first, second = self.truth.number(early, "start"), self.truth.number(late, "start")
         return first if owner == late else second + self._lasts(late) - self._lasts(early)
 
     def _lasts(self, action: str) -> float:
-        return float(self.truth.property(action, "duration")) if self.has(action, "duration") else 0.0
+        return self.truth.number(action, "duration") if self.has(action, "duration") else 0.0
+
+
+def _mismatch(owner: str, name: str, value: object, kind: str) -> TypeError:
+    return TypeError(f"`{owner}.{name}` is {value!r}, which is not {kind}: read it with the accessor of its kind")
 
 
 def _evaluate(expr: Expr, values: Values, place: Location) -> Any:

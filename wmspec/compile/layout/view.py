@@ -43,11 +43,11 @@ def gaze(values: Values, viewer: str) -> float:
         if math.hypot(ahead[0], ahead[1]) <= UPRIGHT:
             raise NoValue(f"`{viewer}` looks straight up or down, so nothing is on its left")
         return quarters(ahead[0], ahead[1])
-    ahead = add(values.property(viewer, "look_at"), times(-1.0, values.property(viewer, "at")))
+    ahead = add(values.vector(viewer, "look_at"), times(-1.0, values.vector(viewer, "at")))
     if math.hypot(ahead[0], ahead[1]) <= 1e-9 * math.hypot(*ahead):
         ahead = (0.0, 1.0, 0.0)
     if values.has(viewer, "ride"):
-        ahead = rotate(values.pose(values.property(viewer, "ride")).orientation, ahead)
+        ahead = rotate(values.pose(values.reference(viewer, "ride")).orientation, ahead)
     return quarters(ahead[0], ahead[1])
 
 

@@ -18,16 +18,16 @@ def target_beyond_limit(scene: Scene) -> Iterator[Breach]:
         if thing.kind == "joint" and values.there(thing.name) and values.has(thing.name, "target"):
             yield from _beyond(scene, thing.name, thing.name, values.place(thing.name, "target"))
         elif thing.kind == "action" and thing.verb == "drive" and not thing.of and values.there(thing.name):
-            joint: str = values.property(thing.name, "joint")
+            joint = values.reference(thing.name, "joint")
             yield from _beyond(scene, thing.name, joint, values.place(thing.name, "target"))
 
 
 def _beyond(scene: Scene, owner: str, joint: str, place: Location) -> Iterator[Breach]:
     values = scene.values
-    target: float = values.property(owner, "target")
+    target = values.number(owner, "target")
     if (limit := beyond(values, joint, target)) is not None:
         end, model = limit, values.spec.thing(joint).model
-        most = told(values.property(joint, end), model)
+        most = told(values.number(joint, end), model)
         what = f"the target of `{owner}` is {told(target, model)}, beyond the limit of `{joint}`, {most}, {scene.where}"
         yield Breach(what, place, f"stay within the limits, or set another `{end}:`", about=(owner, "target"))
 
@@ -39,7 +39,7 @@ def acts_on_nothing(scene: Scene) -> Iterator[Breach]:
     for action in values.spec.things:
         if action.kind != "action" or "object" not in action.properties or action.added:
             continue
-        name: str = values.property(action.name, "object")
+        name = values.reference(action.name, "object")
         place = values.place(action.name, "object")
         if not values.there(name):
             remedy = "exclude this with `require`, or name one that is there"
@@ -48,9 +48,9 @@ def acts_on_nothing(scene: Scene) -> Iterator[Breach]:
             what = f"`{action.name}` does nothing: `{name}` is not there {scene.where}"
             yield Breach(what, place, remedy, about=action.name)
         elif values.there(action.name):
-            starts: float = values.property(action.name, "start")
+            starts = values.number(action.name, "start")
             for gone in values.acting("vanish", name):
-                if gone is not action and values.property(gone.name, "start") < starts:
+                if gone is not action and values.number(gone.name, "start") < starts:
                     what = f"`{action.name}` does nothing: `{name}` vanished before, with `{gone.name}`"
                     yield Breach(what, place, "let it begin earlier, or leave it out", about=action.name)
 

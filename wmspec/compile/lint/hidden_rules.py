@@ -32,7 +32,7 @@ def hidden_thing(scene: Scene) -> Iterator[Breach]:
     needed = {name for question in questions for name in named(question, values).union(moved(values))}
     for name in (name for name in things if name in needed and not things[name].set):
         around = list(corners(bounds(pieces(values, name), values.pose(name))))
-        by = [_hiding(values.property(camera, "at"), around, [w for w in walls if w[0] != name]) for camera in cameras]
+        by = [_hiding(values.vector(camera, "at"), around, [w for w in walls if w[0] != name]) for camera in cameras]
         if all(by):
             what = f"`{name}` is moved or asked about, and hidden behind `{by[0]}` from `{cameras[0]}` {scene.where}"
             note = Note(f"`{by[0]}` is declared here", values.place(by[0] or ""))
@@ -53,7 +53,7 @@ def _boxes(values: Values, name: str) -> Iterator[tuple[Vector, Pose]]:
     """The boxes of which an object is made and that are drawn: half their edges (m), and where they are."""
     pose = values.pose(name)
     for part, piece in every_piece(values, name):
-        drawn = all(values.property(owner, "drawn") for owner in {name, part} if values.has(owner, "drawn"))
+        drawn = all(values.flag(owner, "drawn") for owner in {name, part} if values.has(owner, "drawn"))
         if isinstance(piece.solid, Box) and drawn:
             yield piece.solid.half, pose.then(piece.pose)
 

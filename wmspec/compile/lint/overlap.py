@@ -79,21 +79,21 @@ def _pieces_of(values: Values, name: str) -> tuple[Piece, ...]:
 def _bodies(values: Values) -> Iterator[_Body]:
     for thing in values.spec.things:
         name = thing.name
-        if thing.kind != "object" or not values.there(name) or not values.property(name, "solid"):
+        if thing.kind != "object" or not values.there(name) or not values.flag(name, "solid"):
             continue
         if any(_in_pieces(values, part) for part in (name, *values.parts(name))):
             continue
         box = bounds(pieces(values, name), values.pose(name))
-        yield _Body(name, values.property(name, "fixed"), _pieces_of(values, name), *box)
+        yield _Body(name, values.flag(name, "fixed"), _pieces_of(values, name), *box)
 
 
 def _in_pieces(values: Values, part: str) -> bool:
-    return values.has(part, "file") and bool(values.property(part, "collision") == "pieces")
+    return values.has(part, "file") and values.text(part, "collision") == "pieces"
 
 
 def _joined(values: Values) -> set[frozenset[str]]:
     joints = [t.name for t in values.spec.things if t.kind == "joint" and values.there(t.name)]
-    return {frozenset((values.property(j, "of"), values.property(j, "to"))) for j in joints if values.has(j, "to")}
+    return {frozenset(values.ends(j)) for j in joints if values.has(j, "to")}
 
 
 # ---------------------------------------------------------------- how deep

@@ -43,7 +43,7 @@ def camera_inside(scene: Scene) -> Iterator[Breach]:
     """A camera within an object."""
     values = scene.values
     for camera in _standing(values):
-        eye: Vector = values.property(camera, "at")
+        eye = values.vector(camera, "at")
         for thing in values.spec.things:
             if thing.kind == "object" and values.there(thing.name) and _within(values, thing.name, eye):
                 what = f"`{camera}` is inside `{thing.name}` {scene.where}"
@@ -85,11 +85,10 @@ def too_fast(scene: Scene) -> Iterator[Breach]:
     values = scene.values
     for action in values.spec.things:
         if action.kind == "action" and "speed" in action.properties and values.there(action.name) and not action.of:
-            speed: float = values.property(action.name, "speed")
+            speed = values.number(action.name, "speed")
             if speed > FAST:
-                what = (
-                    f"`{action.name}` gives `{values.property(action.name, 'object')}` {units.told(speed, units.SPEED)}"
-                )
+                target = values.reference(action.name, "object")
+                what = f"`{action.name}` gives `{target}` {units.told(speed, units.SPEED)}"
                 place = values.place(action.name, "speed")
                 yield Breach(f"{what} {scene.where}", place, "is this the unit that is meant?", about=action.name)
 
@@ -100,7 +99,7 @@ def out_of_proportion(scene: Scene) -> Iterator[Breach]:
     values = scene.values
     for thing in values.spec.things:
         if thing.kind == "object" and values.there(thing.name) and values.has(thing.name, "mass"):
-            mass: float = values.property(thing.name, "mass")
+            mass = values.number(thing.name, "mass")
             if not LIGHT <= mass <= HEAVY:
                 what = f"`{thing.name}` weighs {units.told(mass, units.MASS)} {scene.where}"
                 yield Breach(
@@ -115,7 +114,7 @@ def launched_twice(scene: Scene) -> Iterator[Breach]:
     for name in (t.name for t in values.spec.things if t.kind == "object"):
         actions = values.acting("launch", name)
         for a, b in combinations(actions, 2):
-            if abs(values.property(a.name, "start") - values.property(b.name, "start")) < 1e-9:
+            if abs(values.number(a.name, "start") - values.number(b.name, "start")) < 1e-9:
                 what = f"`{a.name}` and `{b.name}` launch `{name}` at the same time {scene.where}"
                 note = Note(f"`{a.name}` is declared here", values.place(a.name))
                 remedy = "leave one out, or let it begin at another time"
@@ -163,7 +162,7 @@ def _inside(solid: Shape, point: Vector) -> bool:
 
 def _share(values: Values, camera: str, box: tuple[Vector, Vector]) -> float:
     """How much of the height of a picture a box takes at most."""
-    eye, edge = values.property(camera, "at"), 2 * math.tan(values.property(camera, "fov") / 2)
+    eye, edge = values.vector(camera, "at"), 2 * math.tan(values.number(camera, "fov") / 2)
     return _across(box) / max(1e-9, edge * _away(box, eye))
 
 

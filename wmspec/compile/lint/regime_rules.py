@@ -122,7 +122,7 @@ def double_pendulum(scene: Scene) -> Iterator[Breach]:
         if any(_balanced(values, name, end) for end in ends):
             continue
         if len(ends) == 2 and any(ends & others for j, others in free.items() if j != name):
-            of, to = values.property(name, "of"), values.property(name, "to")
+            of, to = values.reference(name, "of"), values.reference(name, "to")
             what = f"`{of}` swings from `{to}`, which swings itself, {scene.where}"
             remedy = "ask early, and with a `margin` of some per cent"
             doubt = "all engines lose or gain a few per cent of the energy of such"
@@ -138,7 +138,7 @@ def sliding_mesh(scene: Scene) -> Iterator[Breach]:
     for action in values.spec.things:
         if action.kind != "action" or action.verb != "launch" or not values.there(action.name):
             continue
-        name = values.property(action.name, "object")
+        name = values.reference(action.name, "object")
         if name in loose and any(piece.solid.primitive is None for piece in pieces(values, name)):
             kinds = "neither box, ball, capsule nor cylinder"
             what = f"`{name}` is launched {scene.where} and is {kinds}; some engines brake it as it slides"
@@ -151,7 +151,7 @@ def fast_spin(scene: Scene) -> Iterator[Breach]:
     """What begins to spin fast and is no ball: its axis may turn, and engines gain or lose its energy then."""
     values = scene.values
     for name in _free(values):
-        spin = math.hypot(*values.property(name, "spin")) if values.has(name, "spin") else 0.0
+        spin = math.hypot(*values.vector(name, "spin")) if values.has(name, "spin") else 0.0
         (piece, *others) = pieces(values, name)
         if spin > SPINS and (others or not isinstance(piece.solid, Sphere) or name in _joined(values)):
             what = f"`{name}` spins at {spin:.3g} rad/s {scene.where}"
@@ -187,18 +187,18 @@ RULES = (
 def _touchable(values: Values) -> list[str]:
     """The objects that are there and can be touched."""
     objects = (t.name for t in values.spec.things if t.kind == "object")
-    return [name for name in objects if values.there(name) and values.property(name, "solid")]
+    return [name for name in objects if values.there(name) and values.flag(name, "solid")]
 
 
 def _speeds(values: Values) -> Iterator[float]:
     """How fast (m/s) actions set things off or carry them."""
     for action in values.spec.things:
         if action.kind == "action" and values.there(action.name) and "speed" in action.properties:
-            yield values.property(action.name, "speed")
+            yield values.number(action.name, "speed")
 
 
 def _bounce(values: Values, a: str, b: str) -> float:
-    return math.sqrt(values.property(a, "restitution") * values.property(b, "restitution"))
+    return math.sqrt(values.number(a, "restitution") * values.number(b, "restitution"))
 
 
 def _lying(values: Values, name: str) -> Iterator[bool]:
@@ -220,7 +220,7 @@ def _falling(values: Values) -> bool:
 
 def _free(values: Values) -> Iterator[str]:
     """Those that can be touched and move."""
-    return (name for name in _touchable(values) if not values.property(name, "fixed"))
+    return (name for name in _touchable(values) if not values.flag(name, "fixed"))
 
 
 def _loose(values: Values) -> Iterator[str]:
@@ -231,7 +231,7 @@ def _loose(values: Values) -> Iterator[str]:
 
 def _joined(values: Values) -> set[str]:
     """The objects that have joints."""
-    return {values.property(j.name, end) for j in _joints(values) for end in ("of", "to") if values.has(j.name, end)}
+    return {end for j in _joints(values) for end in values.ends(j.name)}
 
 
 def _joints(values: Values) -> list[Thing]:
@@ -240,8 +240,7 @@ def _joints(values: Values) -> list[Thing]:
 
 def _ends(values: Values, joint: str) -> set[str]:
     """The one or two objects of a joint that move."""
-    ends = {values.property(joint, end) for end in ("of", "to") if values.has(joint, end)}
-    return {end for end in ends if not values.property(end, "fixed")}
+    return {end for end in values.ends(joint) if not values.flag(end, "fixed")}
 
 
 def _balanced(values: Values, joint: str, end: str) -> bool:
@@ -257,8 +256,8 @@ def _balanced(values: Values, joint: str, end: str) -> bool:
     middle = ORIGIN
     for piece in parts:
         middle = add(middle, times(piece.solid.volume / room, piece.pose.apply(piece.solid.center)))
-    away = add(values.pose(end).apply(middle), times(-1.0, values.property(joint, "at")))
-    if thing.model == "hinge" and math.hypot(*(axis := values.property(joint, "axis"))) > 0:
+    away = add(values.pose(end).apply(middle), times(-1.0, values.vector(joint, "at")))
+    if thing.model == "hinge" and math.hypot(*(axis := values.vector(joint, "axis"))) > 0:
         axis = unit(axis)
         away = add(away, times(-dot(away, axis), axis))
     return math.hypot(*away) < BALANCED * max(_thickness(piece) for piece in parts)
@@ -266,7 +265,7 @@ def _balanced(values: Values, joint: str, end: str) -> bool:
 
 def _driven(values: Values, joint: str) -> bool:
     """Whether a joint has a drive, or is braked."""
-    return any(values.has(joint, name) and values.property(joint, name) for name in ("stiffness", "damping"))
+    return any(values.has(joint, name) and values.number(joint, name) for name in ("stiffness", "damping"))
 
 
 def _thickness(piece: Piece) -> float:

@@ -102,10 +102,10 @@ def _from(relation: Call) -> bool:
 def late_action(scene: Scene) -> Iterator[Breach]:
     """An action that begins when the episode is over."""
     values = scene.values
-    end: float = values.ref("end")
+    end = values.end
     for action in values.spec.things:
         if action.kind == "action" and not (action.of or VERBS[action.verb].holds) and values.there(action.name):
-            start: float = values.property(action.name, "start")
+            start = values.number(action.name, "start")
             if start > end - 1e-9:
                 lasts = f"the episode lasts {units.told(end, units.TIME)} {scene.where}"
                 what = f"`{action.name}` never happens: it begins at {units.told(start, units.TIME)}, and {lasts}"
@@ -118,9 +118,9 @@ def crowded(scene: Scene) -> Iterator[Breach]:
     """So many things that can touch one another that an instance takes long: every pair is looked at in every step."""
     values = scene.values
     present = [t.name for t in values.spec.things if t.kind == "object" and values.there(t.name)]
-    free = [name for name in present if not values.property(name, "fixed")]
+    free = [name for name in present if not values.flag(name, "fixed")]
     pairs = len(free) * (len(free) - 1) // 2 + len(free) * (len(present) - len(free))
-    seconds = pairs * float(values.ref("end")) * _PAIR_SECONDS
+    seconds = pairs * values.end * _PAIR_SECONDS
     if seconds > _LONG:
         what = f"{len(free)} things can move, and {pairs:,} pairs can touch: an episode may take about {seconds:.0f} s"
         remedy = "have fewer, fix some of them, or observe for less long; `wmspec generate --timeout` gives more time"

@@ -47,7 +47,7 @@ def subjects(values: Values) -> list[str]:
 def moved(values: Values) -> list[str]:
     """The objects that actions are done to."""
     acting = (t.name for t in values.spec.things if t.kind == "action" and "object" in t.properties)
-    return [values.property(name, "object") for name in acting if values.there(name)]
+    return [values.reference(name, "object") for name in acting if values.there(name)]
 
 
 def _asked(spec: TaskSpec) -> Iterator[Expr]:
@@ -99,9 +99,9 @@ def _reached(values: Values, action: Thing) -> tuple[Vector, ...]:
         through = way(values, action, stand.pose.position)[0] if verb == "follow" else ()
         return (*through, after(values, action, stand).pose.position)
     slides = verb == "slide"
-    far = values.property(name, "distance") if slides else values.property(name, "speed") * values.ref("end")
-    ahead = heading(angle(values.property(name, "direction")))
-    return (add(values.pose(values.property(name, "object")).position, times(far, ahead)),)
+    far = values.number(name, "distance") if slides else values.number(name, "speed") * values.end
+    ahead = heading(angle(values.direction(name)))
+    return (add(values.pose(values.reference(name, "object")).position, times(far, ahead)),)
 
 
 def _around(a: Box, b: Box) -> Box:
@@ -115,9 +115,9 @@ def _around(a: Box, b: Box) -> Box:
 
 def _in_view(values: Values, camera: str, box: Box) -> bool:
     """Whether no side of the picture has the whole box beyond it."""
-    eye = values.property(camera, "at")
-    forward, right, up = _axes(eye, values.property(camera, "look_at"))
-    edge = math.tan(values.property(camera, "fov") / 2)
+    eye = values.vector(camera, "at")
+    forward, right, up = _axes(eye, values.vector(camera, "look_at"))
+    edge = math.tan(values.number(camera, "fov") / 2)
     sides = [forward] + [add(times(edge, forward), times(sign, side)) for side in (right, up) for sign in (1, -1)]
     seen = [add(corner, times(-1.0, eye)) for corner in corners(box)]
     return all(any(dot(side, corner) > 0 for corner in seen) for side in sides)

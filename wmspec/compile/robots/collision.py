@@ -62,7 +62,7 @@ def _with_things(made: Plan, action: Thing, before: Goods, links: Array, hand: l
             when, what = _through(arm, links, box, reach), "a link of it"
         if name in carried:
             when = when if when is not None and when < leads else None
-        elif when is None and (made.values.property(name, "fixed") or action.verb == "place"):
+        elif when is None and (made.values.flag(name, "fixed") or action.verb == "place"):
             when, what = _meets(led, box, reach), f"`{before.name}`"
         if when is not None:
             return f"{what} would go through `{name}`, {when:.2f} s after it starts", HELPS.get(action.verb, ASIDE)
@@ -208,7 +208,7 @@ def _fingers(frames: Array, slides: Array, arm: Arm, corners: Array) -> Iterator
 def _other_hand(made: Plan, robot: str, arm: State, times: Array) -> Iterator[Box]:
     """The hand of another arm at these times (n,) s: on its ways so far, and between them where they end."""
     rows = np.tile([*arm.arm.rest, arm.arm.opening / 2], (len(times), 1))
-    starts = sorted((made.values.property(name, "start"), name) for name, r in made.reaches.items() if r.robot == robot)
+    starts = sorted((made.values.number(name, "start"), name) for name, r in made.reaches.items() if r.robot == robot)
     for start, name in starts:
         reach, later = made.reaches[name], times >= start
         columns = [*range(len(arm.q)), -1]
@@ -219,14 +219,14 @@ def _other_hand(made: Plan, robot: str, arm: State, times: Array) -> Iterator[Bo
 
 def _obstacles(made: Plan, action: Thing, carried: set[str]) -> Iterator[tuple[str, Box]]:
     """All that an arm does not handle; what it pushes may push what can move, but for what is `carried` along."""
-    values, handled = made.values, together(made.values, made.values.property(action.name, "object"))
-    others = {values.property(t.name, "object") for t in moving(values)}
+    values, handled = made.values, together(made.values, made.values.reference(action.name, "object"))
+    others = {values.reference(t.name, "object") for t in moving(values)}
     for thing in values.spec.things:
         name = thing.name
         if thing.kind != "object" or name in handled or name in others or not values.there(name):
             continue
         if not _solid(values, name) or (
-            action.verb == "push" and name not in carried and not values.property(name, "fixed")
+            action.verb == "push" and name not in carried and not values.flag(name, "fixed")
         ):
             continue
         for box in boxes(values, name, made.frame(name)):

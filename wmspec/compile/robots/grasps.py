@@ -55,7 +55,7 @@ def lift(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     for side, action in sides.items():
         made.free(action)
         taken(made, action, thing)
-        x, y = made.values.property(action.name, "at")
+        x, y = made.values.pair(action.name, "at")
         lengths[side] = thing.half[0] - END + side * x
         turned = made.nearest(action.of, (thing.yaw,)) - thing.yaw
         hands[side] = shift(0.0, y, 0.0) @ down(0.0, 0.0, 0.0, turned)
@@ -79,11 +79,11 @@ def place(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     """Carry it above its place, put it down there, let go and draw back."""
     action = only(acts)
     arm, lasts, values = made.arms[action.of], made.lasts(action), made.values
-    onto = values.property(action.name, "on")
+    onto = values.reference(action.name, "on")
     if onto in together(values, thing.name):
         raise ImpossibleValue(f"`{thing.name}` cannot be put on itself", action.place, "name what it is to stand on")
     made.wields(action)
-    face = np.array(surfaces.top(values, onto, values.property(action.name, "at")).middle)
+    face = np.array(surfaces.top(values, onto, values.pair(action.name, "at")).middle)
     face = (made.motion(onto) @ [*face, 1.0])[:3]
     way = np.array([*face[:2], face[2] + SOFTLY]) - np.array([*thing.middle[:2], thing.middle[2] - thing.half[2]])
     here = arm.tool
@@ -162,7 +162,7 @@ def carries(made: Plan, action: Thing, mass: float, friction: float, height: flo
 def taken(made: Plan, action: Thing, thing: Goods) -> Array:
     """Where the tool takes a thing: across one of its sides that fits between the fingers."""
     arm = made.arms[action.of].arm
-    x, y = made.values.property(action.name, "at")
+    x, y = made.values.pair(action.name, "at")
     spot = (thing.frame @ shift(x, y, 0.0))[:3, 3]
     sides = [
         yaw

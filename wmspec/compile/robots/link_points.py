@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import io
 from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
-from pxr import Usd, UsdGeom
 
 from wmspec.compile.robots.arm import Arm, Array
+from wmspec.core import disk_cache
 from wmspec.core.resources import resource
+
+if TYPE_CHECKING:  # with the points in the cache, neither is imported
+    from pxr import Usd, UsdGeom
 
 GRID = 0.02  # m: no part of a link's surface is further than that from one of its points
 
@@ -20,6 +25,29 @@ def limbs(arm: Arm) -> tuple[tuple[int, Array], ...]:
 
     What is within the hull of the hand or ahead of it is left out, and the base, which moves nowhere.
     """
+    if Path(arm.asset).is_absolute():  # of a user's: what else its file refers to may change
+        return _limbs(arm)
+    key = f"{disk_cache.fingerprint()} {arm.asset} {len(arm.frames)} {arm.hull[0].tolist()}"
+    entry = f"links-{disk_cache.digest(key.encode())[:32]}.npz"
+    if (content := disk_cache.read(entry)) is not None:
+        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+            each = np.split(arrays["points"], arrays["stops"][:-1])
+            return tuple(zip(arrays["numbers"].tolist(), each, strict=True))
+    found, made = _limbs(arm), io.BytesIO()
+    points = [points for _, points in found]
+    np.savez(
+        made,
+        numbers=np.array([number for number, _ in found]),
+        points=np.concatenate(points),
+        stops=np.cumsum([len(each) for each in points]),
+    )
+    disk_cache.write(entry, made.getvalue())
+    return found
+
+
+def _limbs(arm: Arm) -> tuple[tuple[int, Array], ...]:
+    from pxr import Usd, UsdGeom
+
     stage = Usd.Stage.Open(str(resource(arm.asset)))
     root, cache, last = stage.GetDefaultPrim(), UsdGeom.XformCache(), len(arm.frames) + 1
     found = []
@@ -36,6 +64,9 @@ def limbs(arm: Arm) -> tuple[tuple[int, Array], ...]:
 
 def _points(cache: UsdGeom.XformCache, link: Usd.Prim, prim: Usd.Prim) -> Array:
     """Points on a mesh, seen from its link, one for each cell of a grid."""
+    import trimesh
+    from pxr import UsdGeom
+
     mesh = UsdGeom.Mesh(prim)
     corners = np.asarray(mesh.GetPointsAttr().Get(), np.float64)
     faces = np.asarray(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)

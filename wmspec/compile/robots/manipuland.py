@@ -87,13 +87,13 @@ class Goods:
 def goods(values: Values, name: str) -> Goods:
     """A thing as it is at the start. Raises WmsError with its place if no hand can handle it."""
     made, pose = pieces(values, name), values.pose(name)
-    if values.property(name, "fixed"):
+    if values.flag(name, "fixed"):
         raise ImpossibleValue(f"`{name}` is fixed, so no robot can move it", values.place(name))
     up = pose.seen((pose.position[0], pose.position[1], pose.position[2] + 1.0))
     if up[2] < 1 - 1e-6:
         raise ImpossibleValue(f"`{name}` does not stand upright, so no robot can handle it", values.place(name))
     low, high = (np.array(corner) for corner in bounds(made, HERE))
-    frame = shift(*pose.position) @ about(2, float(values.property(name, "yaw"))) @ shift(*((low + high) / 2).tolist())
+    frame = shift(*pose.position) @ about(2, values.number(name, "yaw")) @ shift(*((low + high) / 2).tolist())
     half = ((high - low) / 2).tolist()
     lone = made[0].solid if len(made) == 1 and isinstance(made[0].solid, Sphere) else None
     return Goods(
@@ -101,7 +101,7 @@ def goods(values: Values, name: str) -> Goods:
         frame,
         (half[0], half[1], half[2]),
         mass(values, name),
-        float(values.property(name, "friction")),
+        values.number(name, "friction"),
         ball=lone,
     )
 
@@ -109,7 +109,7 @@ def goods(values: Values, name: str) -> Goods:
 def together(values: Values, name: str, but: str = "") -> set[str]:
     """An object and all that joints, `but` for one, join to it."""
     joined, left = {name}, [t for t in values.spec.things if t.kind == "joint" and t.name != but]
-    ends = [{values.property(t.name, end) for end in ("of", "to") if values.has(t.name, end)} for t in left]
+    ends = [set(values.ends(t.name)) for t in left]
     for _ in ends:
         for pair in ends:
             if pair & joined:

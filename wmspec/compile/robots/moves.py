@@ -31,7 +31,7 @@ def push(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     Two hands that push one way, or against each other, each push their end of it so far; two that push across each
     other move it by the sum.
     """
-    ways = {a.name: made.number(a, "distance") * level(made.values.property(a.name, "direction")) for a in acts}
+    ways = {a.name: made.number(a, "distance") * level(made.values.direction(a.name)) for a in acts}
     asides = {a.name: np.zeros(3) for a in acts}
     total, turned = np.sum(list(ways.values()), axis=0), 0.0
     if len(acts) == 2:
@@ -51,7 +51,7 @@ def carry(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     action = only(acts)
     made.wields(action)
     arm = made.arms[action.of]
-    way = made.number(action, "distance") * level(made.values.property(action.name, "direction"))
+    way = made.number(action, "distance") * level(made.values.direction(action.name))
     made.go(action, [Leg(made.lasts(action), straight(arm.tool, shift(*way) @ arm.tool), arm.width)])
     return thing.moved(way) if arm.held == thing.name else thing
 
@@ -64,7 +64,7 @@ def rotate(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
 def tilt(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
     """Tip the hand over, and what it holds with it, as one pours."""
     action = only(acts)
-    return _turn_hand(made, action, thing, np.cross(UP, level(made.values.property(action.name, "direction"))))
+    return _turn_hand(made, action, thing, np.cross(UP, level(made.values.direction(action.name))))
 
 
 def open_(made: Plan, acts: Sequence[Thing], thing: Goods) -> Goods:
@@ -175,7 +175,7 @@ def _turn_hand(made: Plan, action: Thing, thing: Goods, axis: Array) -> Goods:
 
 def _along_joint(made: Plan, action: Thing, handle: Goods, sign: float) -> Goods:
     """Take a handle and move it by so much along the way that its joint leaves it; let go, and draw back."""
-    arm, lasts, joint = made.arms[action.of], made.lasts(action), made.values.property(action.name, "joint")
+    arm, lasts, joint = made.arms[action.of], made.lasts(action), made.values.reference(action.name, "joint")
     made.free(action)
     by = sign * made.number(action, "far")
     _lets(made, action, handle.name, joint, by)
@@ -202,12 +202,12 @@ def _along_joint(made: Plan, action: Thing, handle: Goods, sign: float) -> Goods
 def _lets(made: Plan, action: Thing, handle: str, joint: str, by: float) -> None:
     """Complain unless a joint holds the handle, or what that is joined to, and lets it be moved so far (rad or m)."""
     values = made.values
-    if values.property(joint, "of") not in together(values, handle):
+    if values.reference(joint, "of") not in together(values, handle):
         raise ImpossibleValue(
             f"`{joint}` does not hold `{handle}`", action.place, "name a thing that is joined to what the joint holds"
         )
     low, high = (
-        float(values.property(joint, end)) if values.has(joint, end) else most
+        values.number(joint, end) if values.has(joint, end) else most
         for end, most in (("low", -np.inf), ("high", np.inf))
     )
     reached, turns = made.opened.get(joint, 0.0) + by, values.spec.thing(joint).model == "hinge"
@@ -227,9 +227,9 @@ def _joint_way(made: Plan, action: Thing, joint: str, by: float) -> Callable[[fl
         raise ImpossibleValue(
             f"`{joint}` is a {model} joint, which nobody opens", action.place, "name a hinge or slider"
         )
-    axis = np.array(made.values.property(joint, "axis"), float)
+    axis = np.array(made.values.vector(joint, "axis"), float)
     axis /= np.linalg.norm(axis)
-    point = np.array(made.values.property(joint, "at"), float)
+    point = np.array(made.values.vector(joint, "at"), float)
     if model == "slider":
         return lambda s: shift(*(s * by * axis))
     return lambda s: around(point, axis, s * by)

@@ -73,7 +73,7 @@ def _outlines(values: Values, name: str, low: float, high: float) -> list[Outlin
 
 
 def _is(values: Values, name: str, properties: Sequence[str]) -> bool:
-    return any(not values.has(name, p) or bool(values.property(name, p)) for p in properties)
+    return any(not values.has(name, p) or values.flag(name, p) for p in properties)
 
 
 def _box(piece: Piece, pose: Pose) -> list[Vector]:

@@ -22,7 +22,7 @@ from wmspec.compile.robots.schedule import in_turn
 from wmspec.compile.robots.supported_objects import move
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.ir.ir import Thing
-from wmspec.lang.parse.load import located
+from wmspec.lang.parse.files import located
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.values import Values
@@ -53,7 +53,7 @@ def arm_of(values: Values, robot: str) -> Arm:
     from wmspec.compile.robots.arm_assets import arm_in
 
     try:
-        return arm_in(located(values.property(robot, "model")))
+        return arm_in(located(values.text(robot, "model")))
     except ImpossibleValue as error:
         raise error.at(values.place(robot, "model")) from None
 
@@ -89,7 +89,7 @@ def _tried(values: Values, choice: int) -> dict[str, Reach]:
     made = Plan(values, choice, arms)
     acts = in_turn(values, ARMS)
     for _, together in groupby(
-        acts, key=lambda a: (a.verb, made.number(a, "start"), values.property(a.name, "object"))
+        acts, key=lambda a: (a.verb, made.number(a, "start"), values.reference(a.name, "object"))
     ):
         every = list(together)
         thing = made.thing(every[0])

@@ -104,7 +104,7 @@ class Plan:
 
     def thing(self, action: Thing) -> Goods:
         """What an action is done to, as it is by then."""
-        name = self.values.property(action.name, "object")
+        name = self.values.reference(action.name, "object")
         self._stays(action, name)
         if name not in self.things:
             try:
@@ -125,7 +125,7 @@ class Plan:
         """Complain if something else than a robot moves a thing before an arm has done with it."""
         ends = self.number(action, "start") + self.lasts(action)
         for other in moving(self.values):
-            if self.values.property(other.name, "object") == name and self.number(other, "start") < ends:
+            if self.values.reference(other.name, "object") == name and self.number(other, "start") < ends:
                 raise ImpossibleValue(
                     f"`{other.name}` moves `{name}`, and a plan does not know where to",
                     action.place,
@@ -135,7 +135,7 @@ class Plan:
 
     def number(self, action: Thing, name: str) -> float:
         """An argument of an action."""
-        return float(self.values.property(action.name, name))
+        return self.values.number(action.name, name)
 
     def lasts(self, action: Thing) -> float:
         """How long (s) an action takes."""
@@ -153,7 +153,7 @@ class Plan:
 
     def hold(self, action: Thing, name: str, start: float, points: Sequence[tuple[float, float, float]]) -> None:
         """Let the arm hold a thing from `start` (s) on, by points as its tool sees them."""
-        arm, end = self.arms[action.of], float(self.values.ref("end"))
+        arm, end = self.arms[action.of], self.values.end
         ahead = tuple((x, y, z + arm.arm.reach) for x, y, z in points)
         held = Hold(name, start, max(end, start), ahead)
         self.reaches[action.name] = replace(self.reaches[action.name], hold=held)
@@ -178,7 +178,7 @@ class Plan:
 
     def wields(self, action: Thing) -> None:
         """Complain if the arm never took the thing that it is to move with its hand, or another one holds it, too."""
-        name, arm = self.values.property(action.name, "object"), self.arms[action.of]
+        name, arm = self.values.reference(action.name, "object"), self.arms[action.of]
         left_out = (t for t in self.values.spec.things if t.of == action.of and not self.values.there(t.name))
         if arm.wanted != name and not any(t.verb in TAKES for t in left_out):
             raise ImpossibleValue(

@@ -16,7 +16,7 @@ OPENS = 0.4  # s: how long a hand takes to open
 
 def lasts(values: Values, action: Thing) -> float:
     """How long (s) an action takes."""
-    return float(values.property(action.name, "duration")) if "duration" in action.properties else OPENS
+    return values.number(action.name, "duration") if "duration" in action.properties else OPENS
 
 
 def in_turn(values: Values, models: Sequence[str]) -> list[Thing]:
@@ -26,10 +26,10 @@ def in_turn(values: Values, models: Sequence[str]) -> list[Thing]:
     """
     robots = {t.name for t in values.spec.things if t.kind == "robot" and t.model in models}
     acts = [t for t in values.spec.things if t.kind == "action" and t.of in robots and values.there(t.name)]
-    acts.sort(key=lambda a: float(values.property(a.name, "start")))
+    acts.sort(key=lambda a: values.number(a.name, "start"))
     free: dict[str, float] = {}
     for action in acts:
-        start = float(values.property(action.name, "start"))
+        start = values.number(action.name, "start")
         if start < free.get(action.of, 0.0) - 1e-9:
             what = f"`{action.of}` is still busy when `{action.name}` starts"
             raise ImpossibleValue(what, action.place, f"let it start at {free[action.of]:g} s or later")

@@ -17,16 +17,16 @@ BELOW, ABOVE = 0.002, 0.005  # m: what lies on or in something begins no lower t
 
 def gang(made: Plan, action: Thing) -> set[str]:
     """What an action is done to, with all that joints hold to it, but for the joint that it opens."""
-    values, name = made.values, made.values.property(action.name, "object")
-    but = values.property(action.name, "joint") if action.verb in ("open", "close") else ""
-    return {other for other in together(values, name, but) if not values.property(other, "fixed")}
+    values, name = made.values, made.values.reference(action.name, "object")
+    but = values.reference(action.name, "joint") if action.verb in ("open", "close") else ""
+    return {other for other in together(values, name, but) if not values.flag(other, "fixed")}
 
 
 def riders(made: Plan, carriers: set[str]) -> set[str]:
     """The things that lie on these or in these, or on or in what does."""
     values, found, new = made.values, set[str](), carriers
     others = (t.name for t in values.spec.things if t.kind == "object" and t.name not in carriers)
-    left = [name for name in others if values.there(name) and not values.property(name, "fixed")]
+    left = [name for name in others if values.there(name) and not values.flag(name, "fixed")]
     while new:
         new = {name for name in left if any(_lies(made, name, carrier) for carrier in new)}
         found |= new
@@ -38,7 +38,7 @@ def move(made: Plan, action: Thing, motion: Array) -> None:
     """Note that what an action is done to has moved (4, 4), and all that comes along."""
     carriers = gang(made, action)
     for name in carriers | riders(made, carriers):
-        if name in made.things and name != made.values.property(action.name, "object"):
+        if name in made.things and name != made.values.reference(action.name, "object"):
             made.things[name] = made.things[name].put(motion)
         made.moved[name] = motion @ made.motion(name)
 

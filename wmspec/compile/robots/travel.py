@@ -80,7 +80,7 @@ def _travels(values: Values) -> dict[str, Travel]:
     every = in_turn(values, tuple(_PLANS))
     for robot in dict.fromkeys(action.of for action in every):
         stands = base(values, robot)
-        first = Spot(stands.position[0], stands.position[1], float(values.property(robot, "yaw")))
+        first = Spot(stands.position[0], stands.position[1], values.number(robot, "yaw"))
         acts = [action for action in every if action.of == robot]
         planned = _PLANS[values.spec.thing(robot).model](values, stands.position[2], first, acts)
         paces = [0.0, *(_passing(one, other) for one, other in pairwise(planned)), 0.0]
@@ -93,7 +93,7 @@ def _travels(values: Values) -> dict[str, Travel]:
 def _stretch(
     values: Values, action: Thing, length: float, at: Callable[[float], tuple[Spot, float]], flows: bool = False
 ) -> _Stretch:
-    start = float(values.property(action.name, "start"))
+    start = values.number(action.name, "start")
     if lasts(values, action) <= 0:
         raise ImpossibleValue(f"`{action.name}` takes no time", action.place, "give it a time above 0: `for 2 s`")
     return _Stretch(action, start, lasts(values, action), length, at, flows)
@@ -160,31 +160,31 @@ def _driven(values: Values, level: float, spot: Spot, acts: Sequence[Thing]) -> 
 
 
 def _traffic(values: Values, robot: str) -> Traffic:
-    names = values.property(robot, "roads") if values.has(robot, "roads") else ()
+    names = values.references(robot, "roads") if values.has(robot, "roads") else ()
     roads = tuple(road(values, name) for name in names if values.there(name))
-    side = 1 if values.property(robot, "keeps") == "left" else -1
-    return Traffic(roads, float(values.property(robot, "lane")), side)
+    side = 1 if values.text(robot, "keeps") == "left" else -1
+    return Traffic(roads, values.number(robot, "lane"), side)
 
 
 def _legs(values: Values, traffic: Traffic, spot: Spot, action: Thing, before: _Stretch | None) -> list[Leg]:
     """The way of a car during an action."""
     if action.verb == "forward":
-        return traffic.forward(spot, float(values.property(action.name, "distance")))
+        return traffic.forward(spot, values.number(action.name, "distance"))
     if action.verb == "stop":
-        start = float(values.property(action.name, "start"))
+        start = values.number(action.name, "start")
         if before is None or before.action.verb == "stop" or abs(before.start + before.lasts - start) > 1e-6:
             raise OffRoadError("it stands still by then", "let it stop while it drives: `after` what it does before")
         return traffic.forward(spot, before.pace * lasts(values, action) / 2)
     if action.verb == "go_to":
         place = values.pose(_goal(values, action)).position
         return traffic.go_to(spot, (place[0], place[1]))
-    to = 1 if values.property(action.name, "direction") == "left" else -1
+    to = 1 if values.direction(action.name) == "left" else -1
     return traffic.turn(spot, to) if action.verb == "turn" else traffic.change_lane(spot, to)
 
 
 def _goal(values: Values, action: Thing) -> str:
     """The object that somebody goes to. Raises WmsError with its place if it is not there."""
-    goal = str(values.property(action.name, "to"))
+    goal = values.reference(action.name, "to")
     if not values.there(goal):
         raise ImpossibleValue(f"`{goal}` is not there, so nobody can go to it", action.place)
     return goal
@@ -232,7 +232,7 @@ def _walked(values: Values, level: float, spot: Spot, acts: Sequence[Thing]) -> 
             raise ImpossibleValue(problem, values.place(walker, "at"), "place it further away")
     for action in acts:
         if action.verb in ("move", "back"):
-            wanted, sign = float(values.property(action.name, "distance")), 1 if action.verb == "move" else -1
+            wanted, sign = values.number(action.name, "distance"), 1 if action.verb == "move" else -1
             way = Straight(spot, _free(Straight(spot, wanted, sign), standing), sign)
             stretch = _stretch(values, action, way.length, partial(_walking, way, pitch))
         elif action.verb == "go_to":
@@ -243,11 +243,11 @@ def _walked(values: Values, level: float, spot: Spot, acts: Sequence[Thing]) -> 
                 raise ImpossibleValue(problem, action.place, "make room, or name something that can be reached")
             stretch = _stretch(values, action, sum(leg.length for leg in legs), partial(_finding, legs, pitch))
         elif action.verb == "turn":
-            angle = float(values.property(action.name, "angle"))
-            side = 1 if values.property(action.name, "direction") == "left" else -1
+            angle = values.number(action.name, "angle")
+            side = 1 if values.direction(action.name) == "left" else -1
             stretch = _stretch(values, action, angle, partial(_turning, spot, pitch, side))
         else:
-            up = float(values.property(action.name, "angle"))
+            up = values.number(action.name, "angle")
             stretch = _stretch(values, action, abs(up - pitch), partial(_looking, spot, pitch, up))
         stretches.append(stretch)
         spot, pitch = stretch.at(stretch.length)

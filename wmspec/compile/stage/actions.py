@@ -29,18 +29,18 @@ def add_action(doc: Document, action: Thing, values: Values, carried: dict[str, 
     prim = doc.add(f"/World/Episode/Actions/{name}", "WmsAction", (), there)
     prim.set("wms:verb", "token", verb.staged or action.verb, uniform=True)
     if "object" in action.properties:
-        target = values.property(name, "object")
+        target = values.reference(name, "object")
         _able(action, target, values, carried)
         prim.relate("wms:object", object_path(target), f"{name}.object")
-    prim.set("wms:start", "double", values.property(name, "start"), f"{name}.start", uniform=True)
+    prim.set("wms:start", "double", values.number(name, "start"), f"{name}.start", uniform=True)
     if values.has(name, "duration"):
-        prim.set("wms:duration", "double", values.property(name, "duration"), f"{name}.duration", uniform=True)
+        prim.set("wms:duration", "double", values.number(name, "duration"), f"{name}.duration", uniform=True)
     resolve_name(verb.author)(prim, action, values)
 
 
 def _able(action: Thing, target: str, values: Values, carried: dict[str, str]) -> None:
     """Complain if the object cannot do what the verb asks."""
-    if values.property(target, "fixed") and action.verb != "paint":
+    if values.flag(target, "fixed") and action.verb != "paint":
         raise ImpossibleValue(f"`{target}` is fixed, so nothing can {action.verb} it", action.place)
     if action.verb not in motion.CARRYING and target in carried and not VERBS[action.verb].whatever:
         raise ImpossibleValue(
@@ -54,8 +54,8 @@ def _able(action: Thing, target: str, values: Values, carried: dict[str, str]) -
 
 
 def _heading(action: Thing, values: Values) -> Vector:
-    climb = values.property(action.name, "climb") if values.has(action.name, "climb") else 0.0
-    return heading(motion.angle(values.property(action.name, "direction")), climb)
+    climb = values.number(action.name, "climb") if values.has(action.name, "climb") else 0.0
+    return heading(motion.angle(values.direction(action.name)), climb)
 
 
 def _toward(action: Thing) -> tuple[str, ...]:
@@ -71,10 +71,10 @@ def _vector(prim: Prim, name: str, value: Vector, *sources: str) -> None:
 
 def launch(prim: Prim, action: Thing, values: Values) -> None:
     """A velocity and a spin, at once."""
-    name, target = action.name, values.property(action.name, "object")
-    speed = values.property(name, "speed")
+    name, target = action.name, values.reference(action.name, "object")
+    speed = values.number(name, "speed")
     _velocity(prim, action, values, speed, f"{name}.speed")
-    spin = _rolling(action, target, speed, values) if values.property(name, "rolling") else (0.0, 0.0, 0.0)
+    spin = _rolling(action, target, speed, values) if values.flag(name, "rolling") else (0.0, 0.0, 0.0)
     sources = (f"{name}.{p}" for p in ("speed", "direction", "rolling", "object"))
     _vector(prim, "wms:spin", spin, *sources, f"{target}.form")
 
@@ -89,14 +89,14 @@ def _rolling(action: Thing, target: str, speed: float, values: Values) -> Vector
     made = pieces(values, target)
     if values.parts(target) or made[0].solid.symmetry != "ball":
         raise ImpossibleValue(f"`{target}` is not a sphere, so it cannot set off rolling", action.place)
-    angle = motion.angle(values.property(action.name, "direction"))
+    angle = motion.angle(values.direction(action.name))
     rate = speed / (made[0].solid.reach(UP))
     return (0.0 - math.sin(angle) * rate, math.cos(angle) * rate, 0.0)
 
 
 def slide(prim: Prim, action: Thing, values: Values) -> None:
     """What friction stops after a distance d sets off with the speed sqrt(2 mu g d)."""
-    name, target = action.name, values.property(action.name, "object")
+    name, target = action.name, values.reference(action.name, "object")
     held, here = holder(values, target), values.pose(target).position
     face = under(values, target, (WORLD, *here[:2]))
     if held is None or face is None:
@@ -106,12 +106,12 @@ def slide(prim: Prim, action: Thing, values: Values) -> None:
     base = held[1]
     if face.normal[2] < 1 - 1e-9:
         raise ImpossibleValue(f"what `{target}` rests on is not level, so it would not stop there", action.place)
-    if _rolls(target, heading(motion.angle(values.property(name, "direction"))), values):
+    if _rolls(target, heading(motion.angle(values.direction(name))), values):
         ball = pieces(values, target)[0].solid.symmetry == "ball"
         remedy = "say `launch(..., rolling: true)`" if ball else "stand it up, or slide it along its axis"
         raise ImpossibleValue(f"`{target}` is round and would roll on instead of sliding", action.place, remedy)
-    rub = math.sqrt(values.property(target, "friction") * values.property(base, "friction"))
-    speed = math.sqrt(2 * rub * values.gravity * values.property(name, "distance"))
+    rub = math.sqrt(values.number(target, "friction") * values.number(base, "friction"))
+    speed = math.sqrt(2 * rub * values.gravity * values.number(name, "distance"))
     if speed == 0:
         raise ImpossibleValue(
             f"nothing would stop `{target}` sliding: there is no friction or no gravity", action.place
@@ -135,7 +135,7 @@ def _rolls(target: str, way: Vector, values: Values) -> bool:
 
 def glide(prim: Prim, action: Thing, values: Values) -> None:
     """A constant velocity for a while."""
-    _velocity(prim, action, values, values.property(action.name, "speed"), f"{action.name}.speed")
+    _velocity(prim, action, values, values.number(action.name, "speed"), f"{action.name}.speed")
 
 
 def follow(prim: Prim, action: Thing, values: Values) -> None:
@@ -170,7 +170,7 @@ def stop(prim: Prim, _action: Thing, _values: Values) -> None:
 
 def paint(prim: Prim, action: Thing, values: Values) -> None:
     """Another colour, at once."""
-    _vector(prim, "wms:color", rgb(values.property(action.name, "color")), f"{action.name}.color")
+    _vector(prim, "wms:color", rgb(values.text(action.name, "color")), f"{action.name}.color")
 
 
 def vanish(_prim: Prim, _action: Thing, _values: Values) -> None:
@@ -182,27 +182,27 @@ def vanish(_prim: Prim, _action: Thing, _values: Values) -> None:
 
 def impulse(prim: Prim, action: Thing, values: Values) -> None:
     """A blow."""
-    strength = times(values.property(action.name, "impulse"), _heading(action, values))
+    strength = times(values.number(action.name, "impulse"), _heading(action, values))
     _vector(prim, "wms:impulse", strength, f"{action.name}.impulse", *_toward(action))
 
 
 def force(prim: Prim, action: Thing, values: Values) -> None:
     """A pull for a while."""
-    strength = times(values.property(action.name, "force"), _heading(action, values))
+    strength = times(values.number(action.name, "force"), _heading(action, values))
     _vector(prim, "wms:force", strength, f"{action.name}.force", *_toward(action))
 
 
 def release(_prim: Prim, action: Thing, values: Values) -> None:
     """Nothing more: it is held until then."""
-    target = values.property(action.name, "object")
+    target = values.reference(action.name, "object")
     if len(values.acting("drop", target)) + len(values.acting("release", target)) > 1:
         raise ImpossibleValue(f"`{target}` is let go more than once", action.place, "keep one `release` or `drop`")
 
 
 def drive(prim: Prim, action: Thing, values: Values) -> None:
     """Another target of a drive."""
-    joint = values.spec.thing(values.property(action.name, "joint"))
+    joint = values.spec.thing(values.reference(action.name, "joint"))
     if not has_drive(joint, values):
         raise ImpossibleValue(f"the joint `{joint.name}` has no drive", action.place, "give it a `stiffness:`")
     prim.relate("wms:joint", joint_path(joint.name), f"{action.name}.joint")
-    prim.set("wms:target", "double", values.property(action.name, "target"), f"{action.name}.target", uniform=True)
+    prim.set("wms:target", "double", values.number(action.name, "target"), f"{action.name}.target", uniform=True)

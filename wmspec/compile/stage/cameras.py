@@ -24,15 +24,15 @@ def camera_path(name: str, values: Values) -> str:
     """Where the prim of a camera is: below the object that it rides on, if any."""
     if not values.has(name, "ride"):
         return f"/World/Cameras/{name}"
-    return f"{object_path(values.property(name, 'ride'))}/Cameras/{name}"
+    return f"{object_path(values.reference(name, 'ride'))}/Cameras/{name}"
 
 
 def add_camera(doc: Document, name: str, values: Values) -> None:
     """The prim of a camera. Raises WmsError if it looks at itself, or its object is not there."""
-    eye, target = values.property(name, "at"), values.property(name, "look_at")
+    eye, target = values.vector(name, "at"), values.vector(name, "look_at")
     path = camera_path(name, values)
     if values.has(name, "ride"):
-        ridden = values.property(name, "ride")
+        ridden = values.reference(name, "ride")
         if not values.there(ridden):
             raise ImpossibleValue(
                 f"the camera `{name}` rides on `{ridden}`, which is not there", values.place(name, "ride")
@@ -41,11 +41,11 @@ def add_camera(doc: Document, name: str, values: Values) -> None:
     prim = doc.add(path, "Camera", (), (f"{name}.ride",))
     prim.set("xformOp:transform", "matrix4d", _looking(eye, target, values, name), f"{name}.at", f"{name}.look_at")
     prim.set("xformOpOrder", "token[]", ("xformOp:transform",), uniform=True)
-    focal = APERTURE / 2 / math.tan(values.property(name, "fov") / 2)
+    focal = APERTURE / 2 / math.tan(values.number(name, "fov") / 2)
     prim.set("focalLength", "float", focal, f"{name}.fov")
     prim.set("horizontalAperture", "float", APERTURE)
     prim.set("verticalAperture", "float", APERTURE)
-    far = values.property(name, "far") if values.has(name, "far") else FAR
+    far = values.number(name, "far") if values.has(name, "far") else FAR
     prim.set("clippingRange", "float2", (NEAR, far), *((f"{name}.far",) if values.has(name, "far") else ()))
 
 
@@ -64,19 +64,19 @@ def _looking(eye: Vector, target: Vector, values: Values, name: str) -> Matrix:
 
 def add_light(doc: Document, name: str, world: str | None, values: Values) -> None:
     """The prims of a light: a sun, and the sky around everything. Raises WmsError if it has no direction."""
-    direction = values.property(name, "direction")
+    direction = values.vector(name, "direction")
     if math.hypot(*direction) < 1e-9:
         raise ImpossibleValue(f"the light `{name}` has no direction", values.place(name))
     shadows = f"{name}.shadows"
-    shining = () if values.property(name, "shadows") else ("ShadowAPI",)
+    shining = () if values.flag(name, "shadows") else ("ShadowAPI",)
     sun = doc.add(f"/World/Lights/{name}", "DistantLight", shining, (shadows,))
     if shining:
         sun.set("inputs:shadow:enable", "bool", False, shadows)
     aim = _looking((0.0, 0.0, 0.0), direction, values, name)
     sun.set("xformOp:transform", "matrix4d", aim, f"{name}.direction")
     sun.set("xformOpOrder", "token[]", ("xformOp:transform",), uniform=True)
-    sun.set("inputs:intensity", "float", values.property(name, "diffuse"), f"{name}.diffuse")
-    background = rgb(values.property(world, "background")) if world else BACKGROUND
+    sun.set("inputs:intensity", "float", values.number(name, "diffuse"), f"{name}.diffuse")
+    background = rgb(values.text(world, "background")) if world else BACKGROUND
     sky = doc.add(f"/World/Lights/{name}_sky", "DomeLight")
-    sky.set("inputs:intensity", "float", values.property(name, "ambient"), f"{name}.ambient")
+    sky.set("inputs:intensity", "float", values.number(name, "ambient"), f"{name}.ambient")
     sky.set("inputs:color", "color3f", tuple(linear(c) for c in background), "world.background")

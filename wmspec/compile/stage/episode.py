@@ -99,7 +99,7 @@ def _episode(doc: Document, spec: TaskSpec, values: Values) -> None:
     episode = doc.add("/World/Episode", "WmsEpisode")
     episode.set("wms:formatVersion", "int", FORMAT_VERSION, uniform=True)
     episode.set("wms:task", "string", spec.name, uniform=True)
-    episode.set("wms:duration", "double", values.ref("end"), "end", uniform=True)
+    episode.set("wms:duration", "double", values.end, "end", uniform=True)
     episode.set("wms:rate", "int", RATE, uniform=True)
     doc.add("/World/Episode/Actions", "Scope")
     doc.add("/World/Episode/Observations", "Scope")
@@ -114,7 +114,7 @@ def observed(spec: TaskSpec, values: Values) -> list[tuple[str, tuple[float, ...
 
     Raises WmsError if one is outside the episode.
     """
-    end = values.ref("end")
+    end = values.end
     seen: dict[str, set[float]] = {}
     for observation in spec.observations:
         times = evaluate(observation.times, values)

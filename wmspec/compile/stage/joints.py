@@ -34,11 +34,11 @@ def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str,
     `carried` are the objects that actions carry about, each with one of these.
     """
     name = joint.name
-    of, to = values.property(name, "of"), values.property(name, "to") if values.has(name, "to") else None
+    of, to = values.reference(name, "of"), values.reference(name, "to") if values.has(name, "to") else None
     sources = (f"{name}.present", f"{name}.of", f"{name}.to", f"{of}.present", *((f"{to}.present",) if to else ()))
     if not all(map(values.there, (name, of, to) if to else (name, of))):
         return
-    if values.property(of, "fixed"):
+    if values.flag(of, "fixed"):
         raise ImpossibleValue(
             f"`{of}` is fixed, so no joint can move it", values.place(name, "of"), "exchange `of` and `to`"
         )
@@ -56,10 +56,10 @@ def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str,
     driven = _driven(joint, values)
     schemas = (f"PhysicsDriveAPI:{_COORDINATES[joint.model][0]}",) if driven else ()
     prim = doc.add(joint_path(name), _TYPES[joint.model], schemas, (*sources, *_drive_sources(name)))
-    frame = Pose(values.property(name, "at"), _frame(joint, values))
+    frame = Pose(values.vector(name, "at"), _frame(joint, values))
     for number, body in enumerate((to, of)):
         _side(prim, number, joint, body, frame, values)
-    if values.has(name, "touching") and values.property(name, "touching"):
+    if values.has(name, "touching") and values.flag(name, "touching"):
         prim.set("physics:collisionEnabled", "bool", True, f"{name}.touching")
     if joint.model in _COORDINATES:
         _coordinate(prim, joint, values, driven)
@@ -71,10 +71,10 @@ def no_loops(values: Values) -> None:
     for joint in values.spec.things:
         if joint.kind != "joint" or not values.there(joint.name):
             continue
-        ends = [values.property(joint.name, end) for end in ("of", "to") if values.has(joint.name, end)]
+        ends = values.ends(joint.name)
         if not all(map(values.there, ends)):
             continue
-        of, to = (*("" if values.property(end, "fixed") else end for end in ends), "")[:2]  # "" is the world
+        of, to = (*("" if values.flag(end, "fixed") else end for end in ends), "")[:2]  # "" is the world
         first, second = groups.setdefault(of, {of}), groups.setdefault(to, {to})
         if of in ("", to):
             continue  # which is told of the joint itself
@@ -93,7 +93,7 @@ def joined(values: Values, owner: str) -> bool:
     """Whether a joint holds an object."""
     joints = (j.name for j in values.spec.things if j.kind == "joint" and values.there(j.name))
     ends = ((name, end) for name in joints for end in ("of", "to"))
-    return any(values.property(name, end) == owner for name, end in ends if values.has(name, end))
+    return any(values.reference(name, end) == owner for name, end in ends if values.has(name, end))
 
 
 def has_drive(joint: Thing, values: Values) -> bool:
@@ -129,7 +129,7 @@ def _frame(joint: Thing, values: Values) -> Quaternion:
     """Its x axis is that of the joint."""
     if joint.model not in _COORDINATES:
         return LEVEL
-    axis = values.property(joint.name, "axis")
+    axis = values.vector(joint.name, "axis")
     if math.hypot(*axis) < 1e-9:
         raise ImpossibleValue(f"the joint `{joint.name}` has no axis; it is 0 here", values.place(joint.name, "axis"))
     return facing(unit(axis))
@@ -139,17 +139,17 @@ def _driven(joint: Thing, values: Values) -> bool:
     """Whether it has a drive. A drive that is damped alone slows the joint down."""
     if joint.model not in _COORDINATES:
         return False
-    stiffness, damping = (values.property(joint.name, name) for name in ("stiffness", "damping"))
+    stiffness, damping = (values.number(joint.name, name) for name in ("stiffness", "damping"))
     if values.has(joint.name, "target") and stiffness == 0:
         place = values.place(joint.name, "target")
         raise ImpossibleValue(f"nothing takes `{joint.name}` to its target, as its stiffness is 0", place)
-    return bool(stiffness > 0 or damping > 0)
+    return stiffness > 0 or damping > 0
 
 
 def _coordinate(prim: Prim, joint: Thing, values: Values, driven: bool) -> None:
     name, (kind, scale) = joint.name, _COORDINATES[joint.model]
     prim.set("physics:axis", "token", "X", uniform=True)
-    limits = {p: values.property(name, p) for p in ("low", "high") if values.has(name, p)}
+    limits = {p: values.number(name, p) for p in ("low", "high") if values.has(name, p)}
     if limits.get("low", -math.inf) > limits.get("high", math.inf):
         raise ImpossibleValue(f"`low` of `{name}` is above its `high`", values.place(name, "low"))
     if not joint.of:  # a joint of an asset may start elsewhere, which is looked at there
@@ -160,15 +160,15 @@ def _coordinate(prim: Prim, joint: Thing, values: Values, driven: bool) -> None:
             prim.set(f"physics:{attribute}", "float", limits[side] * scale, f"{name}.{side}")
     if driven:
         drive = f"drive:{kind}:physics"
-        target = values.property(name, "target") if values.has(name, "target") else 0.0
+        target = values.number(name, "target") if values.has(name, "target") else 0.0
         prim.set(f"{drive}:type", "token", "force", *_drive_sources(name), uniform=True)
-        prim.set(f"{drive}:stiffness", "float", values.property(name, "stiffness") / scale, f"{name}.stiffness")
-        prim.set(f"{drive}:damping", "float", values.property(name, "damping") / scale, f"{name}.damping")
+        prim.set(f"{drive}:stiffness", "float", values.number(name, "stiffness") / scale, f"{name}.stiffness")
+        prim.set(f"{drive}:damping", "float", values.number(name, "damping") / scale, f"{name}.damping")
         prim.set(f"{drive}:targetPosition", "float", target * scale, f"{name}.target")
         if values.has(name, "pace"):
-            prim.set(f"{drive}:targetVelocity", "float", values.property(name, "pace") * scale, f"{name}.pace")
+            prim.set(f"{drive}:targetVelocity", "float", values.number(name, "pace") * scale, f"{name}.pace")
         if values.has(name, "strength"):
-            prim.set(f"{drive}:maxForce", "float", values.property(name, "strength"), f"{name}.strength")
+            prim.set(f"{drive}:maxForce", "float", values.number(name, "strength"), f"{name}.strength")
 
 
 def _drive_sources(name: str) -> tuple[str, ...]:

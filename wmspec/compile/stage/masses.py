@@ -29,17 +29,17 @@ def own(name: str, values: Values) -> bool:
 def add_own(body: Prim, name: str, values: Values) -> None:
     """The mass, the centre of mass and the moments of an object on its body."""
     if values.has(name, "mass"):
-        body.set("physics:mass", "float", values.property(name, "mass"), f"{name}.mass")
+        body.set("physics:mass", "float", values.number(name, "mass"), f"{name}.mass")
     if values.has(name, "centre"):
-        body.set("physics:centerOfMass", "point3f", values.property(name, "centre"), f"{name}.centre")
+        body.set("physics:centerOfMass", "point3f", values.vector(name, "centre"), f"{name}.centre")
     if values.has(name, "moments"):
         body.set("physics:diagonalInertia", "float3", _moments(name, values), f"{name}.moments")
-        body.set("physics:principalAxes", "quatf", turn(*values.property(name, "axes")), f"{name}.axes")
+        body.set("physics:principalAxes", "quatf", turn(*values.vector(name, "axes")), f"{name}.axes")
 
 
 def _moments(name: str, values: Values) -> tuple[float, ...]:
     """The moments of inertia; of a flat thing, one of which is the others' sum, so that rounding does not exceed it."""
-    moments: tuple[float, ...] = values.property(name, "moments")
+    moments = values.vector(name, "moments")
     largest, rest = max(moments), sum(moments) - max(moments)
     if largest > rest * (1 + 1e-6):
         numbers, place = ", ".join(f"{m:g}" for m in moments), values.place(name, "moments")
@@ -49,14 +49,14 @@ def _moments(name: str, values: Values) -> tuple[float, ...]:
 
 def add_mass(prim: Prim, name: str, volume: float, values: Values) -> None:
     """What a piece of this volume (m³) weighs: its share of the object's mass, or its density."""
-    if values.property(name, "fixed") and not values.has(name, "mass"):
+    if values.flag(name, "fixed") and not values.has(name, "mass"):
         return
     whole = _whole(name, values)
     if not values.has(name, "mass"):
-        prim.set("physics:density", "float", values.property(name, "density"), f"{name}.density")
+        prim.set("physics:density", "float", values.number(name, "density"), f"{name}.density")
     elif not own(name, values):
         parts = (f"{name}.form",) if values.parts(name) else ()
-        share = values.property(name, "mass") * (volume / whole)
+        share = values.number(name, "mass") * (volume / whole)
         prim.set("physics:mass", "float", share, f"{name}.mass", *parts)
 
 

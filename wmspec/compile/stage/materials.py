@@ -8,7 +8,7 @@ from wmspec.compile.layout.values import Values
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.tables.colors import linear, rgb
-from wmspec.lang.parse.load import located
+from wmspec.lang.parse.files import located
 from wmspec.sim.materials import MATERIALS
 
 
@@ -23,12 +23,12 @@ def add_material(doc: Document, part: str, owner: str, values: Values) -> str:
     for name, written in (("friction", ("staticFriction", "dynamicFriction")), ("restitution", ("restitution",))):
         of = part if values.has(part, name) else owner
         for attribute in written:
-            material.set(f"physics:{attribute}", "float", values.property(of, name), f"{of}.{name}")
+            material.set(f"physics:{attribute}", "float", values.number(of, name), f"{of}.{name}")
     surface = doc.add(f"{path}/surface", "Shader", (), there)
     surface.set("info:id", "token", "UsdPreviewSurface", uniform=True)
     _color(doc, surface, path, part, values, there)
     for name in ("roughness", "metallic"):
-        surface.set(f"inputs:{name}", "float", values.property(part, name), f"{part}.{name}")
+        surface.set(f"inputs:{name}", "float", values.number(part, name), f"{part}.{name}")
     surface.set("outputs:surface", "token", None)
     return path
 
@@ -49,7 +49,7 @@ def plain(doc: Document, path: str, shade: tuple[float, float, float], *sources:
 
 def _color(doc: Document, surface: Prim, path: str, part: str, values: Values, there: tuple[str, ...]) -> None:
     """The colour itself, or an image that it tints."""
-    red, green, blue = (linear(c) for c in rgb(values.property(part, "color")))
+    red, green, blue = (linear(c) for c in rgb(values.text(part, "color")))
     image, repeats = _image(part, values)
     patterned = (f"{part}.material", f"{part}.image", *((f"{part}.repeats",) if values.has(part, "repeats") else ()))
     if image is None:
@@ -82,9 +82,9 @@ def _color(doc: Document, surface: Prim, path: str, part: str, values: Values, t
 def _image(part: str, values: Values) -> tuple[Path | None, tuple[float, float] | None]:
     """The image on a surface, and how often it is repeated on a metre; None for one that is laid out once."""
     if values.has(part, "image"):
-        path = located(values.property(part, "image"))
+        path = located(values.text(part, "image"))
         if not path.is_file():
             raise ImpossibleValue(f"there is no picture {path}", values.place(part, "image"))
-        return path, values.property(part, "repeats") if values.has(part, "repeats") else None
-    material = MATERIALS[values.property(part, "material")]
+        return path, values.pair(part, "repeats") if values.has(part, "repeats") else None
+    material = MATERIALS[values.text(part, "material")]
     return material.path, (material.repeats, material.repeats)

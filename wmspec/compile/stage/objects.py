@@ -25,7 +25,7 @@ def object_path(name: str) -> str:
 
 def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str], carried: bool) -> None:
     """The prims of an object that is there; `carriers` are the sources of `carried`, whether actions carry it."""
-    fixed, solid = values.property(name, "fixed"), values.property(name, "solid")
+    fixed, solid = values.flag(name, "fixed"), values.flag(name, "solid")
     if fixed and carried:
         raise ImpossibleValue(f"`{name}` is fixed, so nothing can carry it", values.place(name))
     if not fixed and not carried and not solid:
@@ -46,7 +46,7 @@ def add_object(doc: Document, name: str, values: Values, carriers: frozenset[str
     if values.has(name, "damping"):
         spun = "spin_damping" if values.has(name, "spin_damping") else "damping"
         for kind, word in (("linear", "damping"), ("angular", spun)):
-            body.set(f"physxRigidBody:{kind}Damping", "float", values.property(name, word), f"{name}.{word}")
+            body.set(f"physxRigidBody:{kind}Damping", "float", values.number(name, word), f"{name}.{word}")
     _moving(body, name, values)
     if passed:
         others = tuple(object_path(other) for other in passed)
@@ -63,23 +63,23 @@ def _moving(body: Prim, name: str, values: Values) -> None:
     for word, attribute, unit in (("velocity", "velocity", 1.0), ("spin", "angularVelocity", 180 / math.pi)):
         if not values.has(name, word):
             continue
-        if values.property(name, "fixed"):
+        if values.flag(name, "fixed"):
             place = values.place(name, word)
             raise ImpossibleValue(f"`{name}` is fixed, so it has no `{word}`", place)
-        way = times(unit, rotate(turned, values.property(name, word)))
+        way = times(unit, rotate(turned, values.vector(name, word)))
         body.set(f"physics:{attribute}", "vector3f", way, f"{name}.{word}", *((f"{base}.pose",) if base else ()))
 
 
 def _passed(name: str, values: Values) -> tuple[str, ...]:
     """The objects that are there and that it passes through."""
-    passes = values.property(name, "passes") if values.has(name, "passes") else ()
+    passes = values.references(name, "passes") if values.has(name, "passes") else ()
     return tuple(other for other in passes if other != name and values.there(other))
 
 
 def _pieces(doc: Document, name: str, values: Values, solid: bool) -> None:
     made = every_piece(values, name)
     for part, piece in made:
-        form = "mesh" if values.has(part, "file") else values.property(part, "shape")
+        form = "mesh" if values.has(part, "file") else values.text(part, "shape")
         below = form if part == name else part.removeprefix(f"{name}.")
         touched = solid and touchable(values, part)
         prim = _piece(doc, f"{object_path(name)}/{below}", piece, part, name, values, touched)
@@ -110,13 +110,13 @@ def _piece(doc: Document, path: str, piece: Piece, part: str, name: str, values:
     form = f"{part}.form"
     prim = geometry(doc, path, piece, (*touched, *meshed), (form, f"{name}.solid", f"{name}.present"))
     shown = dict.fromkeys((part, name))
-    if not all(values.property(owner, "drawn") for owner in shown if values.has(owner, "drawn")):
+    if not all(values.flag(owner, "drawn") for owner in shown if values.has(owner, "drawn")):
         prim.set("visibility", "token", "invisible", *(f"{owner}.drawn" for owner in shown))
     if meshed:
         way = "convexHull" if piece.solid.convex else "convexDecomposition"
         if values.has(part, "file"):
-            way = COLLISIONS[values.property(part, "collision")]
-        if way == "none" and not values.property(name, "fixed"):
+            way = COLLISIONS[values.text(part, "collision")]
+        if way == "none" and not values.flag(name, "fixed"):
             place = values.place(part, "collision")
             raise ImpossibleValue("only what is fixed is touched as its surface", place, "make it `hull` or `pieces`")
         prim.set("physics:approximation", "token", way, form, uniform=True)

@@ -33,7 +33,7 @@ def add_robot(doc: Document, robot: Thing, values: Values) -> None:
     prim = doc.add(path, "Xform", body, (f"{robot.name}.model",) if arm else ())
     sources = [f"{robot.name}.{name}" for name in ("on", "at", "yaw")]
     if values.has(robot.name, "on"):
-        sources.append(f"{values.property(robot.name, 'on')}.pose")
+        sources.append(f"{values.reference(robot.name, 'on')}.pose")
     prim.set("xformOp:translate", "double3", pose.position, *sources)
     prim.set("xformOp:orient", "quatd", pose.orientation, *sources)
     prim.set("xformOpOrder", "token[]", ("xformOp:translate", "xformOp:orient"), uniform=True)
@@ -54,7 +54,7 @@ def _paint(doc: Document, name: str, values: Values) -> None:
     doc.add(f"/World/Materials/{name}", "Scope")
     for part, piece, tone in car.parts():
         source = () if tone else (f"{name}.color",)
-        shade = rgb(tone or values.property(name, "color"))
+        shade = rgb(tone or values.text(name, "color"))
         material = materials.plain(doc, f"/World/Materials/{name}/{part}", shade, *source)
         prim = geometry(doc, f"{object_path(name)}/{part}", piece, (), (f"{name}.form",))
         prim.relate("material:binding", material)
@@ -71,7 +71,7 @@ def _follow(doc: Document, action: Thing, values: Values) -> None:
     prim = doc.add(f"/World/Episode/Actions/{action.name}", "WmsAction", (), (f"{action.name}.there",))
     prim.set("wms:verb", "token", "follow", uniform=True)
     prim.relate("wms:object", object_path(action.of))
-    prim.set("wms:start", "double", values.property(action.name, "start"), f"{action.name}.start", uniform=True)
+    prim.set("wms:start", "double", values.number(action.name, "start"), f"{action.name}.start", uniform=True)
     prim.set("wms:duration", "double", travel.times[-1], f"{action.name}.duration", uniform=True)
     prim.set("wms:points", "double3[]", travel.points, *way, uniform=True)
     prim.set("wms:times", "double[]", travel.times, f"{action.name}.duration", uniform=True)
@@ -86,7 +86,7 @@ def _reach(doc: Document, action: Thing, values: Values) -> None:
     prim = doc.add(path, "WmsAction", (), there)
     prim.set("wms:verb", "token", "reach", uniform=True)
     prim.relate("wms:joints", tuple(f"{here}/{joint}" for joint in arm_of(values, action.of).joints))
-    prim.set("wms:start", "double", values.property(action.name, "start"), f"{action.name}.start", uniform=True)
+    prim.set("wms:start", "double", values.number(action.name, "start"), f"{action.name}.start", uniform=True)
     prim.set("wms:duration", "double", reach.times[-1], f"{action.name}.duration", uniform=True)
     prim.set("wms:times", "double[]", reach.times, f"{action.name}.duration", uniform=True)
     prim.set("wms:values", "double[]", tuple(reach.values.reshape(-1).tolist()), way, uniform=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from itertools import combinations
 from typing import Literal
 
@@ -99,7 +99,8 @@ class _Task:
 
     def rivals(self, family: Family, lines: Sequence[_Line]) -> list[Probe]:
         """What each of these probes answers, and the best of them."""
-        asked, seen = self._asked[True], [partial(self._seen, line) for line in lines]
+        # Shortcuts are planted into the same features again and again: few numbers, dear to work out.
+        asked, seen = self._asked[True], [cache(partial(self._seen, line)) for line in lines]
         rivals = Rivals.of(seen, asked)
         right, picked = rivals.best(asked)
         commonest = lines[int(np.bincount(picked).argmax())].sees

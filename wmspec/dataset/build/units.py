@@ -17,8 +17,8 @@ from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import built
 from wmspec.compile.stage.one_factor import changed_by
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.limits import MOST_DRAWS
 from wmspec.lang.check.ir.ir import TaskSpec
-from wmspec.runtime.questions.balance import MOST_DRAWS
 from wmspec.runtime.questions.closed_sets import has_closed
 
 #: A unit has so many instances at most (but a closed set is never parted): what a worker gets at a time.

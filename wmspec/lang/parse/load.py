@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -11,17 +10,13 @@ from pathlib import Path
 from typing import TypeVar
 
 from wmspec.core.diagnostics import Diagnostic, Note, Report, WmsError, suggestion
-from wmspec.core.limits import MARKUP
-from wmspec.core.places import FilePlace, Location, Place, Source, Span
-from wmspec.core.resources import resource
-from wmspec.core.safe_io import inside, plain, read_plain
+from wmspec.core.places import Location, Place, Source, Span
+from wmspec.lang.parse import library_cache
+from wmspec.lang.parse.files import found, library_folder, located, read_source, search_path
 from wmspec.lang.parse.parser import parse
 from wmspec.lang.parse.syntax import File, Name, Statement, Task, Use, Variant
 
 P = TypeVar("P", Place, Place | None)
-
-#: A longer file is refused: no hand writes it.
-MAX_CHARACTERS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -48,55 +43,11 @@ def load(path: Path, report: Report) -> Program:
 
 def load_source(source: Source, folder: Path, report: Report) -> Program:
     """Parse a spec from text. Libraries are looked for in `folder`, on WMSPEC_PATH, then in wmspec's own."""
-    file = parse(source, report)
-    program = Program(source, file, {}, {})
+    file, mistakes = _parsed(source)
+    report.include(mistakes)
+    program = Program(file.span.source, file, {}, {})  # the very text in which its places are
     _collect(file, folder, report, program, ())
     return program
-
-
-def read_source(path: Path) -> Source:
-    """The text of a file. Raises WmsError with the reason if it cannot be read, or is a USD stage."""
-    try:
-        with plain(path).open("rb") as file:
-            if file.read(8).startswith(_STAGE):
-                raise WmsError("it is a USD stage, not a spec", FilePlace(str(path)), _run(path))
-        text = read_plain(path, MARKUP).decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
-    except UnicodeDecodeError as error:
-        raise WmsError(
-            f"not UTF-8 text (byte {error.start})", FilePlace(str(path)), "a .wms file is plain UTF-8 text"
-        ) from None
-    except OSError as error:
-        raise WmsError(f"cannot be read: {error.strerror}", FilePlace(str(path))) from None
-    if len(text) > MAX_CHARACTERS:
-        raise WmsError(
-            f"longer than {MAX_CHARACTERS:,} characters",
-            FilePlace(str(path)),
-            "a spec is written by hand: is this the right file?",
-        )
-    return Source(shown(path), text)
-
-
-#: How USD's own files begin, as text and as binary.
-_STAGE = (b"#usda", b"PXR-USDC")
-
-
-def _run(path: Path) -> str:
-    """What to do with a stage."""
-    if path.suffix:
-        return f"`wmspec run {path} --for 2s` executes it"
-    return f"let its name end in .usd, and `wmspec run {path}.usd --for 2s` executes it"
-
-
-def shown(path: Path) -> str:
-    """How a path is told: as it was given, but the libraries that come with wmspec as `<library>/tabletop.wms`."""
-    if path.parent == library_folder().resolve():
-        return f"<library>/{path.name}"
-    return str(path)
-
-
-def located(name: str) -> Path:
-    """The file that was told as `name`."""
-    return library_folder() / name.removeprefix("<library>/") if name.startswith("<library>/") else Path(name)
 
 
 def pointed(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
@@ -129,21 +80,6 @@ class _Texts:
         return self._sources[name]
 
 
-def library_folder() -> Path:
-    """The folder of the libraries that come with wmspec."""
-    return resource("specs/library")
-
-
-def catalogue_folders() -> tuple[Path, ...]:
-    """The folders of the specs that rebuild the paper's tasks; those of the gallery are apart."""
-    return resource("specs/perception"), resource("specs/prediction")
-
-
-def search_path() -> tuple[Path, ...]:
-    """The folders in WMSPEC_PATH, in which libraries are looked for too, parted as in PATH."""
-    return tuple(Path(folder) for folder in os.environ.get("WMSPEC_PATH", "").split(os.pathsep) if folder)
-
-
 def _uses(items: Iterable[Statement | Variant | Task]) -> Iterator[Use]:
     for item in items:
         if isinstance(item, Task | Variant):
@@ -170,29 +106,35 @@ def _collect(file: File, folder: Path, report: Report, program: Program, trail: 
             program.libraries[path] = library
 
 
+@lru_cache(maxsize=4)  # an editor asks for the tree of one text several times
+def _parsed(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
+    """The syntax tree of a text, and its mistakes."""
+    report = Report()
+    return parse(source, report), report.diagnostics
+
+
 @lru_cache(maxsize=64)
 def _library(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
     """A library as it is now, and its mistakes; parsed once for all specs that use it."""
-    report = Report()
-    return parse(source, report), report.diagnostics
+    if (tree := library_cache.kept(source)) is not None:
+        return tree, ()
+    tree, mistakes = _parsed(source)
+    if not mistakes:
+        library_cache.keep(source, tree)
+    return tree, mistakes
 
 
 def _find(name: Name, folder: Path, report: Report) -> Path | None:
     if not name.id:  # it is missing, and that was reported
         return None
-    file = f"{name.id}.wms"
-    if inside(folder, folder / file):
-        return (folder / file).resolve()
-    places = (*search_path(), library_folder())
-    for place in places:  # which the user or wmspec chose: links may lead where they like
-        with suppress(OSError):  # a name longer than file names can be
-            if (path := place / file).is_file():
-                return path.resolve()
-    known = [p.stem for place in (folder, *places) for p in sorted(place.glob("*.wms"))]
-    report.add(
-        "WMS207",
-        f"there is no library `{name.id}` next to the spec, on WMSPEC_PATH or in wmspec's own",
-        name.span,
-        suggestion(name.id, known),
-    )
-    return None
+    path = found(name.id, folder)
+    if path is None:
+        places = (folder, *search_path(), library_folder())
+        known = [p.stem for place in places for p in sorted(place.glob("*.wms"))]
+        report.add(
+            "WMS207",
+            f"there is no library `{name.id}` next to the spec, on WMSPEC_PATH or in wmspec's own",
+            name.span,
+            suggestion(name.id, known),
+        )
+    return path

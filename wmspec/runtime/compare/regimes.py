@@ -1,6 +1,6 @@
 """Motion that engines get wrong, found on what they executed: their agreement proves nothing there.
 
-`wmspec conform` measures how wrong; `wmspec check` warns of it beforehand, as WMS608.
+`wmspec conformance` measures how wrong; `wmspec check` warns of it beforehand, as WMS608.
 """
 
 from __future__ import annotations

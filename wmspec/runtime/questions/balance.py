@@ -13,11 +13,10 @@ from itertools import islice
 from operator import add
 
 from wmspec.compile.design.design import Design
+from wmspec.core.limits import MOST_DRAWS
 from wmspec.runtime.questions.closed_sets import Answers
 from wmspec.runtime.questions.model import QuestionRow, Rejected
 
-#: So many draws of a group are tried.
-MOST_DRAWS = 32
 #: So many ways in which the groups of a lap can come together are followed.
 MOST_WAYS = 20_000
 

@@ -20,7 +20,7 @@ def change_of(change: Counterfactual, orbit: Sequence[Varied], before: Values, a
     if change.change == "levels":
         return _levels(change, orbit, before)
     if change.change == "order":
-        starts = {name: before.property(name, "start") for name in (change.owner, change.property)}
+        starts = {name: before.number(name, "start") for name in (change.owner, change.property)}
         first, second = sorted(starts, key=lambda name: starts[name])
         return Change("order", f"{first}, {second}", f"{first} first", f"{second} first")
     owner, name = change.owner, change.property

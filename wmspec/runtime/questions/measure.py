@@ -29,7 +29,7 @@ class Measured:
         """A factor, nuisance, `let` or `end`."""
         return self.values.ref(name)
 
-    def property(self, owner: str, name: str) -> Any:
+    def property(self, owner: str, name: str) -> object:
         """A property of the spec, as it was before the episode."""
         return self.values.property(owner, name)
 

@@ -82,7 +82,7 @@ def together(names: Sequence[str], values: Values) -> str | None:
 def _plural(name: str, noun: str, values: Values) -> str:
     """What several are called: as the spec says, or by the rules of spelling."""
     if values.has(name, "plural"):
-        return str(values.property(name, "plural"))
+        return values.text(name, "plural")
     if noun.endswith(("s", "x", "ch", "sh")):
         return f"{noun}es"
     return f"{noun[:-1]}ies" if noun.endswith("y") and noun[-2:-1] not in "aeiou" else f"{noun}s"
@@ -91,10 +91,10 @@ def _plural(name: str, noun: str, values: Values) -> str:
 def noun(name: str, values: Values) -> str:
     """What kind of thing an object is: what it is called, its shape, or its own name if it has parts or is a mesh."""
     if values.has(name, "called"):
-        return str(values.property(name, "called"))
+        return values.text(name, "called")
     if values.parts(name) or values.has(name, "file") or not values.has(name, "shape"):
         return name.replace("_", " ")
-    return str(values.property(name, "shape"))
+    return values.text(name, "shape")
 
 
 def _plain(name: str, values: Values) -> str:
@@ -102,7 +102,7 @@ def _plain(name: str, values: Values) -> str:
     formless = values.parts(name) or values.has(name, "file") or not values.has(name, "shape")
     if formless and not (values.has(name, "called") and values.has(name, "color")):
         return what
-    return f"{color_word(values.property(name, 'color'))} {what}"
+    return f"{color_word(values.text(name, 'color'))} {what}"
 
 
 def _article(noun: str) -> str:
@@ -115,8 +115,8 @@ def _article(noun: str) -> str:
 def _material(name: str, rivals: list[str], values: Values) -> Iterator[str]:
     if not all(values.has(n, "material") for n in (name, *rivals)):
         return
-    mine = values.property(name, "material")
-    if all(values.property(other, "material") != mine for other in rivals):
+    mine = values.text(name, "material")
+    if all(values.text(other, "material") != mine for other in rivals):
         what = noun(name, values)
         yield f"{_plain(name, values).removesuffix(what)}{_MADE.get(mine, mine)} {what}"
 

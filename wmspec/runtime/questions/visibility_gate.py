@@ -26,7 +26,7 @@ def chains(values: Values) -> list[frozenset[str]]:
     tied = set[str]()
     for joint in values.spec.things:
         if joint.kind == "joint" and values.has(joint.name, "to") and values.there(joint.name):
-            ends = [values.property(joint.name, end) for end in ("of", "to")]
+            ends = values.ends(joint.name)
             tied |= {sets[ends[0]]} if ends[0] in sets and sets[ends[0]] == sets.get(ends[1]) else set()
     return [frozenset(name for name, of in sets.items() if of == chain) for chain in sorted(tied)]
 

@@ -56,6 +56,12 @@ class World:
     def aim(self, joint: int, target: float) -> None:
         raise AssertionError("there are no joints")
 
+    def grip(self, number: int, grip: Any, anchors: Any) -> None:
+        raise AssertionError("there are no hands")
+
+    def loose(self, number: int, grip: Any) -> None:
+        raise AssertionError("there are no hands")
+
     def step(self) -> None:
         """Velocities first, then positions with them: exact for free flight, as the kicks are half a step of g less."""
         self.now += self.h

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection
 from functools import cache
 
-from wmspec.lang.parse.load import library_folder
+from wmspec.lang.parse.files import library_folder
 
 #: Those with a place for things and cameras around it: they go before the others.
 _PLACES = ("tabletop", "room")

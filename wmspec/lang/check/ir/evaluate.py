@@ -16,7 +16,7 @@ class Environment(Protocol):
     def ref(self, name: str) -> Any:
         """A factor, nuisance or `let`."""
 
-    def property(self, owner: str, name: str) -> Any:
+    def property(self, owner: str, name: str) -> object:
         """A property of an object, camera or light, or an argument of an action."""
 
     def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:

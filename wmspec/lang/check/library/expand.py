@@ -12,7 +12,7 @@ from wmspec.lang.check.library.files import is_asset, there
 from wmspec.lang.check.library.substitute import Substitute, TooLarge
 from wmspec.lang.check.tables.vocabulary import ASSETS, PROPERTIES
 from wmspec.lang.parse import syntax as s
-from wmspec.lang.parse.load import located
+from wmspec.lang.parse.files import located
 
 if TYPE_CHECKING:  # most specs have no assets, and checking those should not wait for what reads them
     from wmspec.lang.importers.blocks import Blocks

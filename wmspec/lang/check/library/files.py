@@ -15,7 +15,7 @@ from wmspec.lang.check.ir import ir
 from wmspec.lang.check.tables.vocabulary import ASSETS, FILES, STAGES
 from wmspec.lang.importers.prim_names import parted
 from wmspec.lang.parse import syntax as s
-from wmspec.lang.parse.load import located
+from wmspec.lang.parse.files import located
 
 if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions

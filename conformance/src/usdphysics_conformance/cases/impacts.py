@@ -1,4 +1,4 @@
-"""Bodies that hit each other: balls, rows of balls, dominoes; what pushes and what carries; what passes through."""
+"""Impacts of balls, rows of balls and dominoes; pushers and conveyors; filtered collisions."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from math import degrees, sqrt
 
 import numpy as np
 
-from wmspec.runtime.conformance.build import G, ball, body, box, cylinder, floor, joint, stage
-from wmspec.runtime.conformance.case import Case, Measure
-from wmspec.runtime.conformance.contacts import MECHANICS
+from usdphysics_conformance.case import Case, Criterion, Trace
+from usdphysics_conformance.reference import MECHANICS
+from usdphysics_conformance.stages import G, ball, body, box, cylinder, floor, joint, stage
 
 _RADIUS = 0.05
 
 
-def cases() -> Iterator[Case]:
+def build_cases() -> Iterator[Case]:
     """The cases."""
     yield from _pairs()
     yield from _cradles()
     yield from _rows()
-    yield from _moved()
+    yield from _driven()
     yield from _filtered()
 
 
@@ -38,19 +38,19 @@ def _pairs() -> Iterator[Case]:
             ),
             0.5,
             tuple(
-                Measure(
+                Criterion(
                     f"speed of the {what}",
                     answer,
                     0.015,
                     "m/s",
-                    lambda r, what=what: r[what].velocity[120, 0],  # type: ignore[misc]
+                    lambda r, what=what: r[what].linear_velocity[120, 0],  # type: ignore[misc]
                     "v (m − e n)/(m + n), v (1 + e) m/(m + n)",
                     MECHANICS,
                 )
                 for what, answer in (("striker", first), ("struck", second))
             ),
         )
-    b = _RADIUS  # how far the striker's way passes from the other's middle: at half a diameter, 30 degrees
+    b = _RADIUS  # the impact parameter: half a diameter, which is an angle of 30 degrees
     yield Case(
         "collide_oblique",
         stage(
@@ -62,19 +62,21 @@ def _pairs() -> Iterator[Case]:
         ),
         0.6,
         (
-            Measure(
+            Criterion(
                 "speed of the struck", sqrt(3) / 2, 0.015, "m/s", lambda r: r["struck"].speed(0.6), "v cos θ", MECHANICS
             ),
-            Measure("speed of the striker", 0.5, 0.015, "m/s", lambda r: r["striker"].speed(0.6), "v sin θ", MECHANICS),
-            Measure(
+            Criterion(
+                "speed of the striker", 0.5, 0.015, "m/s", lambda r: r["striker"].speed(0.6), "v sin θ", MECHANICS
+            ),
+            Criterion(
                 "angle between their ways",
                 90.0,
                 1.0,
                 "deg",
                 lambda r: degrees(
                     np.arccos(
-                        r["struck"].velocity[144]
-                        @ r["striker"].velocity[144]
+                        r["struck"].linear_velocity[144]
+                        @ r["striker"].linear_velocity[144]
                         / (r["struck"].speed(0.6) * r["striker"].speed(0.6))
                     )
                 ),
@@ -86,20 +88,27 @@ def _pairs() -> Iterator[Case]:
     yield Case(
         "density",
         stage(
-            body("striker", ball(_RADIUS), (-0.2037, 0, 0), mass=0.0, velocity=(1.0, 0, 0), more=_DENSITY.format(2000)),
-            body("struck", ball(_RADIUS), mass=0.0, more=_DENSITY.format(1000)),
+            body(
+                "striker",
+                ball(_RADIUS),
+                (-0.2037, 0, 0),
+                mass=0.0,
+                velocity=(1.0, 0, 0),
+                attributes=_DENSITY.format(2000),
+            ),
+            body("struck", ball(_RADIUS), mass=0.0, attributes=_DENSITY.format(1000)),
             friction=0,
             restitution=1.0,
             gravity=0,
         ),
         0.5,
         (
-            Measure(
+            Criterion(
                 "speed of the struck, of half the density",
                 4 / 3,
                 0.02,
                 "m/s",
-                lambda r: r["struck"].velocity[120, 0],
+                lambda r: r["struck"].linear_velocity[120, 0],
                 "2 v m/(m + n)",
                 MECHANICS,
             ),
@@ -126,12 +135,12 @@ def _cradles() -> Iterator[Case]:
             stage(*balls, friction=0, restitution=1.0, gravity=0),
             0.5,
             tuple(
-                Measure(
+                Criterion(
                     f"speed of ball {i} of five",
                     1.0 if i >= 5 - striking else 0.0,
                     0.03,
                     "m/s",
-                    lambda r, i=i: r[f"ball{i}"].velocity[120, 0],  # type: ignore[misc]
+                    lambda r, i=i: r[f"ball{i}"].linear_velocity[120, 0],  # type: ignore[misc]
                     "as many leave as came, by one impact after the other",
                     "Herrmann and Schmälzle, American Journal of Physics 49 (1981)",
                 )
@@ -148,12 +157,12 @@ def _rows() -> Iterator[Case]:
         stage(floor(), *bricks, hit),
         2.0,
         (
-            Measure(
+            Criterion(
                 "how many of six bricks fall",
                 6,
                 0,
                 "",
-                lambda r: sum(r[f"brick{i}"].axis(2.0, 2)[2] < 0.7 for i in range(6)),
+                lambda r: sum(r[f"brick{i}"].axis_direction(2.0, 2)[2] < 0.7 for i in range(6)),
                 "all, as each is hit above its middle by one that falls",
                 MECHANICS,
             ),
@@ -161,8 +170,8 @@ def _rows() -> Iterator[Case]:
     )
 
 
-def _moved() -> Iterator[Case]:
-    """A heavy body on a rail with a strong drive: standard UsdPhysics's way of telling a body how to move."""
+def _driven() -> Iterator[Case]:
+    """A heavy body on a rail with a strong drive, which is how UsdPhysics prescribes a motion."""
     v, mu = 0.5, 0.4
     drive = f"damping = 50000\ntargetVelocity = {v}\nstiffness = 0\nmaxForce = inf"
     rail = {"limits": None, "drive": drive}
@@ -179,13 +188,15 @@ def _moved() -> Iterator[Case]:
         ),
         1.0,
         (
-            Measure("speed of what it carries", v, 0.01, "m/s", lambda r: r["box"].velocity[240, 0], "v", MECHANICS),
-            Measure(
+            Criterion(
+                "speed of what it carries", v, 0.01, "m/s", lambda r: r["box"].linear_velocity[240, 0], "v", MECHANICS
+            ),
+            Criterion(
                 "how far it lags behind",
                 slid,
                 0.004,
                 "m",
-                lambda r: (r["plate"].at(1, 0) - r["plate"].at(0, 0)) - (r["box"].at(1, 0) - r["box"].at(0, 0)),
+                lambda r: _distance(r, "plate") - _distance(r, "box"),
                 "v²/2μg",
                 MECHANICS,
             ),
@@ -213,17 +224,22 @@ def _moved() -> Iterator[Case]:
         ),
         1.5,
         (
-            Measure(
+            Criterion(
                 "where a pushed box is",
                 -0.4 + 0.05 + 0.1 + 1.5 * v,
                 0.005,
                 "m",
-                lambda r: r["box"].at(1.5, 0),
+                lambda r: r["box"].coordinate(1.5, 0),
                 "v t",
                 MECHANICS,
             ),
         ),
     )
+
+
+def _distance(trace: Trace, name: str) -> float:
+    """How far a body moves along x in 1 s, m."""
+    return trace[name].coordinate(1, 0) - trace[name].coordinate(0, 0)
 
 
 def _filtered() -> Iterator[Case]:
@@ -233,7 +249,7 @@ def _filtered() -> Iterator[Case]:
         box(0.2, 0.2, 0.2),
         (0, 0, 1.5),
         apis=["PhysicsFilteredPairsAPI"],
-        more="        rel physics:filteredPairs = </World/shelf>\n",
+        attributes="        rel physics:filteredPairs = </World/shelf>\n",
     )
     group = """    def PhysicsCollisionGroup "Ghosts" (prepend apiSchemas = ["CollectionAPI:colliders"])
     {
@@ -251,24 +267,24 @@ def _filtered() -> Iterator[Case]:
 """
     plain = body("box", box(0.2, 0.2, 0.2), (0, 0, 1.5))
     through, source = 1.5 - G / 2 * 0.8**2, "UsdPhysics, Collision Filtering"
-    for name, made, answer in (
+    for name, text, answer in (
         ("filtered_pair", stage(shelf, pair), through),
         ("collision_group", stage(shelf, plain, group), through),
         ("unfiltered", stage(shelf, plain), 1.15),
     ):
-        told = "g t²/2" if answer == through else "it lies on the shelf"
+        formula = "g t²/2" if answer == through else "it lies on the shelf"
         yield Case(
             name,
-            made,
+            text,
             0.8,
             (
-                Measure(
+                Criterion(
                     "where a box above a shelf is after 0.8 s",
                     answer,
                     0.003,
                     "m",
-                    lambda r: r["box"].at(0.8, 2),
-                    told,
+                    lambda r: r["box"].coordinate(0.8, 2),
+                    formula,
                     source,
                 ),
             ),
@@ -279,7 +295,7 @@ def _filtered() -> Iterator[Case]:
         stage(floor(), upright),
         2.0,
         (
-            Measure(
+            Criterion(
                 "how far a standing cylinder creeps in 2 s",
                 0.0,
                 0.5,

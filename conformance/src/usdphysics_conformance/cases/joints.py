@@ -7,58 +7,55 @@ from math import cos, degrees, exp, pi, radians, sin, sqrt
 
 import numpy as np
 
-from wmspec.core.space import Vector
-from wmspec.runtime.conformance.build import G, ball, body, box, joint, stage
-from wmspec.runtime.conformance.case import RATE, Case, Measure, Run
-from wmspec.runtime.conformance.contacts import LANDAU, MECHANICS
-from wmspec.sim.scene.model import Array
+from usdphysics_conformance.case import SAMPLE_RATE, Case, Criterion, Trace
+from usdphysics_conformance.quaternions import Array
+from usdphysics_conformance.reference import DOUBLE_PENDULUM_END, LANDAU, MECHANICS, elliptic_k
+from usdphysics_conformance.stages import G, Vector, ball, body, box, joint, stage
 
 _ARM = 0.5  # m, from the pivot to the middle of the bob
 _INERTIA = (0.01, 0.01, 0.01)
 
 
-def cases() -> Iterator[Case]:
+def build_cases() -> Iterator[Case]:
     """The cases."""
     yield from _pendulums()
     yield from _linkages()
     yield from _drives()
     yield from _limits()
-    yield from _held()
+    yield from _constrained()
 
 
 def swing(amplitude: float, inertia: float, arm: float, mass: float = 1.0) -> float:
-    """The period (s) of a pendulum that is let go at an amplitude (rad): Landau and Lifshitz, Mechanics, § 11."""
-    from scipy.special import ellipk
-
-    return float(4 * sqrt((inertia + mass * arm**2) / (mass * G * arm)) * ellipk(sin(amplitude / 2) ** 2))
+    """The period (s) of a pendulum released at an amplitude (rad): Landau and Lifshitz, Mechanics, § 11."""
+    return float(4 * sqrt((inertia + mass * arm**2) / (mass * G * arm)) * elliptic_k(sin(amplitude / 2) ** 2))
 
 
 def _hung(angle: float) -> tuple[Vector, tuple[float, ...]]:
-    """Where a bob is that hangs from the origin, turned about y out of the vertical by an angle (rad)."""
+    """Position and orientation of a bob on a pendulum from the origin, at an angle (rad) about y from the vertical."""
     return (_ARM * sin(angle), 0.0, -_ARM * cos(angle)), (cos(angle / 2), 0.0, -sin(angle / 2), 0.0)
 
 
-def _period(run: Run, name: str = "bob") -> float:
-    """The time (s) between two passages of the middle in one direction."""
-    x = run[name].position[:, 0]
+def _period(trace: Trace, name: str = "bob") -> float:
+    """The time (s) between two crossings of x = 0 in one direction; nan without two crossings."""
+    x = trace[name].position[:, 0]
     passed = [i + x[i] / (x[i] - x[i + 1]) for i in range(len(x) - 1) if x[i] > 0 >= x[i + 1]]
-    return float((passed[1] - passed[0]) / RATE) if len(passed) > 1 else float("nan")
+    return float((passed[1] - passed[0]) / SAMPLE_RATE) if len(passed) > 1 else float("nan")
 
 
 def _pendulums() -> Iterator[Case]:
     for angle in (10, 60, 150):
         at, turn = _hung(radians(angle))
-        made = stage(
+        text = stage(
             body("bob", ball(0.05), at, turn, moments=_INERTIA),
-            joint("Revolute", "pivot", "", "bob", below=(0, 0, _ARM), axis="Y"),
+            joint("Revolute", "pivot", "", "bob", local_pos1=(0, 0, _ARM), axis="Y"),
         )
         period = swing(radians(angle), 0.01, _ARM)
         yield Case(
             f"pendulum_{angle}",
-            made,
+            text,
             2.6 * period,
             (
-                Measure(
+                Criterion(
                     f"period from {angle} degrees",
                     period,
                     0.005 * period,
@@ -75,11 +72,11 @@ def _pendulums() -> Iterator[Case]:
         "pendulum_ball_joint",
         stage(
             body("bob", ball(0.05), at, turn, moments=_INERTIA),
-            joint("Spherical", "pivot", "", "bob", below=(0, 0, _ARM)),
+            joint("Spherical", "pivot", "", "bob", local_pos1=(0, 0, _ARM)),
         ),
         2.6 * period,
         (
-            Measure(
+            Criterion(
                 "period of one on a ball joint", period, 0.005 * period, "s", _period, "4 √(I/mgd) K(sin θ/2)", LANDAU
             ),
         ),
@@ -87,12 +84,13 @@ def _pendulums() -> Iterator[Case]:
     yield from _double()
 
 
-def _energy(run: Run, names: tuple[str, ...], moment: float) -> Array:
+def _energy(trace: Trace, names: tuple[str, ...], moment: float) -> Array:
     """Kinetic and potential energy (T,) of bodies of 1 kg, J."""
-    whole = np.zeros(len(run[names[0]].position))
+    whole = np.zeros(len(trace[names[0]].position))
     for name in names:
-        track = run[name]
-        whole += ((track.velocity**2).sum(axis=1) + moment * (track.spin**2).sum(axis=1)) / 2 + G * track.position[:, 2]
+        motion = trace[name]
+        squares = (motion.linear_velocity**2).sum(axis=1) + moment * (motion.angular_velocity**2).sum(axis=1)
+        whole += squares / 2 + G * motion.position[:, 2]
     return whole
 
 
@@ -100,12 +98,12 @@ def _double() -> Iterator[Case]:
     arms = [
         body("upper", box(0.05, 0.05, 0.05), (0.25, 0, 0), moments=_INERTIA),
         body("lower", box(0.05, 0.05, 0.05), (0.75, 0, 0), moments=_INERTIA),
-        joint("Revolute", "shoulder", "", "upper", below=(-0.25, 0, 0), axis="Y"),
+        joint("Revolute", "shoulder", "", "upper", local_pos1=(-0.25, 0, 0), axis="Y"),
         joint("Revolute", "elbow", "upper", "lower", (0.25, 0, 0), (-0.25, 0, 0), axis="Y"),
     ]
 
-    def drift(run: Run) -> float:
-        energy = _energy(run, ("upper", "lower"), _INERTIA[0])
+    def drift(trace: Trace) -> float:
+        energy = _energy(trace, ("upper", "lower"), _INERTIA[0])
         return float(100 * np.abs(energy[24:] - energy[0]).max() / (2 * G * 0.5))
 
     yield Case(
@@ -113,19 +111,19 @@ def _double() -> Iterator[Case]:
         stage(*arms),
         3.0,
         (
-            Measure(
+            Criterion(
                 "how far its end is from its place after 1 s",
                 0.0,
                 5.0,
                 "mm",
-                lambda r: float(1e3 * np.linalg.norm(r["lower"].position[RATE] - _double_after(1.0))),
+                lambda r: float(1e3 * np.linalg.norm(r["lower"].position[SAMPLE_RATE] - DOUBLE_PENDULUM_END)),
                 "Lagrange's equations, integrated to 1e-11",
                 LANDAU,
             ),
-            Measure(
+            Criterion(
                 "energy of a double pendulum lost or gained, of its depth", 0.0, 1.0, "%", drift, "constant", LANDAU
             ),
-            Measure(
+            Criterion(
                 "farthest out of its plane",
                 0.0,
                 0.5,
@@ -136,24 +134,6 @@ def _double() -> Iterator[Case]:
             ),
         ),
     )
-
-
-def _double_after(seconds: float) -> Array:
-    """Where the middle of the lower arm is (3,) when both were let go level: by Lagrange's equations of two angles."""
-    from scipy.integrate import solve_ivp
-
-    arm, half, inertia = 2 * 0.25, 0.25, _INERTIA[0]
-
-    def rates(_time: float, state: Array) -> list[float]:
-        a, b, u, v = state
-        mixed, turn = arm * half * cos(a - b), arm * half * sin(a - b)
-        mass = [[inertia + half**2 + arm**2, mixed], [mixed, inertia + half**2]]
-        force = [-turn * v * v + G * (half + arm) * cos(a), turn * u * u + G * half * cos(b)]
-        return [u, v, *np.linalg.solve(mass, force).tolist()]
-
-    way = solve_ivp(rates, (0.0, seconds), np.zeros(4), method="DOP853", rtol=1e-11, atol=1e-11)
-    a, b = way.y[:2, -1]
-    return np.array([arm * cos(a) + half * cos(b), 0.0, -arm * sin(a) - half * sin(b)])
 
 
 def _linkages() -> Iterator[Case]:
@@ -170,15 +150,13 @@ def _linkages() -> Iterator[Case]:
     parts.append(joint("Revolute", "right_low", "right", "coupler", (0, 0, -crank / 2), (wide / 2, 0, 0), axis="Y"))
     # T = ½ (2 (I + m c²/4) + M c²) θ'², V = −(2 m c/2 + M c) g cos θ
     inertia, pull = 2 * (0.005 + 0.5 * crank**2 / 4) + 2.0 * crank**2, (0.5 * crank + 2.0 * crank) * G
-    from scipy.special import ellipk
-
-    period = float(4 * sqrt(inertia / pull) * ellipk(sin(angle / 2) ** 2))
+    period = float(4 * sqrt(inertia / pull) * elliptic_k(sin(angle / 2) ** 2))
     yield Case(
         "four_bar",
         stage(*parts),
         2.6 * period,
         (
-            Measure(
+            Criterion(
                 "period of a parallelogram",
                 period,
                 0.005 * period,
@@ -187,12 +165,17 @@ def _linkages() -> Iterator[Case]:
                 "4 √(I/P) K(sin θ/2)",
                 LANDAU,
             ),
-            Measure(
+            Criterion(
                 "farthest that its coupler turns",
                 0.0,
                 0.2,
                 "deg",
-                lambda r: degrees(max(r["coupler"].turn(i / RATE) for i in range(0, len(r["coupler"].spin), 24))),
+                lambda r: degrees(
+                    max(
+                        r["coupler"].rotation_angle(i / SAMPLE_RATE)
+                        for i in range(0, len(r["coupler"].angular_velocity), 24)
+                    )
+                ),
                 "0",
                 "geometry",
             ),
@@ -207,10 +190,10 @@ def _drives() -> Iterator[Case]:
         zeta = damping / (2 * sqrt(k * m))
         t = 0.2
         if zeta == 1:
-            way = 1 - exp(-w * t) * (1 + w * t)
+            response = 1 - exp(-w * t) * (1 + w * t)
         else:
             d = w * sqrt(1 - zeta**2)
-            way = 1 - exp(-zeta * w * t) * (cos(d * t) + zeta * w / d * sin(d * t))
+            response = 1 - exp(-zeta * w * t) * (cos(d * t) + zeta * w / d * sin(d * t))
         drive = f"stiffness = {k}\ndamping = {damping}\ntargetPosition = 0.3\nmaxForce = inf"
         yield Case(
             f"drive_{name}",
@@ -221,12 +204,12 @@ def _drives() -> Iterator[Case]:
             ),
             0.5,
             (
-                Measure(
+                Criterion(
                     f"where a drive has moved a cart in {t:g} s",
-                    300 * way,
+                    300 * response,
                     3.0,
                     "mm",
-                    lambda r: 1e3 * r["cart"].at(0.2, 0),
+                    lambda r: 1e3 * r["cart"].coordinate(0.2, 0),
                     "the step response of a damped oscillator",
                     MECHANICS,
                 ),
@@ -234,10 +217,10 @@ def _drives() -> Iterator[Case]:
         )
     spring = f"stiffness = {k}\ndamping = 0\ntargetPosition = 0.2\nmaxForce = inf"
 
-    def period(run: Run) -> float:
-        x = run["cart"].position[:, 0] - 0.2
+    def period(trace: Trace) -> float:
+        x = trace["cart"].position[:, 0] - 0.2
         passed = [i + x[i] / (x[i] - x[i + 1]) for i in range(len(x) - 1) if x[i] > 0 >= x[i + 1]]
-        return float((passed[1] - passed[0]) / RATE) if len(passed) > 1 else float("nan")
+        return float((passed[1] - passed[0]) / SAMPLE_RATE) if len(passed) > 1 else float("nan")
 
     yield Case(
         "spring",
@@ -246,8 +229,8 @@ def _drives() -> Iterator[Case]:
         ),
         1.8,
         (
-            Measure("period of a spring", 2 * pi / w, 0.005, "s", period, "2π √(m/k)", MECHANICS),
-            Measure(
+            Criterion("period of a spring", 2 * pi / w, 0.005, "s", period, "2π √(m/k)", MECHANICS),
+            Criterion(
                 "farthest that it goes",
                 400.0,
                 4.0,
@@ -268,12 +251,12 @@ def _drives() -> Iterator[Case]:
         ),
         3.0,
         (
-            Measure(
+            Criterion(
                 "where the drive of a hinge, whose numbers are per degree, leaves it",
                 40.0,
                 0.2,
                 "deg",
-                lambda r: degrees(r["arm"].turn(3.0)),
+                lambda r: degrees(r["arm"].rotation_angle(3.0)),
                 "its target",
                 "UsdPhysics, PhysicsDriveAPI",
             ),
@@ -287,7 +270,7 @@ def _drives() -> Iterator[Case]:
         ),
         0.5,
         (
-            Measure(
+            Criterion(
                 "speed that a drive gives", 0.7, 0.003, "m/s", lambda r: r["cart"].speed(0.5), "its target", MECHANICS
             ),
         ),
@@ -298,12 +281,12 @@ def _drives() -> Iterator[Case]:
         stage(body("cart", box(0.1, 0.1, 0.1)), joint("Prismatic", "rail", "", "cart", axis="Z", drive=weak)),
         0.5,
         (
-            Measure(
+            Criterion(
                 "way down of 1 kg that a drive of at most 5 N should hold, in 0.4 s",
                 (G - 5) / 2 * 0.4**2,
                 0.004,
                 "m",
-                lambda r: -r["cart"].at(0.4, 2),
+                lambda r: -r["cart"].coordinate(0.4, 2),
                 "(g − F/m) t²/2",
                 MECHANICS,
             ),
@@ -313,21 +296,21 @@ def _drives() -> Iterator[Case]:
 
 def _limits() -> Iterator[Case]:
     at, turn = _hung(pi / 2)
-    made = stage(
+    text = stage(
         body("bob", ball(0.05), at, turn, moments=_INERTIA),
-        joint("Revolute", "pivot", "", "bob", below=(0, 0, _ARM), axis="Y", limits=(-120.0, -30.0)),
+        joint("Revolute", "pivot", "", "bob", local_pos1=(0, 0, _ARM), axis="Y", limits=(-120.0, -30.0)),
     )
     yield Case(
         "limit_hinge",
-        made,
+        text,
         3.0,
         (
-            Measure(
+            Criterion(
                 "where a limit holds a falling pendulum",
                 30.0,
                 0.5,
                 "deg",
-                lambda r: degrees(np.arctan2(r["bob"].at(3, 0), -r["bob"].at(3, 2))),
+                lambda r: degrees(np.arctan2(r["bob"].coordinate(3, 0), -r["bob"].coordinate(3, 2))),
                 "the limit",
                 "UsdPhysics, PhysicsRevoluteJoint",
             ),
@@ -341,12 +324,12 @@ def _limits() -> Iterator[Case]:
         ),
         2.0,
         (
-            Measure(
+            Criterion(
                 "where a limit holds a falling cart",
                 -250.0,
                 1.0,
                 "mm",
-                lambda r: 1e3 * r["cart"].at(2, 2),
+                lambda r: 1e3 * r["cart"].coordinate(2, 2),
                 "the limit",
                 "UsdPhysics, PhysicsPrismaticJoint",
             ),
@@ -354,7 +337,7 @@ def _limits() -> Iterator[Case]:
     )
 
 
-def _held() -> Iterator[Case]:
+def _constrained() -> Iterator[Case]:
     yield Case(
         "rail",
         stage(
@@ -363,7 +346,7 @@ def _held() -> Iterator[Case]:
         ),
         1.0,
         (
-            Measure(
+            Criterion(
                 "how far a cart on a level rail sinks in 1 s",
                 0.0,
                 0.5,
@@ -383,16 +366,16 @@ def _held() -> Iterator[Case]:
         ),
         1.0,
         (
-            Measure(
+            Criterion(
                 "way down of two balls on a bar after 1 s",
                 G / 2,
                 0.001,
                 "m",
-                lambda r: 5 - r["other"].at(1, 2),
+                lambda r: 5 - r["other"].coordinate(1, 2),
                 "g t²/2",
                 MECHANICS,
             ),
-            Measure(
+            Criterion(
                 "by how much the bar stretches",
                 0.0,
                 0.1,

@@ -1,4 +1,4 @@
-"""Joints that mimic others, and jointed bodies that begin to move."""
+"""Joints that mimic others, and jointed bodies with initial velocities."""
 
 from __future__ import annotations
 
@@ -7,19 +7,17 @@ from math import cos, degrees, exp, pi, radians, sin, sqrt
 
 import numpy as np
 
-from wmspec.core.space import Vector
-from wmspec.runtime.conformance.build import G, ball, body, box, joint, stage
-from wmspec.runtime.conformance.case import RATE, Case, Measure, Run
-from wmspec.runtime.conformance.contacts import LANDAU, MECHANICS
-from wmspec.runtime.conformance.joints import swing
-from wmspec.sim.scene.model import Array
-from wmspec.sim.scene.model.transform import rotate
+from usdphysics_conformance.case import SAMPLE_RATE, Case, Criterion, Trace
+from usdphysics_conformance.cases.joints import swing
+from usdphysics_conformance.quaternions import Array, rotate
+from usdphysics_conformance.reference import LANDAU, MECHANICS
+from usdphysics_conformance.stages import G, Vector, ball, body, box, joint, stage
 
 _SMALL = box(0.1, 0.1, 0.1)
 _CONSTRAINED = "Lagrange's equations with a constraint"
 
 
-def cases() -> Iterator[Case]:
+def build_cases() -> Iterator[Case]:
     """The cases."""
     yield from _mimics()
     yield from _pushed()
@@ -39,21 +37,24 @@ def _mimics() -> Iterator[Case]:
         ),
         0.5,
         (
-            Measure(
+            Criterion(
                 "way down in 0.4 s of a weight that turns a drum",
                 fall / 2 * 0.4**2,
                 0.004,
                 "m",
-                lambda r: -r["weight"].at(0.4, 2),
+                lambda r: -r["weight"].coordinate(0.4, 2),
                 "t²/2 mg/(m + I k²)",
                 _CONSTRAINED,
             ),
-            Measure(
+            Criterion(
                 "farthest that the drum is from where it should be",
                 0.0,
                 0.005,
                 "rad",
-                lambda r: max(abs(r["drum"].turn(i / RATE) + pace * r["weight"].position[i, 2]) for i in range(97)),
+                lambda r: max(
+                    abs(r["drum"].rotation_angle(i / SAMPLE_RATE) + pace * r["weight"].position[i, 2])
+                    for i in range(97)
+                ),
                 "0",
                 "newton:mimicCoef1",
             ),
@@ -74,16 +75,16 @@ def _mimics() -> Iterator[Case]:
         ),
         0.5,
         (
-            Measure(
+            Criterion(
                 "way down in 0.5 s of a weight that lifts a lighter one",
                 G * (heavy - light) / (heavy + light) / 2 * 0.5**2,
                 0.004,
                 "m",
-                lambda r: -r["heavy"].at(0.5, 2),
+                lambda r: -r["heavy"].coordinate(0.5, 2),
                 "g t²/2 (M − m)/(M + m)",
                 MECHANICS,
             ),
-            Measure(
+            Criterion(
                 "farthest that the two are from being opposite",
                 0.0,
                 0.5,
@@ -111,12 +112,12 @@ def _mimics() -> Iterator[Case]:
         ),
         0.5,
         (
-            Measure(
+            Criterion(
                 "where the finger is that mimics a driven one, after 0.2 s",
                 -40 * (1 - exp(-w * t) * (1 + w * t)),
                 0.4,
                 "mm",
-                lambda r: 1e3 * r["right"].at(0.2, 1),
+                lambda r: 1e3 * r["right"].coordinate(0.2, 1),
                 "the step response of a damped oscillator of both masses",
                 MECHANICS,
             ),
@@ -132,15 +133,15 @@ def _pushed() -> Iterator[Case]:
     reach = radians(60)
     spin = sqrt(2 * G * _ARM * (1 - cos(reach)) / (_INERTIA + _ARM**2))
     period = swing(reach, _INERTIA, _ARM)
-    hung = joint("Revolute", "pivot", "", "bob", below=(0, 0, _ARM), axis="Y")
+    hung = joint("Revolute", "pivot", "", "bob", local_pos1=(0, 0, _ARM), axis="Y")
     down: Vector = (0, 0, -_ARM)
-    bob = {"moments": (_INERTIA,) * 3, "velocity": (spin * _ARM, 0, 0), "spin": (0, -spin, 0)}
+    bob = {"moments": (_INERTIA,) * 3, "velocity": (spin * _ARM, 0, 0), "angular_velocity": (0, -spin, 0)}
     yield Case(
         "pendulum_pushed",
         stage(body("bob", ball(0.05), down, **bob), hung),  # type: ignore[arg-type]
         1.3 * period,
         (
-            Measure(
+            Criterion(
                 "how far a pendulum swings that begins to move at its lowest",
                 degrees(reach),
                 0.3,
@@ -149,7 +150,7 @@ def _pushed() -> Iterator[Case]:
                 "cos θ = 1 − (I + md²)ω²/2mgd",
                 LANDAU,
             ),
-            Measure(
+            Criterion(
                 "when it is back at its lowest the second time",
                 period,
                 0.005 * period,
@@ -166,12 +167,12 @@ def _pushed() -> Iterator[Case]:
         stage(body("bob", ball(0.05), down, moments=(0.1,) * 3, velocity=(speed, 0, 1.0)), hung, gravity=0),
         0.2,
         (
-            Measure(
+            Criterion(
                 "spin of a pendulum whose given velocity its joint does not let be",
                 speed * _ARM / (0.1 + _ARM**2),
                 0.01,
                 "rad/s",
-                lambda r: float(np.linalg.norm(r["bob"].spin[RATE // 10])),
+                lambda r: float(np.linalg.norm(r["bob"].angular_velocity[SAMPLE_RATE // 10])),
                 "m d v/(I + md²)",
                 "angular momentum about the joint",
             ),
@@ -191,13 +192,13 @@ def _pushed() -> Iterator[Case]:
                 turn,
                 moments=(_INERTIA,) * 3,
                 velocity=(0, around * at[0], 0),
-                spin=(0, 0, around),
+                angular_velocity=(0, 0, around),
             ),
-            joint("Spherical", "pivot", "", "bob", below=(0, 0, _ARM)),
+            joint("Spherical", "pivot", "", "bob", local_pos1=(0, 0, _ARM)),
         ),
         1.25 * 2 * pi / around,
         (
-            Measure(
+            Criterion(
                 "farthest that a conical pendulum rises or sinks",
                 0.0,
                 2.0,
@@ -206,7 +207,7 @@ def _pushed() -> Iterator[Case]:
                 "0",
                 LANDAU,
             ),
-            Measure(
+            Criterion(
                 "its time around",
                 2 * pi / around,
                 0.01,
@@ -220,9 +221,9 @@ def _pushed() -> Iterator[Case]:
 
 
 def _back(x: Array) -> float:
-    """When (s) a coordinate that begins at 0 goes up through 0 for the first time."""
-    passed = [i - x[i] / (x[i + 1] - x[i]) for i in range(RATE // 4, len(x) - 1) if x[i] < 0 <= x[i + 1]]
-    return float(passed[0] / RATE) if passed else float("nan")
+    """When (s) a coordinate that begins at 0 first crosses 0 upwards; nan if it does not."""
+    passed = [i - x[i] / (x[i + 1] - x[i]) for i in range(SAMPLE_RATE // 4, len(x) - 1) if x[i] < 0 <= x[i + 1]]
+    return float(passed[0] / SAMPLE_RATE) if passed else float("nan")
 
 
 def _thrown() -> Iterator[Case]:
@@ -236,7 +237,7 @@ def _thrown() -> Iterator[Case]:
             (x, 0, 5),
             mass=mass,
             velocity=(sideways, turns * (x - middle), 0),
-            spin=(0, 0, turns),
+            angular_velocity=(0, 0, turns),
         )
         for name, x, mass in pair
     ]
@@ -245,7 +246,7 @@ def _thrown() -> Iterator[Case]:
         stage(*parts, joint("Fixed", "bar", "one", "other", (0.2, 0, 0), (-0.2, 0, 0))),
         1.0,
         (
-            Measure(
+            Criterion(
                 "farthest that the middle of two balls on a bar, thrown and turning, is off its way",
                 0.0,
                 1.0,
@@ -254,12 +255,12 @@ def _thrown() -> Iterator[Case]:
                 "p + vt + gt²/2",
                 MECHANICS,
             ),
-            Measure(
+            Criterion(
                 "by how much the bar has turned after 1 s",
                 turns,
                 0.01,
                 "rad",
-                lambda r: r["one"].turn(1.0),
+                lambda r: r["one"].rotation_angle(1.0),
                 "ωt",
                 MECHANICS,
             ),
@@ -275,7 +276,7 @@ def _thrown() -> Iterator[Case]:
             places[name],
             moments=moments,
             velocity=tuple(np.cross(spins[name], places[name]).tolist()),
-            spin=spins[name],
+            angular_velocity=spins[name],
         )
         for name in places
     ]
@@ -285,7 +286,7 @@ def _thrown() -> Iterator[Case]:
         stage(*links, joint("Revolute", "chain", "left", "right", (0.25, 0, 0), (-0.25, 0, 0), axis="Z"), gravity=0),
         1.0,
         (
-            Measure(
+            Criterion(
                 "angular momentum of two rods on a hinge after 1 s",
                 momentum,
                 0.005,
@@ -294,7 +295,7 @@ def _thrown() -> Iterator[Case]:
                 "constant",
                 MECHANICS,
             ),
-            Measure(
+            Criterion(
                 "farthest that their hinge opens",
                 0.0,
                 0.1,
@@ -307,23 +308,23 @@ def _thrown() -> Iterator[Case]:
     )
 
 
-def _middle(run: Run) -> Array:
-    middle: Array = (run["one"].position + 3 * run["other"].position) / 4
+def _middle(trace: Trace) -> Array:
+    middle: Array = (trace["one"].position + 3 * trace["other"].position) / 4
     return middle
 
 
 def _flight(x: float, speed: float, samples: int) -> Array:
-    time = np.arange(samples) / RATE
+    time = np.arange(samples) / SAMPLE_RATE
     return np.stack([x + speed * time, np.zeros(samples), 5 - G * time**2 / 2], axis=1)
 
 
-def _end(run: Run, name: str, along: float) -> Array:
-    return run[name].position + rotate(run[name].orientation, np.array([along, 0.0, 0.0]))
+def _end(trace: Trace, name: str, along: float) -> Array:
+    return trace[name].position + rotate(trace[name].orientation, np.array([along, 0.0, 0.0]))
 
 
-def _momentum(run: Run) -> float:
-    """About the middle of both rods, of 1 kg each."""
-    middle = sum(track.position[-1] for track in run.values()) / 2
-    pushed = sum(track.velocity[-1] for track in run.values()) / 2
-    orbit = [np.cross(t.position[-1] - middle, t.velocity[-1] - pushed)[2] for t in run.values()]
-    return float(sum(orbit) + sum(0.03 * t.spin[-1, 2] for t in run.values()))
+def _momentum(trace: Trace) -> float:
+    """The angular momentum (Nms) along z about the centre of mass of both rods, of 1 kg each, at the end."""
+    middle = sum(motion.position[-1] for motion in trace.values()) / 2
+    pushed = sum(motion.linear_velocity[-1] for motion in trace.values()) / 2
+    orbit = [np.cross(t.position[-1] - middle, t.linear_velocity[-1] - pushed)[2] for t in trace.values()]
+    return float(sum(orbit) + sum(0.03 * t.angular_velocity[-1, 2] for t in trace.values()))

@@ -1,4 +1,4 @@
-"""The stages of `wmspec conform` in Newton, as traces; run by a Python that has Newton, and no wmspec.
+"""Executes the stages of `usdphysics-conformance write` in Newton and writes traces.
 
 python newton_traces.py STAGES TRACES [CASE]...
 """

@@ -1,13 +1,16 @@
-"""Stages as text: plain UsdPhysics, one prim for a body with its one geometry below it."""
+"""Stages as text: plain UsdPhysics, a prim for each body with its one shape below it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from math import cos, degrees, pi, sin
 
-from wmspec.core.space import Vector
+from usdphysics_conformance.quaternions import rotate
+
+Vector = tuple[float, float, float]
 
 G = 9.81
+"""The acceleration of gravity on every stage that has any, m/s²."""
 ORIGIN: Vector = (0.0, 0.0, 0.0)
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
@@ -15,7 +18,7 @@ UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 def stage(
     *prims: str, friction: float | tuple[float, float] = 0.5, restitution: float = 0.0, gravity: float = G
 ) -> str:
-    """A stage of prims that are all of one material: then every rule of mixing materials gives the same."""
+    """The text of a stage. All shapes have one material, so that every rule for combining materials gives the same."""
     static, dynamic = friction if isinstance(friction, tuple) else (friction, friction)
     return f"""#usda 1.0
 (
@@ -47,22 +50,25 @@ def Xform "World"
 def body(
     name: str,
     shape: str,
-    at: Vector = ORIGIN,
-    turn: Sequence[float] = UPRIGHT,
+    position: Vector = ORIGIN,
+    orientation: Sequence[float] = UPRIGHT,
     *,
     mass: float | None = 1.0,
     velocity: Vector = ORIGIN,
-    spin: Vector = ORIGIN,
+    angular_velocity: Vector = ORIGIN,
     moments: Vector | None = None,
-    more: str = "",
+    attributes: str = "",
     apis: Sequence[str] = (),
 ) -> str:
-    """A rigid body of a `shape`; one without a mass never moves. `spin` in rad/s."""
+    """A rigid body with a `shape`, or a static one if `mass` is None.
+
+    `angular_velocity` in rad/s, `moments` of inertia in kg m². `attributes` and `apis` are added to the prim.
+    """
     moving = mass is not None
     schemas = [*(["PhysicsRigidBodyAPI", "PhysicsMassAPI"] if moving else []), *apis]
     own = (
         f"""        vector3f physics:velocity = {velocity}
-        vector3f physics:angularVelocity = {tuple(degrees(w) for w in spin)}
+        vector3f physics:angularVelocity = {tuple(degrees(w) for w in angular_velocity)}
         float physics:mass = {mass}
 """
         if moving
@@ -76,8 +82,8 @@ def body(
     head = f" (prepend apiSchemas = [{listed}])" if schemas else ""
     return f"""    def Xform "{name}"{head}
     {{
-{own}{more}        double3 xformOp:translate = {at}
-        quatd xformOp:orient = {tuple(turn)}
+{own}{attributes}        double3 xformOp:translate = {position}
+        quatd xformOp:orient = {tuple(orientation)}
         uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:orient"]
 
         def {shape}
@@ -86,15 +92,15 @@ def body(
 """
 
 
-_TOUCHED = '(prepend apiSchemas = ["PhysicsCollisionAPI", "MaterialBindingAPI"])'
-_BOUND = "rel material:binding:physics = </World/material>"
+_COLLIDES = '(prepend apiSchemas = ["PhysicsCollisionAPI", "MaterialBindingAPI"])'
+_MATERIAL = "rel material:binding:physics = </World/material>"
 
 
 def box(x: float, y: float, z: float) -> str:
-    """A box of these edges."""
-    return f"""Cube "shape" {_TOUCHED}
+    """A box with these edge lengths."""
+    return f"""Cube "shape" {_COLLIDES}
         {{
-            {_BOUND}
+            {_MATERIAL}
             double size = 1
             float3[] extent = [(-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)]
             double3 xformOp:scale = {(x, y, z)}
@@ -103,10 +109,10 @@ def box(x: float, y: float, z: float) -> str:
 
 
 def ball(radius: float) -> str:
-    """A ball."""
-    return f"""Sphere "shape" {_TOUCHED}
+    """A sphere."""
+    return f"""Sphere "shape" {_COLLIDES}
         {{
-            {_BOUND}
+            {_MATERIAL}
             double radius = {radius}
             float3[] extent = [({-radius}, {-radius}, {-radius}), ({radius}, {radius}, {radius})]
         }}"""
@@ -117,9 +123,9 @@ def cylinder(radius: float, height: float, axis: str = "Z") -> str:
     half = [radius] * 3
     half["XYZ".index(axis)] = height / 2
     x, y, z = half
-    return f"""Cylinder "shape" {_TOUCHED}
+    return f"""Cylinder "shape" {_COLLIDES}
         {{
-            {_BOUND}
+            {_MATERIAL}
             double radius = {radius}
             double height = {height}
             uniform token axis = "{axis}"
@@ -128,7 +134,7 @@ def cylinder(radius: float, height: float, axis: str = "Z") -> str:
 
 
 def prism(sides: int, radius: float, height: float) -> str:
-    """A prism over a regular polygon, as the mesh of its convex hull."""
+    """A prism over a regular polygon, as a mesh that collides as its convex hull."""
     ring = [(radius * cos(2 * pi * i / sides), radius * sin(2 * pi * i / sides)) for i in range(sides)]
     points = [(x, y, z) for z in (-height / 2, height / 2) for x, y in ring]
     sheets = [[i, (i + 1) % sides, sides + (i + 1) % sides, sides + i] for i in range(sides)]
@@ -138,7 +144,7 @@ def prism(sides: int, radius: float, height: float) -> str:
             prepend apiSchemas = ["PhysicsCollisionAPI", "PhysicsMeshCollisionAPI", "MaterialBindingAPI"]
         )
         {{
-            {_BOUND}
+            {_MATERIAL}
             uniform token physics:approximation = "convexHull"
             point3f[] points = {points}
             int[] faceVertexCounts = {[len(face) for face in faces]}
@@ -148,12 +154,10 @@ def prism(sides: int, radius: float, height: float) -> str:
         }}"""
 
 
-def floor(turn: Sequence[float] = UPRIGHT) -> str:
-    """A slab of 1 m whose top goes through the origin."""
-    from wmspec.sim.scene.model.transform import rotate
-
-    x, y, z = rotate([*turn], [0.0, 0.0, -0.5]).tolist()  # type: ignore[arg-type]
-    return body("floor", box(40.0, 40.0, 1.0), (x, y, z), turn, mass=None)
+def floor(orientation: Sequence[float] = UPRIGHT) -> str:
+    """A static slab, 1 m thick, whose top passes through the origin."""
+    x, y, z = rotate(orientation, (0.0, 0.0, -0.5)).tolist()
+    return body("floor", box(40.0, 40.0, 1.0), (x, y, z), orientation, mass=None)
 
 
 def joint(
@@ -161,8 +165,8 @@ def joint(
     name: str,
     first: str,
     second: str,
-    above: Vector = ORIGIN,
-    below: Vector = ORIGIN,
+    local_pos0: Vector = ORIGIN,
+    local_pos1: Vector = ORIGIN,
     axis: str = "X",
     *,
     limits: tuple[float, float] | None = None,
@@ -170,21 +174,21 @@ def joint(
     mimic: tuple[str, float, float] | None = None,
     physx: bool = False,
 ) -> str:
-    """A joint between two bodies, or a body and the world (an empty name), by its places in them; limits are as in USD.
+    """A joint between two bodies, or between the world (an empty name) and a body; units of `limits` as in USD.
 
-    `drive`: the attributes of its drive after `drive:NAME:physics:`, each on a line. `mimic`: the joint that it mimics,
-    c0 and c1, as Newton's schema has them, or as that of `physx`.
+    `drive`: attributes of its drive without `drive:NAME:physics:`, one a line. `mimic`: the name of the joint that it
+    mimics, c0 and c1, written in the schema of Newton, or in that of PhysX if `physx`.
     """
-    way = "angular" if kind == "Revolute" else "linear"
-    apis = [f"PhysicsDriveAPI:{way}"] if drive else []
+    drive_name = "angular" if kind == "Revolute" else "linear"
+    apis = [f"PhysicsDriveAPI:{drive_name}"] if drive else []
     apis += (["PhysxMimicJointAPI:rotX"] if physx else ["NewtonMimicAPI"]) if mimic else []
     schemas = " (prepend apiSchemas = [" + ", ".join(f'"{api}"' for api in apis) + "])" if apis else ""
     lines = [f"rel physics:body{i} = </World/{name}>" for i, name in enumerate((first, second)) if name]
-    lines += [f"point3f physics:localPos0 = {above}", f"point3f physics:localPos1 = {below}"]
+    lines += [f"point3f physics:localPos0 = {local_pos0}", f"point3f physics:localPos1 = {local_pos1}"]
     lines += ["quatf physics:localRot0 = (1, 0, 0, 0)", "quatf physics:localRot1 = (1, 0, 0, 0)"]
     lines += [f'uniform token physics:axis = "{axis}"'] if kind in ("Revolute", "Prismatic") else []
     lines += [f"float physics:{end}Limit = {v}" for end, v in zip(("lower", "upper"), limits or (), strict=False)]
-    lines += [f"float drive:{way}:physics:{line}" for line in drive.splitlines()]
+    lines += [f"float drive:{drive_name}:physics:{line}" for line in drive.splitlines()]
     if mimic and physx:
         lines += [f"rel physxMimicJoint:rotX:referenceJoint = </World/{mimic[0]}>"]
         lines += [
@@ -194,5 +198,5 @@ def joint(
     elif mimic:
         lines += [f"rel newton:mimicJoint = </World/{mimic[0]}>"]
         lines += [f"float newton:mimicCoef{i} = {v}" for i, v in enumerate(mimic[1:])]
-    told = "\n".join(f"        {line}" for line in lines)
-    return f'    def Physics{kind}Joint "{name}"{schemas}\n    {{\n{told}\n    }}\n\n'
+    body_text = "\n".join(f"        {line}" for line in lines)
+    return f'    def Physics{kind}Joint "{name}"{schemas}\n    {{\n{body_text}\n    }}\n\n'

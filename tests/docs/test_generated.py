@@ -1,0 +1,26 @@
+"""`make generate` renews all that is made from the code, and who follows a recipe is told so."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from tests.docs.test_pages import CONTRIBUTING
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_every_tool_that_can_tell_whether_its_files_are_current_is_run() -> None:
+    (steps,) = re.findall(r"^generate:.*\n((?:\t.*\n)+)", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    checked = {path.name for path in (ROOT / "tools").glob("*.py") if '"--check"' in path.read_text()}
+    assert checked
+    assert checked == set(re.findall(r"tools/(\w+\.py)", steps))
+    for page in ("docs/schema.json", "docs/licences.md"):
+        assert page in steps
+
+
+def test_every_recipe_ends_with_it() -> None:
+    recipes = re.findall(r"^### Add .*?(?=^##|\Z)", CONTRIBUTING, re.MULTILINE | re.DOTALL)
+    assert len(recipes) >= 6
+    for recipe in recipes:
+        assert "`make generate`" in re.findall(r"^\d\. .*(?:\n   .*)*", recipe, re.MULTILINE)[-1], recipe[:40]
