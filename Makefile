@@ -5,22 +5,23 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/vision/shape_room.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: dist sbom help setup browser inspect demo quick lowest installed test test-all coverage generate check format docs conformance oracles agreement clean
+.PHONY: dist sbom constraints help setup browser inspect demo quick lowest installed test test-all coverage generate check format docs conformance oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
 	@echo "make demo      two tasks in every engine, and a picture of what came out"
 	@echo "make quick     the language, the stage, physics in one engine: a minute on two cores, for every change"
-	@echo "make installed an environment that has wmspec from a wheel, in build/installed"
 	@echo "make lowest    the same with the oldest versions that are allowed, in build/lowest"
 	@echo "make check     style, types, architecture, dependencies"
 	@echo "make test      that and all tests but the slow ones, on an installed wheel"
 	@echo "make test-all  the same with the slow tests"
+	@echo "make installed an environment that has wmspec from a wheel, in build/installed"
 	@echo "make inspect   Inspect in an environment of its own, for the slow tests of exports"
 	@echo "make coverage  the lines and branches that the tests of make test run, in out/coverage"
-	@echo "make generate  everything that is made from the code: tables, grammars, schema, licences"
+	@echo "make generate  everything that is made from the code: tables, grammars, schema"
 	@echo "make format    rewrite the sources in the house style"
-	@echo "make sbom      a bill of materials of what is installed (CycloneDX), in out/sbom.json"
+	@echo "make sbom      a bill of materials of .venv (CycloneDX), in out/sbom.json"
+	@echo "make constraints  the versions that CI installs, in constraints.txt; pins that still fit stay"
 	@echo "make dist      wheels and source archives of the distributions, in dist"
 	@echo "make docs      the documentation as a site, in out/site"
 	@echo "make conformance every engine on the cases of usdphysics-conformance, into docs/benchmarks/conformance.md"
@@ -58,11 +59,14 @@ QUICK := -n auto --dist loadgroup --one-engine -m "not (slow or pixels or browse
 quick: setup
 	$(BIN)/pytest $(QUICK)
 
+# Every extra that users may have, but the models on this machine: PyTorch is gigabytes, and no quick test needs it.
+EXTRAS := audit,engines,evaluate,lsp,meshes,photo,ray,report,video
+LOWEST := $(BIN)/uv pip install --quiet --python build/lowest/bin/python
+
 lowest: setup
-	$(BIN)/python -m venv --clear build/lowest
-	$(BIN)/python -m tools.supply lowest > build/lowest/lowest.txt
-	build/lowest/bin/pip install --quiet -r build/lowest/lowest.txt filelock hypothesis pytest pytest-timeout pytest-xdist usd-validation-nvidia
-	build/lowest/bin/pip install --quiet --no-deps -e . -e ./conformance
+	$(BIN)/uv venv --quiet --clear --python $(BIN)/python build/lowest
+	$(LOWEST) --resolution lowest-direct -e '.[$(EXTRAS)]' -e ./conformance
+	$(LOWEST) filelock hypothesis pytest pytest-timeout pytest-xdist usd-validation-nvidia
 	build/lowest/bin/pytest $(QUICK)
 
 # The tests of the checkout, run on an installed wheel: what only a checkout can do fails here.
@@ -89,7 +93,6 @@ generate: setup
 	$(BIN)/python tools/looks.py
 	@mkdir -p out
 	$(BIN)/wmspec schema > out/generated && mv out/generated docs/schema.json
-	$(BIN)/python -m tools.supply licences > out/generated && mv out/generated docs/licences.md
 
 format: setup
 	$(BIN)/ruff check --fix .
@@ -97,8 +100,12 @@ format: setup
 
 sbom: setup
 	@mkdir -p out
-	$(BIN)/python -m tools.supply sbom > out/sbom.json
+	$(BIN)/cyclonedx-py environment $(BIN)/python --pyproject pyproject.toml --output-reproducible -o out/sbom.json
 	@echo "The bill of materials: $(CURDIR)/out/sbom.json"
+
+constraints: setup
+	$(BIN)/uv pip compile pyproject.toml --extra $(EXTRAS) --extra dev --quiet --no-annotate \
+		--custom-compile-command 'make constraints' -o constraints.txt
 
 dist: setup
 	rm -rf dist
@@ -109,10 +116,11 @@ docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	@echo "The site: $(CURDIR)/out/site/index.html"
 
+# OTHERS: scores of engines that are no backends, and their versions: OTHERS='out/newton.json newton=1.8.0'.
 conformance: setup
 	@mkdir -p out
 	-$(BIN)/wmspec conformance --json > out/conformance.json
-	$(BIN)/python -m tools.conformance out/conformance.json
+	$(BIN)/python -m tools.conformance out/conformance.json $(OTHERS)
 
 oracles: setup
 	$(BIN)/python -m tools.oracles

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.core.crash import in_our_code
 from wmspec.core.diagnostics import GraphicsError
 from wmspec.core.memoize import LRU
 from wmspec.core.native_output import silence
@@ -223,6 +224,8 @@ def _graphics(model: Any, width: int, height: int) -> tuple[Any, Any]:
         with silence():
             context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
     except Exception as error:  # every back end has its own
+        if in_our_code(error):
+            raise
         raise GraphicsError(
             f"MuJoCo can't draw: no OpenGL ({error}); set MUJOCO_GL=egl and install Mesa's EGL "
             "(Debian: libegl1 libgl1-mesa-dri), see 'wmspec doctor'"

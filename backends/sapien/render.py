@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.core.crash import in_our_code
 from wmspec.core.diagnostics import GraphicsError
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Body, Camera, Frame, Geom, Pose, Scene, Shot
@@ -134,6 +135,8 @@ def _sentinel() -> Any:
             for one in eyes:
                 one.take_picture()
     except Exception as error:  # SAPIEN raises RuntimeError, whatever is wrong
+        if in_our_code(error):
+            raise
         raise GraphicsError(
             f"SAPIEN can't draw: no Vulkan device that it can use ({error}); without a GPU it needs Mesa 24.3 or newer "
             "(Debian: mesa-vulkan-drivers, from backports on Debian 12), see 'wmspec doctor'"

@@ -156,6 +156,14 @@ def test_an_episode_has_the_ways_of_bodies(episode: wmspec.Episode) -> None:
         episode["bal"]
 
 
+def test_an_episode_iterates_over_the_names_of_its_bodies(episode: wmspec.Episode) -> None:
+    assert tuple(episode) == episode.bodies
+    assert len(episode) == len(episode.bodies)
+    assert "ball" in episode
+    assert 0 not in episode
+    assert {name: episode[name] for name in episode}.keys() == set(episode.bodies)
+
+
 def test_pictures_show_the_same_moment(episode: wmspec.Episode) -> None:
     rgb, ids, depth = episode.frame("front", 0.2), episode.ids("front", 0.2), episode.depth("front", 0.2)
     assert (rgb.shape, rgb.dtype, ids.shape, depth.shape) == ((384, 384, 3), np.uint8, (384, 384), (384, 384))

@@ -25,6 +25,12 @@ startable = pytest.mark.skipif(
 SPEC = resource("specs") / "perception" / "vision" / "shape_room.wms"
 
 
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ray's workers can import what is in this folder: in a checkout, another wmspec than the one that is installed."""
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
     """Two machines, as Ray sees it."""

@@ -73,13 +73,20 @@ def test_a_trial_that_takes_too_long_is_stopped(monkeypatch: pytest.MonkeyPatch)
     only(monkeypatch, "pybullet")
     found = by_name(examine(patience=0.01))
     assert found["pybullet renders"].found == "no answer in 0 s"
-    assert "--force-reinstall" in found["pybullet renders"].remedy
+    assert found["pybullet renders"].remedy == ""
+    assert "report it" in found["pybullet renders"].report
 
 
 def test_a_crash_is_a_finding(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "crashes.py").write_text("import os\nos.abort()\n")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    assert doctor._try("crashes", patience=600) == (False, "crashed (SIGABRT)")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    tried = doctor._try("crashes", patience=600)
+    assert isinstance(tried, probe.Failure)
+    assert (tried.words, tried.cause) == ("crashed (SIGABRT)", None)
+    (file,) = (tmp_path / "wmspec/errors").iterdir()
+    assert str(file) in tried.report
+    assert "Fatal Python error: Aborted" in file.read_text()
 
 
 def test_an_engine_that_is_not_installed(tmp_path: Path) -> None:

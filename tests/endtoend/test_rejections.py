@@ -36,7 +36,8 @@ def test_what_cannot_be_asked_is_counted(gate: str, where: str, reason: str, kep
     installed("pybullet")
     (tmp_path / "still.wms").write_text(SPEC.format(gate=gate, where=where))
     command = ["generate", "still.wms", "-o", "out", "-b", "pybullet", "--size", 64, "-j", 1]
-    done = wmspec(*command, folder=tmp_path)
+    done = wmspec(*command, folder=tmp_path, code=0 if kept else 1)
+    assert ("error: no question was kept" in done.stderr) == (kept == 0)
     manifest = json.loads((tmp_path / "out/manifest.json").read_text())
     assert manifest["tasks"]["still"]["rows"] == {"pybullet": kept}
     told = manifest["rejected"]["list"]
@@ -44,7 +45,7 @@ def test_what_cannot_be_asked_is_counted(gate: str, where: str, reason: str, kep
     assert all(r["detail"] for r in told)
     for r in told[:1]:
         assert f"  {len(told)} {reason}, such as instance {r['index']} in pybullet: {r['detail']}" in done.stdout
-        (task,) = json.loads(wmspec(*command, "--json", folder=tmp_path).stdout)
+        (task,) = json.loads(wmspec(*command, "--json", folder=tmp_path, code=done.returncode).stdout)
         assert task["examples"][reason] == r
         dry = [*(word for word in command if word not in ("-o", "out")), "--dry-run"]
         assert f"  {len(told)} {reason}, such as" in wmspec(*dry, folder=tmp_path).stdout
@@ -69,6 +70,6 @@ def test_what_cannot_be_planned_is_refused_with_its_place(tmp_path: Path) -> Non
         told = wmspec(*command, folder=tmp_path, code=2).stderr
         assert "`truck` cannot forward so: it has no roads" in told
         assert "grab.wms:6:10" in told
-    made = wmspec("generate", "grab.wms", "-o", "out", "-b", "pybullet", "-j", 1, folder=tmp_path).stdout
+    made = wmspec("generate", "grab.wms", "-o", "out", "-b", "pybullet", "-j", 1, folder=tmp_path, code=1).stdout
     assert "1 rejected (1 invalid)" in made
     assert "`truck` cannot forward so: it has no roads" in made

@@ -14,8 +14,8 @@ from wmspec.lang.parse.files import catalogue_folders
 from wmspec.lang.parse.load import load, load_source
 
 SPECS = sorted(path for folder in catalogue_folders() for path in folder.rglob("*.wms"))
-#: For laws that take long and are the same of each: every third, and the others where slow tests run.
-THIRD = [path if i % 3 == 0 else pytest.param(path, marks=pytest.mark.slow) for i, path in enumerate(SPECS)]
+#: For laws that take long and are the same of each: every fourth, and the others where slow tests run.
+FEW = [path if i % 4 == 0 else pytest.param(path, marks=pytest.mark.slow) for i, path in enumerate(SPECS)]
 
 
 @cache

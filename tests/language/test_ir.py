@@ -9,9 +9,10 @@ from typing import Any
 import pydantic
 import pytest
 from click.testing import CliRunner
-from hypothesis import given, settings
+from hypothesis import given
 
-from tests.language.specs import SPECS, random_spec, task_of
+from tests.examples import examples
+from tests.language.specs import FEW, SPECS, random_spec, task_of
 from wmspec.cli import main
 from wmspec.core.diagnostics import Report, WmsError
 from wmspec.core.places import Source
@@ -23,14 +24,14 @@ from wmspec.lang.parse.load import load_source
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-@pytest.mark.parametrize("path", SPECS, ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", FEW, ids=lambda p: p.stem)
 def test_shipped_specs_survive_json(path: Path) -> None:
     task = task_of(path)
     printed = CliRunner().invoke(main, ["compile", str(path), "--ir", "--task", task.name]).output
     assert from_json(printed) == task
 
 
-@settings(max_examples=30, deadline=None)
+@examples(10, 30)
 @given(spec=random_spec())
 def test_random_specs_survive_json(spec: TaskSpec) -> None:
     assert from_json(to_json(spec)) == spec
@@ -95,7 +96,7 @@ def test_a_task_goes_to_another_process() -> None:
     assert pickle.loads(pickle.dumps(made)) == made
 
 
-@pytest.mark.parametrize("path", SPECS, ids=lambda p: f"{p.parent.stem}-{p.stem}")
+@pytest.mark.parametrize("path", FEW, ids=lambda p: f"{p.parent.stem}-{p.stem}")
 def test_quantities_are_floats_and_lists_are_tuples(path: Path) -> None:
     """Nothing coerces what the checker makes: it must be what reading its JSON gives, to the type."""
     made = task_of(path)

@@ -7,7 +7,7 @@ import pytest
 from benchmarks.mutate import SPELLED, checked, measured, specs
 
 
-@pytest.mark.parametrize("count", [40, pytest.param(120, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [30, pytest.param(120, marks=pytest.mark.slow)])
 def test_a_mistake_is_told_once_where_it_is_and_with_what_mends_it(count: int) -> None:
     outcomes = [o for o in measured(range(10_000, 10_000 + count)) if o.errors]
     told = Counter[str]()
@@ -22,7 +22,7 @@ def test_a_mistake_is_told_once_where_it_is_and_with_what_mends_it(count: int) -
     assert sum(o.mended for o in spelled) >= 0.8 * len(spelled)
 
 
-@pytest.mark.parametrize("every", [8, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("every", [16, pytest.param(1, marks=pytest.mark.slow)])
 def test_whatever_word_is_left_out_the_rest_is_checked(every: int) -> None:
     """A word that is put in, in thought, is one that the checker can read."""
     for spec in specs()[:12:6]:

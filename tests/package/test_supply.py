@@ -1,69 +1,43 @@
-"""What wmspec stands on is written down as it is: its versions, its licences, its parts."""
+"""Requirements have bounds on both sides, and the constraints of CI lie within them."""
 
 from __future__ import annotations
 
-import json
 import re
-from importlib.metadata import PathDistribution
+import tomllib
 from pathlib import Path
 
-from tools import supply
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).parents[2]
-
-
-def pinned() -> dict[str, str]:
-    lines = (ROOT / "constraints.txt").read_text().splitlines()
-    return dict(line.split("==") for line in lines if not line.startswith("#"))
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+EXTRAS = {name: [Requirement(text) for text in texts] for name, texts in PROJECT["optional-dependencies"].items()}
+REQUIREMENTS = [
+    *map(Requirement, PROJECT["dependencies"]),
+    *(requirement for extra in EXTRAS.values() for requirement in extra if requirement.name != "wmspec"),
+]
 
 
 def test_every_requirement_has_a_lower_and_an_upper_bound() -> None:
-    for requirement in supply.own(supply.BUILT):
+    for requirement in REQUIREMENTS:
         assert {s.operator for s in requirement.specifier} >= {">=", "<"}, requirement
 
 
+def test_extras_that_share_a_package_have_the_same_lower_bound() -> None:
+    """`make lowest` installs every extra at once: a lower bound that another extra exceeds is never tried."""
+    bounds: dict[str, set[str]] = {}
+    for requirement in REQUIREMENTS:
+        lower = {s.version for s in requirement.specifier if s.operator == ">="}
+        bounds.setdefault(canonicalize_name(requirement.name), set()).update(lower)
+    assert not {name: versions for name, versions in bounds.items() if len(versions) > 1}
+
+
 def test_the_constraints_name_versions_that_fit_and_no_hosts() -> None:
-    assert all(re.fullmatch(r"[a-z0-9-]+", name) and re.fullmatch(r"[0-9][\w.]*", v) for name, v in pinned().items())
-    for requirement in supply.own(supply.BUILT):
-        assert requirement.specifier.contains(pinned()[supply.name_of(requirement)]), requirement
-
-
-def test_the_oldest_versions_are_those_of_the_bounds() -> None:
-    oldest = dict(line.split("==") for line in supply.lowest().splitlines())
-    for requirement in supply.own(supply.USED):
-        version = oldest[supply.name_of(requirement)]
-        assert requirement.specifier.contains(version), requirement
-        assert f">={version}" in str(requirement.specifier), "another extra asks for a newer one: raise this one, too"
-
-
-def test_the_page_of_licences_names_all_that_is_installed() -> None:
-    page = (ROOT / "docs/licences.md").read_text()
-    for name, of in supply.tree(supply.USED).items():
-        assert f"| {name} | {supply.licence(of)} |" in page, "run `make generate`"
-    assert supply.UNSTATED not in page
-
-
-def test_a_licence_is_told_alike_however_a_release_states_it(tmp_path: Path) -> None:
-    """A newer release may say in one header what an older one said in two: the page is of both."""
-    old = "License: BSD-3-Clause\nClassifier: License :: OSI Approved :: BSD License"
-    told = [
-        supply.licence(_stated(tmp_path / str(i), how))
-        for i, how in enumerate((old, "License-Expression: BSD-3-Clause"))
-    ]
-    assert told == ["BSD-3-Clause", "BSD-3-Clause"]
-    assert supply.licence(_stated(tmp_path / "vague", old.replace("-3-Clause", ""))) == "BSD License"
-
-
-def _stated(folder: Path, how: str) -> PathDistribution:
-    folder.mkdir()
-    (folder / "METADATA").write_text(f"Metadata-Version: 2.1\nName: some\nVersion: 1.0\n{how}\n")
-    return PathDistribution(folder)
-
-
-def test_the_bill_of_materials_is_whole_and_always_the_same() -> None:
-    bill = json.loads(supply.sbom())
-    refs = {c["bom-ref"] for c in bill["components"]} | {bill["metadata"]["component"]["bom-ref"]}
-    assert {edge["ref"] for edge in bill["dependencies"]} == refs
-    assert all(set(edge["dependsOn"]) <= refs for edge in bill["dependencies"])
-    assert {"mujoco", "numpy", "usd-core", "pebble"} <= {c["name"] for c in bill["components"]}
-    assert supply.sbom() == supply.sbom()
+    lines = [line for line in (ROOT / "constraints.txt").read_text().splitlines() if not line.startswith("#")]
+    assert all(re.fullmatch(r"[a-z0-9-]+==[0-9][\w.]*", line) for line in lines)
+    pinned = dict(line.split("==") for line in lines)
+    # Models on this machine are too large for CI, and the conformance cases are of this repository.
+    unpinned = {requirement.name for extra in ("local", "conformance") for requirement in EXTRAS[extra]}
+    for requirement in REQUIREMENTS:
+        if requirement.name not in unpinned:
+            assert requirement.specifier.contains(pinned[canonicalize_name(requirement.name)]), requirement

@@ -13,6 +13,7 @@ import pytest
 
 from tests.dataset.made import make, plan
 from tests.trust.made import STAGE, wmspec
+from wmspec.core.crash import EXIT_CODE
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.reader import DatasetReader
@@ -42,7 +43,9 @@ def test_streams_that_are_closed(way: str, tmp_path: Path) -> None:
     (tmp_path / "t.wms").write_text(FORMATTED)
     assert started(way, "fmt", tmp_path / "t.wms").returncode == 0
     assert (tmp_path / "t.wms").read_text() == FORMATTED
-    assert "Traceback" not in started(way, "fmt", "-").stderr
+    done = started(way, "fmt", "-")
+    assert done.returncode != EXIT_CODE
+    assert "Traceback" not in done.stderr
 
 
 @pytest.mark.engine

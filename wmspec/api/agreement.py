@@ -13,11 +13,12 @@ from wmspec.api.loading import Tell, load_all, of_dimensions, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.tally import Tally
 from wmspec.lang.check.ir.record import to_json
 from wmspec.runtime.compare.model import Checked
 from wmspec.runtime.compare.record import junit, record
 from wmspec.runtime.compare.summary import Doubtful, Line, Suspect, doubtful, lines, suspects
-from wmspec.runtime.compare.sweep import Job, pairs, sweep
+from wmspec.runtime.compare.sweep import Job, Swept, pairs, sweep
 from wmspec.runtime.compare.tolerance import tolerances
 from wmspec.runtime.compare.verbalize import complaints
 from wmspec.runtime.engines.registry import chosen, only_here
@@ -34,12 +35,14 @@ Tasks = Task | str | PathLike[str] | Iterable[Task | str | PathLike[str]]
 class Agreement:
     """What came of a crosscheck: the `instances` that were executed, each with its comparisons and verdicts.
 
-    With `strict`, an instance passes only if its trajectories are within tolerance too.
+    With `strict`, an instance passes only if its trajectories are within tolerance too. `tally` says whether anything
+    was compared, and how many instances failed by an internal error, a crash or a timeout.
     """
 
     job: Job
     instances: tuple[Checked, ...]
     strict: bool
+    tally: Tally
 
     @property
     def lines(self) -> tuple[Line, ...]:
@@ -125,7 +128,14 @@ def crosscheck(
     limits = tuple((s.name, tolerances(tolerance, s.tolerances)) for s in specs)
     job = Job(tuple((s.name, to_json(s)) for s in specs), gathered_tasks[0].seed, engines, limits)
     with progress(sum(min(sample, len(task)) for task in gathered_tasks), "crosschecking") as advance:
-        return Agreement(job, sweep(specs, sample, job, effort(workers, timeout, engines), advance), strict)
+        swept = sweep(specs, sample, job, effort(workers, timeout, engines), advance)
+    return Agreement(job, swept.checked, strict, _tally(swept))
+
+
+def _tally(swept: Swept) -> Tally:
+    compared = sum(bool(one.comparisons) for one in swept.checked)
+    cause = "" if swept.cause is None else swept.cause.crash.told() if swept.cause.crash else swept.cause.reason
+    return Tally("instance was compared", compared, "instances", len(swept.checked), swept.failed, cause)
 
 
 def gathered(tasks: Tasks, seed: int | None, tell: Tell, dimensions: Sequence[str] = ()) -> tuple[Task, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from os import PathLike
@@ -51,7 +52,7 @@ class Track:
 
 @dataclass(frozen=True, repr=False)
 class Episode:
-    """What happened on a `stage` in one engine: `episode["ball"]` is the way of a body."""
+    """What happened on a `stage` in one engine: `episode["ball"]` is the way of a body; iterating gives names."""
 
     stage: Usd.Stage
     scene: Scene
@@ -107,6 +108,16 @@ class Episode:
             angular_velocity=trace.angular_velocity[:, i],
             middle=middle(self.scene.bodies[i], frames),
         )
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of all bodies."""
+        return iter(self.bodies)
+
+    def __len__(self) -> int:
+        return len(self.bodies)
+
+    def __contains__(self, body: object) -> bool:
+        return body in self.bodies
 
     def views(self, camera: str = "") -> list[tuple[str, float]]:
         """The cameras and times (s) of the pictures that the stage asks for; of one camera, if it is named.

@@ -113,7 +113,7 @@ def generate(
             progress(pending, "generating") as advance,
         ):
             spent = make(dataset, hands, advance, before)
-        return replace(dataset.finish(), shared=spent.shared, balance=spent.balance)
+        return replace(dataset.finish(), shared=spent.shared, balance=spent.balance, crash=spent.crash)
 
 
 def crew(

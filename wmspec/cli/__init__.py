@@ -8,6 +8,7 @@ import importlib
 import os
 import signal
 import sys
+import threading
 from contextlib import suppress
 from types import FrameType
 from typing import Any
@@ -50,6 +51,16 @@ COMMANDS = (
 CLOSED_PIPE = 128 + 13
 #: That of what Ctrl-C ends.
 INTERRUPTED = 128 + 2
+#: What `wmspec --help` ends with.
+EXIT_CODES = """\b
+Exit codes:
+  0    done
+  1    it ran, and the outcome is bad: nothing was made, too much failed, a check found differences
+  2    a mistake in what was asked for
+  70   an internal error; WMSPEC_TRACEBACK=1 shows its traceback
+  130  stopped by Ctrl-C
+  141  the reader of a pipe has gone
+"""
 
 
 def _end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  a handler is called with both
@@ -60,6 +71,14 @@ def _interrupt(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
     """Ctrl-C ends a run once: what ends, and Ray takes seconds to, is not ended again halfway."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     raise KeyboardInterrupt
+
+
+def _of_thread(arguments: threading.ExceptHookArgs) -> None:
+    """What a thread did not catch is told as all unexpected errors are."""
+    from wmspec.core import crash
+
+    if arguments.exc_value is not None and not isinstance(arguments.exc_value, SystemExit):
+        crash.tell(arguments.exc_value)
 
 
 def _open_streams() -> None:
@@ -88,6 +107,7 @@ class _Commands(click.Group):
         # Nor is anything worth finding when the process ends: another tenth.
         atexit.register(gc.freeze)
         _open_streams()
+        threading.excepthook = _of_thread
         # Told to end, a run ends its workers first, and says nothing of what they share.
         signal.signal(signal.SIGTERM, _end)
         if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:  # as it is of jobs in the background
@@ -100,6 +120,12 @@ class _Commands(click.Group):
                 click.echo(f"error: {file}{error.strerror or error}", err=True)
             _drop_streams()
             sys.exit(2)
+        except Exception as error:  # noqa: BLE001  a user sees no traceback of ours
+            from wmspec.core import crash
+
+            with suppress(OSError):
+                crash.tell(error)
+            sys.exit(crash.EXIT_CODE)
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  click calls it by name
         return list(COMMANDS)
@@ -138,7 +164,7 @@ class _Commands(click.Group):
             ctx.exit(CLOSED_PIPE)
 
 
-@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]}, epilog=EXIT_CODES)
 @click.version_option(__version__, prog_name="wmspec")
 def main() -> None:
     """Controlled visual questions about a physical world.

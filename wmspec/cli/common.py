@@ -16,9 +16,11 @@ import click
 
 from wmspec.core.diagnostics import Paint, Part, WmsError, plain, suggestion
 from wmspec.core.places import FilePlace, Source
+from wmspec.core.safe_io import make_folders
 
 if TYPE_CHECKING:
     from wmspec.api import Instance
+    from wmspec.core.tally import Tally
 
 _COLORS: dict[Part, str] = {"error": "red", "warning": "yellow", "note": "cyan", "help": "green", "caret": "red"}
 
@@ -117,6 +119,14 @@ def tell(text: str) -> None:
     click.echo(text, err=True)
 
 
+def settle(tally: Tally) -> None:
+    """Say on standard error what failed of a run. Exits with 1 if nothing was made, or too much of it failed."""
+    if tally.told:
+        tell(tally.told)
+    if not tally.passed:
+        raise SystemExit(1)
+
+
 def instance_of(path: Path, name: str, index: int, seed: int, redrawn: int = 0) -> Instance:
     """An instance of the task of this name, or of the only one, of a spec file. Raises WmsError if there is none."""
     from wmspec.api import load_all
@@ -160,7 +170,7 @@ def parse_share(text: str) -> tuple[int, int]:
 def make_folder(path: Path) -> Path:
     """Create a folder to write to. Raises WmsError with the reason if that is impossible."""
     try:
-        path.mkdir(parents=True, exist_ok=True)
+        make_folders(path)
     except OSError as error:
         raise WmsError(f"cannot be made a folder: {error.strerror}", FilePlace(str(path))) from None
     return path

@@ -6,11 +6,13 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from wmspec.api.progress import progress_bar
+from wmspec.cli.common import settle
+from wmspec.core.tally import Tally
 
 if TYPE_CHECKING:
     from wmspec.dataset.build.estimate import Cost
@@ -19,14 +21,14 @@ if TYPE_CHECKING:
 
 
 def tell_cost(plan: Plan, effort: Effort, as_json: bool) -> None:
-    """Try some instances of each task and print what all of them would take."""
+    """Try some instances of each task and print what all of them would take. Exits with 1 if too many failed."""
     from wmspec.dataset.build.estimate import estimate
     from wmspec.dataset.build.manifest import top_reasons
 
     with progress_bar(len(plan.tasks), "trying", "tasks") as progress:
         costs = estimate(plan, effort, progress)
     if as_json:
-        rows = [asdict(c) | {"hours": c.hours(effort.workers), "bytes": c.bytes} for c in costs]
+        rows = [_row(c) | {"hours": c.hours(effort.workers), "bytes": c.bytes} for c in costs]
         click.echo(json.dumps({"workers": effort.workers, "tasks": rows}, indent=2))
     else:
         _print(costs, effort.workers)
@@ -37,6 +39,20 @@ def tell_cost(plan: Plan, effort: Effort, as_json: bool) -> None:
                 click.echo(f"{cost.task}: {cost.balance}")
         click.echo(f"with {effort.workers} workers, in {', '.join(plan.engines)}; nothing was written")
         click.echo("± is one standard error, by how the units that were tried differ")
+    settle(_tally(costs))
+
+
+def _tally(costs: Sequence[Cost]) -> Tally:
+    """What was tried is few: that all of it was rejected by gates is told, and is no failure."""
+    tried, failed = sum(c.tried for c in costs), sum(c.failed for c in costs)
+    crash = next((c.crash for c in costs if c.crash is not None), None)
+    return Tally("instance was tried", tried, "instances", tried, failed, crash.told() if crash else "")
+
+
+def _row(cost: Cost) -> dict[str, Any]:
+    row = asdict(cost)
+    del row["crash"]
+    return row
 
 
 def _print(costs: Sequence[Cost], workers: int) -> None:

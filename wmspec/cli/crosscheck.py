@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import seed_option, specs_argument, tell, write_text
+from wmspec.cli.common import seed_option, settle, specs_argument, tell, write_text
 
 if TYPE_CHECKING:
     from wmspec.api import Agreement
@@ -68,6 +68,7 @@ def crosscheck_command(
 
     Exits with 1 if a question that either engine would be asked has another answer in the other, or if an engine cannot
     execute an instance. With --strict, and for tasks without questions, trajectories must be within tolerance too.
+    Also exits with 1 if no instance was compared; the first internal error is printed in full.
     """
     from wmspec.api import crosscheck, progress_bar
 
@@ -93,6 +94,7 @@ def crosscheck_command(
             write_text(Path(json_file), text + "\n")
     if json_file != "-":
         _print(agreement)
+    settle(agreement.tally)
     if not agreement.passed:
         raise SystemExit(1)
 

@@ -14,6 +14,8 @@ from wmspec.cli.common import json_option
 def doctor_command(ctx: click.Context, capabilities: bool, as_json: bool) -> None:
     """Say what works on this machine, and the command that mends what does not.
 
+    A command is given where the cause is known; any other failure is shown, with how to report it.
+
     Each engine executes and draws a falling cube. Exit code 0 if at least one engine does both, else 1.
     """
     import json
@@ -32,6 +34,9 @@ def doctor_command(ctx: click.Context, capabilities: bool, as_json: bool) -> Non
         for finding in findings:
             mark = click.style("ok", fg="green") if finding.ok else click.style("--", fg="red")
             click.echo(f"{mark}  {finding.name:{width}}  {finding.found}")
+        for finding in findings:
+            if finding.report:
+                click.echo(f"\n{finding.name} failed, and the cause is not known: {finding.found}\n{finding.report}")
         for cure in dict.fromkeys(f.remedy for f in findings if f.remedy):
             click.echo(f"\nto mend {', '.join(f.name for f in findings if f.remedy == cure)}:\n  {cure}")
     ctx.exit(0 if fit(findings) else 1)

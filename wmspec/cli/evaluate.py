@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.api.progress import progress_bar
-from wmspec.cli.common import json_option, seed_option
+from wmspec.cli.common import json_option, seed_option, settle
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.tally import Tally
 
 if TYPE_CHECKING:
     from wmspec.eval.models.request import Ask
     from wmspec.eval.models.results import Counts
-    from wmspec.eval.models.run import Run
+    from wmspec.eval.models.run import Ended, Run
     from wmspec.eval.models.server import Server
 
 _PATH = click.Path(path_type=Path)
@@ -58,14 +59,12 @@ _PATH = click.Path(path_type=Path)
 @click.option("--rescore", type=_PATH, metavar="FILE", help="Score results again from their texts; asks nothing.")
 @seed_option
 @json_option
-@click.pass_context
-def evaluate_command(
-    ctx: click.Context, /, dataset: Path | None, rescore: Path | None, as_json: bool, **options: Any
-) -> None:
+def evaluate_command(dataset: Path | None, rescore: Path | None, as_json: bool, **options: Any) -> None:
     """Ask a model the questions of a dataset, and write down and score what it replies.
 
     Stopped or killed, the same command goes on where it was. The key of a server is read from OPENAI_API_KEY and
-    written nowhere. Exit code 1 if requests have failed; the same command tries them again.
+    written nowhere. Exit code 1 if requests have failed, the first of which is told in full, and the same command tries
+    them again; or if not a single reply could be read.
     """
     if rescore is not None:
         _rescore(rescore, as_json)
@@ -76,7 +75,7 @@ def evaluate_command(
     if options["dry_run"]:
         _tell_requests(run)
         return
-    ctx.exit(_evaluate(run, server, options, as_json))
+    _evaluate(run, server, options, as_json)
 
 
 def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
@@ -125,7 +124,7 @@ def _parameters(written: tuple[str, ...], samples: int) -> tuple[tuple[str, Any]
     return tuple(sorted((name, value) for name, value in values.items() if value is not None))
 
 
-def _evaluate(run: Run, server: Server | None, options: dict[str, Any], as_json: bool) -> int:
+def _evaluate(run: Run, server: Server | None, options: dict[str, Any], as_json: bool) -> None:
     from wmspec.eval.models.cache import Cached
     from wmspec.eval.models.model import Model
     from wmspec.eval.models.models import open_model
@@ -145,7 +144,15 @@ def _evaluate(run: Run, server: Server | None, options: dict[str, Any], as_json:
     _tell(ended.counts, output, as_json)
     if ended.missing and not as_json:
         click.echo(f"{ended.missing:,} requests were not sent, because a limit was reached; the same command goes on")
-    return 1 if ended.counts.status.get("error") else 0
+    settle(_tally(ended))
+
+
+def _tally(ended: Ended) -> Tally:
+    """Every request that failed counts: the same command tries it again."""
+    status = ended.counts.status
+    failed = status.get("error", 0)
+    read, asked = status.get("ok", 0), ended.counts.replies
+    return Tally("reply could be read", read, "requests", asked, failed, ended.error, how="failed", most=0)
 
 
 def _so_far(right: int, count: int, cost: float) -> str:

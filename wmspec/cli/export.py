@@ -6,6 +6,9 @@ from pathlib import Path
 
 import click
 
+from wmspec.cli.common import settle
+from wmspec.core.tally import Tally
+
 _PATH = click.Path(path_type=Path)
 
 
@@ -31,7 +34,7 @@ def export_command(
     """Write a dataset as a folder that Inspect, lmms-eval, VLMEvalKit or Hugging Face `datasets` take as it is.
 
     Requests are those of `wmspec evaluate`, and replies are read by the same parser, which lies in the folder. Its
-    README says how to run it.
+    README says how to run it. Exit code 1 if no question was written.
     """
     from wmspec.dataset.build.reader import DatasetReader
     from wmspec.eval.export.export import Export, export
@@ -43,3 +46,4 @@ def export_command(
     what = Export(opened, Selection(task, engine, limit), Path(prompt).stem, prompts.load(prompt))
     count = export(what, tool, output)
     click.echo(f"{output}: {count:,} questions for {tool}; {output / 'README.md'} says how to run it")
+    settle(Tally("question was written", count))

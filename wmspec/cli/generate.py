@@ -17,6 +17,7 @@ from wmspec.cli.common import (
     parse_share,
     parse_size,
     seed_option,
+    settle,
     size_option,
     specs_argument,
     tell,
@@ -112,6 +113,9 @@ def generate_command(
     Many machines: each makes its own share into its own folder, a dataset by itself (-o part-2 --shard 2/8). The same
     command without --shard makes one of them (-o whole --reuse part-1 --reuse part-2 ...), as if there had been one.
     Where they form a Ray cluster, --executor ray does all of it, and writes here.
+
+    Exit code 1 if no question was kept, or if more than a tenth of the instances ended as internal errors, crashes or
+    timeouts; the first cause is printed in full. With --dry-run, the latter alone counts.
     """
     from wmspec.api import generate, progress_bar
     from wmspec.api.agreement import effort
@@ -155,3 +159,4 @@ def generate_command(
         click.echo("\nstopped; give the same command again to go on", err=True)
         raise SystemExit(INTERRUPTED) from None
     click.echo(json.dumps(asdict(summary)["tasks"], indent=2) if as_json else summary)
+    settle(summary.tally)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,12 +19,15 @@ from wmspec.cli.common import (
     parse_size,
     redrawn_option,
     seed_option,
+    settle,
     size_option,
     task_option,
 )
 from wmspec.cli.run import duration_option, seconds_of, tell_notes
-from wmspec.core.diagnostics import WmsError
+from wmspec.core.crash import Crash
+from wmspec.core.diagnostics import EngineError, GraphicsError, StageError, WmsError
 from wmspec.core.places import FilePlace
+from wmspec.core.tally import Tally
 from wmspec.lang.check.tables.vocabulary import STAGES
 
 if TYPE_CHECKING:
@@ -78,18 +83,40 @@ def render_command(
     overlay: bool,
     output: Path,
 ) -> None:
-    """Draw what the cameras of an instance, of a USD stage, or of a trace that `wmspec run -o` wrote, observe."""
+    """Draw what the cameras of an instance, of a USD stage, or of a trace that `wmspec run -o` wrote, observe.
+
+    Of several engines, those that refuse it or fail cost only their own pictures; the exit code is 1 then.
+    """
     from wmspec.api.drawing import renderer_of
 
     drawing: Drawing = {"size": parse_size(size), "renderer": renderer, "look": look, "samples": samples}
-    many = "," in backend or backend == "all"
     seconds = seconds_of(duration) if duration else None
-    for episode in _episodes(source, backend, task, instance, seed, redrawn, seconds):
-        renderer_of(episode.engine, **drawing)  # tells what is wrong with it before a folder is made
-        name = f"{episode.scene.name.rpartition('/')[2]}-{instance:06d}-{episode.engine}"
-        pictures = _Pictures(episode, camera, overlay, drawing)
-        for path in _written(pictures, output, name, rate, many):
-            click.echo(path)
+    executions = _executions(source, backend, task, instance, seed, redrawn, seconds)
+    many = len(executions) > 1 or backend == "all"
+    drawn, causes = 0, list[str]()
+    for execute in executions:
+        with _counted(causes) if len(executions) > 1 else nullcontext():
+            episode = execute()
+            renderer_of(episode.engine, **drawing)  # tells what is wrong with it before a folder is made
+            name = f"{episode.scene.name.rpartition('/')[2]}-{instance:06d}-{episode.engine}"
+            for path in _written(_Pictures(episode, camera, overlay, drawing), output, name, rate, many):
+                click.echo(path)
+                drawn += 1
+    cause = "\n".join(causes[:1])
+    settle(Tally("picture was drawn", drawn, "engines", len(executions), len(causes), cause, how="failed", most=0))
+
+
+@contextmanager
+def _counted(causes: list[str]) -> Iterator[None]:
+    """Keep why one of several engines cannot execute or draw it. A mistake in what was asked for is raised."""
+    try:
+        yield
+    except (StageError, EngineError, GraphicsError) as error:
+        causes.append(str(error))
+    except (WmsError, OSError):
+        raise
+    except Exception as error:  # noqa: BLE001  whatever an engine raises, the others draw
+        causes.append(Crash.of(error).told())
 
 
 @dataclass(frozen=True)
@@ -102,24 +129,26 @@ class _Pictures:
     drawing: Drawing
 
 
-def _episodes(
+def _executions(
     source: Path, backend: str, task: str, instance: int, seed: int, redrawn: int, seconds: float | None
-) -> Iterator[Episode]:
-    """What happened, once for each engine that executes it, or as it was written to disk."""
+) -> list[Callable[[], Episode]]:
+    """What gives the episodes: one of each engine that executes it, or the one that was written to disk."""
     from wmspec.api import load_episode, open_stage
     from wmspec.api.episode import execute
     from wmspec.runtime.engines.registry import chosen
 
     suffix = source.suffix.lower()
     if suffix == ".npz":
-        yield load_episode(source)
-        return
+        return [partial(load_episode, source)]
     given = suffix in STAGES
     stage = open_stage(source) if given else instance_of(source, task, instance, seed, redrawn).stage()
-    for engine in chosen(backend):
+
+    def executed(engine: str) -> Episode:
         episode = execute(stage, engine, seconds, strict=not given)
         tell_notes([episode])
-        yield episode
+        return episode
+
+    return [partial(executed, engine) for engine in chosen(backend)]
 
 
 def _written(pictures: _Pictures, output: Path, name: str, rate: float, many: bool) -> Iterator[Path]:

@@ -46,6 +46,11 @@ PRIMS = Limit(20_000, "prims")
 #: Of an XML file.
 ELEMENTS = Limit(20_000, "elements")
 DEPTH = Limit(100, "levels of nesting")
+#: Of the path of what is written.
+FOLDERS = Limit(200, "folders in its path", "choose a folder that is not as deep")
+#: Of the libraries that a spec uses: each above the other, and altogether.
+LIBRARY_DEPTH = Limit(50, "libraries that use one another in a row", "let the spec use them itself")
+LIBRARIES = Limit(500, "libraries, each counted as often as it has a name of its own", "use each of them once")
 #: Of a trace, unpacked.
 TRACE = Limit(2_000_000_000, "bytes", RIGHT_FILE)
 #: Of an episode: 10 minutes; and of its bodies' poses together, samples times bodies.

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.limits import PIXELS, RECORDS, Limit
+from wmspec.core.limits import FOLDERS, PIXELS, RECORDS, Limit
 
 if TYPE_CHECKING:  # most specs have no pictures, and checking those should not wait for Pillow
     from PIL import Image
@@ -64,6 +64,14 @@ def plain(path: Path) -> Path:
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if not stat.S_ISREG(kind):
         raise Endless(errno.EINVAL, "it is a pipe or a device, not a file", str(path))
+    return path
+
+
+def make_folders(path: Path) -> Path:
+    """Create a folder and those above it. Raises OSError if that is impossible, or if it lies too deep."""
+    if len(path.parts) > FOLDERS.most:
+        raise OSError(errno.ENAMETOOLONG, f"it {FOLDERS.sentence}", str(path)[:200] + "...")
+    path.mkdir(parents=True, exist_ok=True)
     return path
 
 

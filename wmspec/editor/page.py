@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import sys
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
+from wmspec.core.crash import tell
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.dataset.build.webpage import webpage
 from wmspec.editor.examples import Cell, Row
@@ -36,6 +38,12 @@ class PageServer(ThreadingHTTPServer):
     def url(self) -> str:
         """Where the page is."""
         return f"http://{HOST}:{self.server_address[1]}/"
+
+    def handle_error(self, request: Any, client_address: Any) -> None:  # noqa: ARG002  as the base class has it
+        """A page that was closed is no error."""
+        error = sys.exception()
+        if error is not None and not isinstance(error, OSError):
+            tell(error)
 
 
 class _Handler(BaseHTTPRequestHandler):

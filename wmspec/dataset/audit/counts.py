@@ -10,9 +10,7 @@ from wmspec.dataset.audit.cases import Case, Unit
 from wmspec.dataset.audit.model import Counts, Finding
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import MENDED, DatasetReader
-
-#: Reasons that are no property of the design: something broke.
-BROKEN = ("error", "crashed", "timeout")
+from wmspec.runtime.questions.model import FAILED
 
 
 def counts(dataset: DatasetReader, task: str) -> Counts:
@@ -76,5 +74,5 @@ def _judged(counts: Counts) -> Finding:
     lost = counts.asked - counts.kept
     share = f"{counts.kept:,} of {counts.asked:,} questions kept of {counts.instances:,} instances"
     what = f"{share}; rejected {lost / max(1, counts.asked):.1%}: {reasons}" if lost else f"{share}, none rejected"
-    broken = sum(counts.rejected.get(reason, 0) for reason in BROKEN)
+    broken = sum(counts.rejected.get(reason, 0) for reason in FAILED)
     return Finding("counts", counts.task, "fails" if not counts.kept or broken else "holds", what)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import read_plain
+from wmspec.core.safe_io import make_folders, read_plain
 from wmspec.dataset.build import checkpoint, files
 from wmspec.dataset.build.baselines import Baselines, baselines
 from wmspec.dataset.build.card import bibtex, card
@@ -58,7 +58,7 @@ class Dataset:
         _today()  # if it cannot be told, better now than when all is made
         scratch = folder / files.PROGRESS
         with files.explained(folder):
-            scratch.mkdir(parents=True, exist_ok=True)
+            make_folders(scratch)
         dataset = cls(folder, plan, files.lock(scratch / "lock"))
         try:
             with files.explained(folder):

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import perf_counter
 
+from wmspec.core.crash import Crash
 from wmspec.dataset.build.generate import job_of, nothing
 from wmspec.dataset.build.manifest import by_reason
 from wmspec.dataset.build.plan import Plan, Task
@@ -15,7 +16,7 @@ from wmspec.dataset.build.rows import schema, table
 from wmspec.dataset.build.shards import parquet
 from wmspec.dataset.build.units import Piece, units, weight
 from wmspec.dataset.build.worker import Balance, Job, Outcome, work
-from wmspec.runtime.questions.model import Rejected
+from wmspec.runtime.questions.model import FAILED, Rejected
 from wmspec.runtime.workers.pool import Effort, Lost, in_order
 
 #: Of a task so many units are tried: what an instance costs may hang on what they differ in, such as how many things.
@@ -31,7 +32,8 @@ class Cost:
     `seconds` are what one worker needs for an instance, known to within `error` (one standard error, by how units
     differ; None of a single one of several); `size` is the bytes of an instance's questions in Parquet; `rejected` of
     the `asked` questions were rejected, so many for each of the `reasons`, with an example. `balance` is what the
-    balance of answers cost, if there is one.
+    balance of answers cost, if there is one. `failed` of those tried ended as internal errors, crashes or timeouts;
+    `crash` is the first unexpected error.
     """
 
     task: str
@@ -45,6 +47,8 @@ class Cost:
     reasons: dict[str, int]
     examples: dict[str, Rejected]
     balance: Balance | None = None
+    failed: int = 0
+    crash: Crash | None = field(default=None, repr=False)
 
     def hours(self, workers: int) -> float:
         """How long so many workers need for the whole task, in hours."""
@@ -161,6 +165,8 @@ def _cost(plan: Plan, task: Task, effort: Effort, trials: list[tuple[_Unit, _Tri
         reasons=reasons,
         examples=examples,
         balance=sum((trial.balance for trial in whole), Balance()) if task.spec.plan.balance else None,
+        failed=len({r.index for r in rejected if r.reason in FAILED}),
+        crash=next((trial.crash for _, trial in trials if isinstance(trial, Lost) and trial.crash), None),
     )
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.safe_io import make_folders
 
 #: Where a dataset's folder keeps what its maker needs to go on.
 PROGRESS = ".progress"
@@ -65,7 +66,7 @@ def write(folder: Path, name: str, content: bytes, synced: bool = True) -> None:
     path, scratch = folder / name, folder / PROGRESS
     part = scratch / f"{hashlib.sha256(name.encode()).hexdigest()[:16]}.part"
     with explained(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folders(path.parent)
         try:
             with part.open("wb") as file:
                 file.write(content)
@@ -113,7 +114,7 @@ def lock(path: Path) -> int:
     """
     with explained(path):
         while True:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_folders(path.parent)
             handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
             try:
                 fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -12,6 +12,7 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from itertools import groupby
 
+from wmspec.core.crash import Crash
 from wmspec.dataset.build.checkpoint import passing
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.plan import Plan, Shard
@@ -26,10 +27,11 @@ from wmspec.runtime.workers.pool import Effort, Lost, by_units
 
 @dataclass(frozen=True)
 class Spent:
-    """How much of the work was shared, and what the balance of answers cost, by task."""
+    """How much of the work was shared, what the balance of answers cost, by task, and the first unexpected error."""
 
     shared: Sharing = field(default_factory=Sharing)
     balance: dict[str, Balance] = field(default_factory=dict)
+    crash: Crash | None = None
 
 
 def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], None], before: Before) -> Spent:
@@ -42,6 +44,7 @@ def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], No
     if not pending:
         return Spent()
     job, shared, balance = job_of(plan, effort), Sharing(), dict[str, Balance]()
+    crash: Crash | None = None
     specs = {task.spec.name: task.spec for task in plan.tasks}
     making = [_Making(dataset, shard, before) for shard in pending]
     for one in making:
@@ -50,7 +53,9 @@ def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], No
     shard_of = {(one.task, index): one for one in making for index in one.missing}
     with closing(by_units(work, _units(job, plan, making), effort, lambda p: weight(specs[p[1]], p[2]))) as outcomes:
         for (_, task, indices), made in outcomes:
-            if not isinstance(made, Lost):
+            if isinstance(made, Lost):
+                crash = crash or made.crash
+            else:
                 shared += made.shared
                 if specs[task].plan.balance:
                     balance[task] = balance.get(task, Balance()) + made.balance
@@ -59,7 +64,7 @@ def generate(dataset: Dataset, effort: Effort, progress: Callable[[str, int], No
                 spec = specs[task]
                 one.keep(index, nothing(plan, spec, index, made) if isinstance(made, Lost) else made.outcomes[at])
                 progress(task, 1)
-    return Spent(shared, balance)
+    return Spent(shared, balance, crash)
 
 
 class _Making:

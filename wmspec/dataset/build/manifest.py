@@ -7,10 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from wmspec.core.crash import Crash
+from wmspec.core.tally import Tally
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.shards import Record
 from wmspec.dataset.build.worker import Balance, Sharing
-from wmspec.runtime.questions.model import Rejected
+from wmspec.runtime.questions.model import FAILED, Rejected
 
 #: Of how many reasons an example is told.
 REASONS = 3
@@ -18,13 +20,17 @@ REASONS = 3
 
 @dataclass(frozen=True)
 class TaskSummary:
-    """A task's count: instances made, questions kept of each engine, and rejected by reason, with the first of each."""
+    """A task's count: instances made, questions kept of each engine, and rejected by reason, with the first of each.
+
+    `failed` instances ended as internal errors, crashes or timeouts: no gate rejected them.
+    """
 
     name: str
     instances: int
     rows: dict[str, int]
     rejected: dict[str, int]
     examples: dict[str, Rejected]
+    failed: int = 0
 
     def __str__(self) -> str:
         """How much was kept, and the reasons that most was rejected for."""
@@ -35,7 +41,7 @@ class TaskSummary:
 def top_reasons(rejected: Mapping[str, int], examples: Mapping[str, Rejected]) -> list[str]:
     """The reasons that most questions were rejected for, a line each, with an example."""
     often = sorted(rejected.items(), key=lambda one: (-one[1], one[0]))[:REASONS]
-    return [f"  {n:,} {reason}, such as {_told(examples[reason])}" for reason, n in often]
+    return [f"  {n:,} {reason}, such as {told(examples[reason])}" for reason, n in often]
 
 
 def by_reason(lost: Sequence[Rejected]) -> tuple[dict[str, int], dict[str, Rejected]]:
@@ -44,18 +50,36 @@ def by_reason(lost: Sequence[Rejected]) -> tuple[dict[str, int], dict[str, Rejec
     return dict(sorted(counted.items())), {str(r.reason): r for r in reversed(lost)}
 
 
-def _told(one: Rejected) -> str:
+def told(one: Rejected) -> str:
+    """Which question was rejected, and why."""
     question = f" question {one.question + 1}" if one.question else ""
     return f"instance {one.index}{question} in {one.engine}: {one.detail}"
 
 
 @dataclass(frozen=True)
 class Summary:
-    """The count of a whole dataset; of making it just now, how much of the work was shared, and what balance cost."""
+    """The count of a whole dataset; of making it just now, how much of the work was shared, and what balance cost.
+
+    `crash` is the first unexpected error of making it just now.
+    """
 
     tasks: tuple[TaskSummary, ...]
     shared: Sharing = field(default_factory=Sharing)
     balance: Mapping[str, Balance] = field(default_factory=dict)
+    crash: Crash | None = None
+
+    @property
+    def tally(self) -> Tally:
+        """Whether it was worth making: questions were kept, and few instances failed."""
+        tried, failed = sum(t.instances for t in self.tasks), sum(t.failed for t in self.tasks)
+        return Tally("question was kept", self.rows, "instances", tried, failed, self._cause)
+
+    @property
+    def _cause(self) -> str:
+        """The first failure in full."""
+        if self.crash is not None:
+            return self.crash.told()
+        return next((told(t.examples[r]) for t in self.tasks for r in sorted(FAILED) if r in t.examples), "")
 
     @property
     def rows(self) -> int:
@@ -73,9 +97,9 @@ class Summary:
     def __str__(self) -> str:
         lost = sum(self.rejected.values())
         why = ", ".join(f"{n:,} {reason}" for reason, n in self.rejected.items())
-        told = f"{self.rows:,} questions, {lost:,} rejected" + (f" ({why})" if why else "")
+        count = f"{self.rows:,} questions, {lost:,} rejected" + (f" ({why})" if why else "")
         cost = [f"{task}: {balance}" for task, balance in self.balance.items()]
-        return "\n".join([*map(str, self.tasks), *cost, *([str(self.shared)] if self.shared.episodes else []), told])
+        return "\n".join([*map(str, self.tasks), *cost, *([str(self.shared)] if self.shared.episodes else []), count])
 
 
 def summary(plan: Plan, records: Mapping[str, Record]) -> Summary:
@@ -90,7 +114,8 @@ def _count(plan: Plan, task: Task, lost: list[Rejected]) -> TaskSummary:
     asked = len(task.indices) * len(task.spec.questions)
     by_engine = Counter(r.engine for r in lost)
     rows = {engine: asked - by_engine[engine] for engine in plan.engines}
-    return TaskSummary(task.spec.name, len(task.indices), rows, *by_reason(lost))
+    failed = len({r.index for r in lost if r.reason in FAILED})
+    return TaskSummary(task.spec.name, len(task.indices), rows, *by_reason(lost), failed)
 
 
 def manifest(plan: Plan, records: Mapping[str, Record], total: Summary) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.resources import resource
+from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.export.rows import COLUMNS, Row, exported, write
@@ -57,7 +58,7 @@ class _Folder:
         """Where a file of this name is to be written."""
         self.written.append(name)
         path = self.place / name
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folders(path.parent)
         return path
 
     def copy(self, name: str, to: str, **words: str) -> None:
@@ -130,7 +131,7 @@ def _lmms_eval(what: Export, folder: _Folder) -> int:
 
 def _vlmevalkit(what: Export, folder: _Folder) -> int:
     """One table. Its name has a hash of its content, because VLMEvalKit keeps what it knows of a table by its name."""
-    folder.place.mkdir(parents=True, exist_ok=True)
+    make_folders(folder.place)
     part, count = folder.place / "table.part", 0
     with part.open("w", newline="", encoding="utf-8") as file:
         out = csv.DictWriter(file, ["index", *_TSV], delimiter="\t", lineterminator="\n", restval="")

@@ -10,6 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.models.prompt import Prompt
 from wmspec.eval.models.question import Question, questions
@@ -89,7 +90,7 @@ def _row(question: Question, prompt: Prompt) -> Row:
 
 def write(path: Path, rows: Iterable[Row]) -> int:
     """Write rows as Parquet; returns their number. Raises OSError if that fails."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folders(path.parent)
     count = 0
     with pq.ParquetWriter(path, SCHEMA, compression="zstd") as file:
         batch: list[Row] = []

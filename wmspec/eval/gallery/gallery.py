@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build.files import explained
 from wmspec.dataset.build.pictures import form, opened
 from wmspec.dataset.build.reader import DatasetReader
@@ -36,7 +37,7 @@ def page(dataset: DatasetReader, per_task: int, path: Path, replies: Replies = N
 
     dataset.intact()
     with explained(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folders(path.parent)
         questions = list(records(dataset, per_task, inside, replies))
         path.write_text(html(about(dataset, replies) | {"questions": questions}), encoding="utf-8")
     return len(questions)
@@ -54,13 +55,13 @@ def folder(dataset: DatasetReader, per_task: int, path: Path, replies: Replies =
         opened(content)
         place = path / "pictures" / name[:2] / name
         if not place.exists():
-            place.parent.mkdir(parents=True, exist_ok=True)
+            make_folders(place.parent)
             place.write_bytes(content)
         return f"pictures/{name[:2]}/{name}"
 
     dataset.intact()
     with explained(path):
-        path.mkdir(parents=True, exist_ok=True)
+        make_folders(path)
         questions = list(_parted(path, list(records(dataset, per_task, beside, replies)), inside))
         path.joinpath("index.html").write_text(
             html(about(dataset, replies) | {"questions": questions}), encoding="utf-8"

@@ -11,7 +11,7 @@ from typing import Any
 from wmspec import __version__
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import read_plain
+from wmspec.core.safe_io import make_folders, read_plain
 from wmspec.dataset.build import files
 from wmspec.dataset.build.croissant import Described, metadata
 from wmspec.dataset.build.rows import table
@@ -50,7 +50,7 @@ def recast(path: Path, folder: Path, output: Path, size: int) -> Recast:
     _clear(output)
     shards = {_path(name): _shard(of_one, pictures) for name, of_one in tasks.items()}
     with files.explained(output):
-        (output / files.PROGRESS).mkdir(parents=True, exist_ok=True)
+        make_folders(output / files.PROGRESS)
     for name, content in shards.items():
         files.write(output, name, content)
     files.write(output, files.CARD, _card(path, tasks).encode())

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.safe_io import make_folders
 from wmspec.eval.models.model import Model, Reply
 from wmspec.eval.models.request import Ask
 
@@ -25,7 +26,7 @@ class Cached:
         self._identity = json.dumps([model.identity, parameters], sort_keys=True)
         self._turn = threading.Lock()
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_folders(path.parent)
             self._file = sqlite3.connect(path, timeout=60, check_same_thread=False)
             self._file.execute("CREATE TABLE IF NOT EXISTS replies (key TEXT PRIMARY KEY, reply TEXT NOT NULL)")
         except (OSError, sqlite3.Error) as error:

@@ -18,6 +18,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build.files import explained
 from wmspec.eval.models.model import Reply
 
@@ -37,7 +38,7 @@ class Journal:
         """
         self.path = path
         with explained(path):
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_folders(path.parent)
             self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
             try:
                 self._lock()

@@ -17,7 +17,7 @@ import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import is_name, plain, read_plain
+from wmspec.core.safe_io import is_name, make_folders, plain, read_plain
 from wmspec.dataset.build.files import explained
 from wmspec.eval.models import reply as replies
 from wmspec.eval.models.journal import Key, Replies
@@ -192,7 +192,7 @@ def write(path: Path, rows: Iterable[Row], about: dict[str, Any]) -> None:
 def _whole(path: Path, content: bytes) -> None:
     part = path.with_name(f"{path.name}.part")
     with explained(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folders(path.parent)
         with part.open("wb") as file:
             file.write(content)
             file.flush()

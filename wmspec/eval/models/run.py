@@ -85,10 +85,14 @@ class Run:
 
 @dataclass(frozen=True)
 class Ended:
-    """How a run ended: the counts of all results, and how many askings have no reply because a limit was reached."""
+    """How a run ended: the counts of all results, and how many askings have no reply because a limit was reached.
+
+    `error` is why the first request failed; empty if none did.
+    """
 
     counts: Counts
     missing: int
+    error: str = ""
 
 
 def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> Ended:
@@ -106,7 +110,7 @@ def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> Ended:
         missing = sum(key not in have for key in wanted)
         results.write(output, rows, _about(run, asked, rows, missing))
         journal.discard()
-    return Ended(results.counts(rows), missing)
+    return Ended(results.counts(rows), missing, next((row["error"] for row in rows if row["status"] == "error"), ""))
 
 
 def _before(output: Path, asked: dict[str, Any]) -> Replies:

@@ -8,6 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build.files import explained
 from wmspec.eval.report.figures.all import figures
 from wmspec.eval.report.frames import latex, long, wide
@@ -29,7 +30,7 @@ def write(report: Report, folder: Path) -> Path:
     for name, written in content.items():
         path = folder / name
         with explained(path):
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_folders(path.parent)
             path.write_text(written, encoding="utf-8")
     return folder / "report.html"
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.rng import bits
-from wmspec.core.safe_io import picture
+from wmspec.core.safe_io import make_folders, picture
 from wmspec.dataset.build import files
 from wmspec.dataset.build.files import explained
 from wmspec.dataset.build.reader import DatasetReader
@@ -49,7 +49,7 @@ def make(dataset: DatasetReader, options: Options, folder: Path) -> Study:
     if "question" not in chosen.values():
         raise WmsError("the dataset has no questions for a study; `wmspec view` shows what it has")
     with explained(folder):
-        pictures.mkdir(parents=True, exist_ok=True)
+        make_folders(pictures)
         items = [_item(question, chosen[question.id], pictures) for question in questions(dataset, chosen)]
     items += _checks(options)
     study = Study(

@@ -16,6 +16,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from wmspec.core.crash import tell
 from wmspec.core.diagnostics import WmsError
 from wmspec.eval.study import page, store
 from wmspec.eval.study.answers import Answer, Person
@@ -52,10 +53,11 @@ class Server(ThreadingHTTPServer):
         """Where the page is."""
         return f"http://{self.server_address[0]!s}:{self.server_address[1]}/"
 
-    def handle_error(self, request: Any, client_address: Any) -> None:
+    def handle_error(self, request: Any, client_address: Any) -> None:  # noqa: ARG002  as the base class has it
         """A visitor who is gone is no error."""
-        if not isinstance(sys.exception(), OSError):
-            super().handle_error(request, client_address)
+        error = sys.exception()
+        if error is not None and not isinstance(error, OSError):
+            tell(error)
 
     def server_close(self) -> None:
         """Stop listening, and close the file of answers."""

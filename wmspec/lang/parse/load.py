@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from wmspec.core.diagnostics import Diagnostic, Note, Report, WmsError, suggestion
+from wmspec.core.limits import LIBRARIES, LIBRARY_DEPTH, TooLarge
 from wmspec.core.places import Location, Place, Source, Span
 from wmspec.lang.parse import library_cache
 from wmspec.lang.parse.files import found, library_folder, located, read_source, search_path
@@ -99,6 +100,9 @@ def _collect(file: File, folder: Path, report: Report, program: Program, trail: 
             report.add("WMS208", f"`{use.name.id}` uses itself in a circle", use.span, help, notes)
             continue
         program.paths[use.name.span] = path
+        for limit, count in ((LIBRARY_DEPTH, len(trail)), (LIBRARIES, len(program.libraries))):
+            if count >= limit.most:
+                raise TooLarge(f"the spec {limit.sentence}", use.span, limit.help)
         if path not in program.libraries:
             library, mistakes = _library(read_source(path))
             report.include(mistakes)

@@ -33,6 +33,15 @@ class Job:
         return replace(self, tasks=tasks, tolerances=tuple(pair for pair in self.tolerances if pair[0] == task))
 
 
+@dataclass(frozen=True)
+class Swept:
+    """The instances that were checked, how many of them failed before anything was compared, and the first cause."""
+
+    checked: tuple[Checked, ...]
+    failed: int = 0
+    cause: Lost | None = None
+
+
 def pairs(engines: Sequence[str]) -> list[Pair]:
     """Every pair of engines, in order."""
     return list(combinations(engines, 2))
@@ -44,19 +53,21 @@ def sweep(
     job: Job,
     effort: Effort,
     progress: Callable[[str, int], None],
-) -> tuple[Checked, ...]:
+) -> Swept:
     """`sample` random instances of every task, in the order of the tasks and of their indices.
 
     `progress` is told the task and the number of its instances that were finished.
     """
     designs = {spec.name: Design(spec, job.seed) for spec in specs}
     todo = [(name, index) for name, design in designs.items() for index in sorted(design.sample(sample))]
-    checked, own = [], {name: job.of(name) for name in designs}
+    checked, lost, own = list[Checked](), list[Lost](), {name: job.of(name) for name in designs}
     with closing(in_order(work, ((own[name], name, index) for name, index in todo), effort)) as outcomes:
         for (name, index), outcome in zip(todo, outcomes, strict=True):
+            if isinstance(outcome, Lost):
+                lost.append(outcome)
             checked.append(_lost(designs[name], index, outcome) if isinstance(outcome, Lost) else outcome)
             progress(name, 1)
-    return tuple(checked)
+    return Swept(tuple(checked), len(lost), next((one for one in lost if one.crash), lost[0] if lost else None))
 
 
 def work(job: Job, task: str, index: int) -> Checked:

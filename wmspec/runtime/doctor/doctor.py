@@ -1,37 +1,51 @@
-"""What works on this machine, and what mends the rest: nothing is guessed, everything is tried."""
+"""What works on this machine, and what mends the rest.
+
+Everything is tried. A remedy is given for a cause that was recognised; any other failure is shown, with how to report
+it.
+"""
 
 from __future__ import annotations
 
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from importlib.metadata import PackageNotFoundError, requires, version
 from itertools import chain
 
+from wmspec.core.crash import Crash, how_to_report
+from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.doctor import install_hints, probe
-from wmspec.runtime.doctor.install_hints import System
+from wmspec.runtime.doctor.install_hints import Cause, System
+from wmspec.runtime.doctor.probe import Failure
 from wmspec.runtime.engines.registry import engine_version, info, names
 from wmspec.sim.photo import library
 from wmspec.sim.scene.backend import Info
 
 PATIENCE = 300.0  # seconds: an engine may compile its shaders anew in every process, minutes on a busy machine
 OLDEST_PYTHON = (3, 11)
+#: What draws the look "photo", as engines describe themselves.
+_PHOTO = Info("photo", "Mitsuba", "mitsuba", "mitsuba", library.REQUIREMENT, 0)
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing looked at: whether it is well, what was found, and the command that mends it (empty if it is well)."""
+    """One thing looked at: whether it is well, and what was found.
+
+    If it is not well: the command that mends it, or, where no cause was recognised, how to report it.
+    """
 
     name: str
     ok: bool
     found: str
     remedy: str = ""
+    report: str = ""
 
 
 def examine(patience: float = PATIENCE) -> tuple[Finding, ...]:
@@ -40,15 +54,32 @@ def examine(patience: float = PATIENCE) -> tuple[Finding, ...]:
     No trial takes longer than `patience` (s). Never raises for what it finds.
     """
     system = install_hints.this_system()
-    engines = [info(name) for name in names()]
+    known = {name: _known(name) for name in names()}
+    engines = [engine for engine in known.values() if not isinstance(engine, Finding)]
     looks: list[Callable[[], Sequence[Finding]]] = [
         lambda: [_python()],
         lambda: [_packages()],
+        lambda: [finding for finding in known.values() if isinstance(finding, Finding)],
         *(partial(_engine, engine, system, patience) for engine in engines),
         partial(_photo, system, patience),
     ]
     with ThreadPoolExecutor() as pool:
         return tuple(chain.from_iterable(pool.map(lambda look: look(), looks)))
+
+
+def _known(name: str) -> Info | Finding:
+    """What a backend says of itself, or that it cannot be loaded."""
+    try:
+        return info(name)
+    except WmsError as error:
+        return _failed(Finding(name, False, ""), Failure.of(error), None)
+
+
+def _failed(finding: Finding, failure: Failure, mended: Callable[[Cause], str] | None) -> Finding:
+    """A finding that is not well, with the remedy of its cause, or else how to report it."""
+    cure = mended(failure.cause) if failure.cause and mended else ""
+    report = "" if cure else failure.report or f"  {how_to_report(file=False)}"
+    return replace(finding, ok=False, found=failure.words, remedy=cure, report=report)
 
 
 def fit(findings: Sequence[Finding]) -> bool:
@@ -102,10 +133,8 @@ def _engine(engine: Info, system: System, patience: float) -> list[Finding]:
         installed = Finding(name, True, engine_version(name))
     except PackageNotFoundError:
         return [Finding(name, False, "not installed", install_hints.engine_package(engine, system))]
-    findings = [installed, _trial(name, "execute", install_hints.executing(engine, system), patience)]
-    if engine.draws:
-        findings.append(_trial(name, "render", install_hints.drawing(engine, system), patience))
-    return findings
+    trials = ("execute", "render") if engine.draws else ("execute",)
+    return [installed, *(_trial(engine, trial, system, patience) for trial in trials)]
 
 
 def _photo(system: System, patience: float) -> list[Finding]:
@@ -114,33 +143,48 @@ def _photo(system: System, patience: float) -> list[Finding]:
         installed = Finding("photo", True, ", ".join(f"{name} {version(name)}" for name in library.DISTRIBUTIONS))
     except PackageNotFoundError:
         return [Finding("photo", False, "not installed", install_hints.pip(library.REQUIREMENT))]
-    forced = f"unset {library.LLVM}" if os.environ.get(library.LLVM) else ""
-    cure = forced or install_hints.pip(library.REQUIREMENT, "--force-reinstall")
-    ok, output = _try("wmspec.runtime.doctor.probe", "mitsuba", "photo", patience=patience)
-    drawn = Finding("photo renders", ok, output, "" if ok else cure)
-    return [installed, drawn] if forced else [installed, drawn, _compiling(system, patience)]
+    forced = bool(os.environ.get(library.LLVM))
+    tried = _try("wmspec.runtime.doctor.probe", "mitsuba", "photo", patience=patience)
+    drawn = Finding("photo renders", True, "" if isinstance(tried, Failure) else tried)
+    if isinstance(tried, Failure):
+        drawn = _failed(drawn, tried, partial(_photo_mended, system=system))
+    return [installed, drawn] if forced or not drawn.ok else [installed, drawn, _compiling(system, patience)]
+
+
+def _photo_mended(cause: Cause, system: System) -> str:
+    """The command that mends what draws the look "photo"."""
+    if cause.kind == "install":
+        return install_hints.pip(library.REQUIREMENT, "--force-reinstall")
+    return install_hints.mending(cause, _PHOTO, system)
 
 
 def _compiling(system: System, patience: float) -> Finding:
-    """The newest LLVM of this machine, tried."""
+    """The newest LLVM of this machine, tried: pictures can be drawn without."""
     path = library.newest_llvm()
     if not path:
         needed = f"no LLVM {library.OLDEST_LLVM} or newer; pictures are drawn without, which takes longer"
         return Finding("photo with LLVM", False, needed, install_hints.llvm(system, library.OLDEST_LLVM))
-    ok, output = _try("wmspec.runtime.doctor.probe", "mitsuba", "photo", patience=patience, **{library.LLVM: path})
-    if not ok:
-        return Finding("photo with LLVM", False, f"{path}: {output}", install_hints.llvm(system, library.OLDEST_LLVM))
-    return Finding("photo with LLVM", True, f"{output}; it is used after: export {library.LLVM}={path}")
+    tried = _try("wmspec.runtime.doctor.probe", "mitsuba", "photo", patience=patience, **{library.LLVM: path})
+    if isinstance(tried, Failure):
+        failure = replace(tried, words=f"{path}: {tried.words}")
+        return _failed(
+            Finding("photo with LLVM", False, ""), failure, lambda _: install_hints.llvm(system, library.OLDEST_LLVM)
+        )
+    return Finding("photo with LLVM", True, f"{tried}; it is used after: export {library.LLVM}={path}")
 
 
-def _trial(engine: str, trial: str, cure: str, patience: float) -> Finding:
-    ok, output = _try("wmspec.runtime.doctor.probe", engine, trial, patience=patience)
-    return Finding(f"{engine} {trial}s", ok, output, "" if ok else cure)
+def _trial(engine: Info, trial: str, system: System, patience: float) -> Finding:
+    tried = _try("wmspec.runtime.doctor.probe", engine.name, trial, patience=patience)
+    if not isinstance(tried, Failure):
+        return Finding(f"{engine.name} {trial}s", True, tried)
+    return _failed(
+        Finding(f"{engine.name} {trial}s", False, ""), tried, lambda cause: install_hints.mending(cause, engine, system)
+    )
 
 
-def _try(module: str, *arguments: str, patience: float, **variables: str) -> tuple[bool, str]:
-    """Run a module in a process of its own, with variables set: whether it ended well, and its last words."""
-    command = [sys.executable, "-P", "-m", module, *arguments]
+def _try(module: str, *arguments: str, patience: float, **variables: str) -> str | Failure:
+    """Run a module in a process of its own, with variables set: its last words, or why it failed."""
+    command = [sys.executable, "-P", "-X", "faulthandler", "-m", module, *arguments]
     try:
         done = subprocess.run(
             command,
@@ -152,8 +196,12 @@ def _try(module: str, *arguments: str, patience: float, **variables: str) -> tup
             env=os.environ | variables,
         )
     except subprocess.TimeoutExpired:
-        return False, f"no answer in {patience:.0f} s"
+        return Failure(f"no answer in {patience:.0f} s")
     if done.returncode < 0:
-        return False, f"crashed ({signal.Signals(-done.returncode).name})"
-    words = (done.stdout.strip() or done.stderr.strip()).splitlines() or ["nothing was said"]
-    return done.returncode == 0, words[-1].removeprefix(probe.FOUND).removeprefix(probe.FAILED)
+        words = f"crashed ({signal.Signals(-done.returncode).name})"
+        crash = Crash(words, "", words, f"{shlex.join(command)}\n{done.stderr}")
+        return Failure(words, report=crash.advice(crash.save()))
+    last = (done.stdout.strip() or done.stderr.strip() or "nothing was said").splitlines()[-1]
+    if last.startswith(probe.FAILED):
+        return Failure.read(last.removeprefix(probe.FAILED))
+    return last.removeprefix(probe.FOUND) if done.returncode == 0 else Failure(last)

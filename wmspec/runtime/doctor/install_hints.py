@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import os
 import platform
+import re
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Literal
 
+from wmspec.core.crash import in_our_code
+from wmspec.core.diagnostics import GraphicsError
 from wmspec.sim.scene.backend import Graphics, Info
 
 PACKAGES = "mesa-vulkan-drivers libegl-mesa0 libgl1-mesa-dri libegl1 libgl1 libvulkan1"
@@ -26,6 +31,65 @@ class System:
     def sudo(self) -> str:
         """What a command begins with."""
         return "" if self.root else "sudo "
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A cause that was recognised, and the package, system library, engine module or variable that it is about."""
+
+    kind: Literal["package", "library", "install", "variable", "graphics"]
+    what: str = ""
+
+
+#: How the loader says that a library of the system is missing.
+_LIBRARY = re.compile(r"(lib[\w.+-]+\.so[.\d]*): cannot open shared object file")
+#: How the libraries begin that Mesa brings.
+_OF_GRAPHICS = ("libEGL", "libGL", "libOpenGL", "libOSMesa", "libvulkan")
+#: Variables that choose a driver or a library.
+_VARIABLE = re.compile(r"\b(MUJOCO_GL|PYOPENGL_PLATFORM|VK_DRIVER_FILES|VK_ICD_FILENAMES|DRJIT_LIBLLVM_PATH)\b")
+
+
+def recognised(error: BaseException) -> Cause | None:
+    """Why an engine failed, if that has a known remedy. None for a mistake in our code, and whatever else it may be."""
+    chain = list(_chain(error))
+    if any(map(in_our_code, chain)):
+        return None
+    for one in chain:
+        if isinstance(one, ModuleNotFoundError) and one.name and "." not in one.name:
+            return Cause("package", one.name)
+    if any(isinstance(one, GraphicsError) for one in chain):
+        return Cause("graphics")
+    for one in chain:
+        if isinstance(one, ImportError | OSError) and (library := _LIBRARY.search(str(one))):
+            return Cause("library", library[1])
+        if (variable := _VARIABLE.search(str(one))) and os.environ.get(variable[1]):
+            return Cause("variable", variable[1])
+        if isinstance(one, ImportError) and one.name:
+            return Cause("install", one.name.split(".")[0])
+    return None
+
+
+def _chain(error: BaseException | None) -> Iterator[BaseException]:
+    """An exception, and those that it was raised from."""
+    while error is not None:
+        yield error
+        error = error.__cause__ or error.__context__
+
+
+def mending(cause: Cause, engine: Info, system: System) -> str:
+    """The command that removes a cause; empty if the engine is not what it is about."""
+    match cause.kind:
+        case "variable":
+            return f"unset {cause.what}"
+        case "package":
+            ours = cause.what == engine.module.split(".")[0]
+            return engine_package(engine, system) if ours else pip(cause.what)
+        case "install":
+            ours = cause.what == engine.module.split(".")[0]
+            return reinstalled(engine, system) if ours else ""
+        case "library" if not cause.what.startswith(_OF_GRAPHICS):
+            return f"install the package of your system that has {cause.what}"
+    return drawing(engine, system)
 
 
 def this_system() -> System:
@@ -73,17 +137,15 @@ def llvm(system: System, oldest: int) -> str:
     return f"{_apt(system)} libllvm{oldest}" if system.ids & FAMILY else f"install LLVM {oldest} or newer"
 
 
-def executing(engine: Info, system: System) -> str:
-    """The command that lets an installed engine execute."""
-    if engine.graphics and engine.graphics.on_import and (forced := _forced(engine.graphics)):
-        return f"unset {forced}"
+def reinstalled(engine: Info, system: System) -> str:
+    """The command that installs an engine again, whose own modules cannot be imported."""
     return engine_package(engine, system).replace("pip install", "pip install --force-reinstall")
 
 
 def drawing(engine: Info, system: System) -> str:
-    """The command that lets an installed engine draw."""
-    if engine.graphics is None:  # it draws by itself, so it was built badly
-        return executing(engine, system)
+    """The command that brings the graphics that an engine draws with; empty if it draws by itself."""
+    if engine.graphics is None:
+        return ""
     if forced := _forced(engine.graphics):
         return f"unset {forced}"
     return graphics(system, engine.graphics.mesa)

@@ -1,5 +1,7 @@
 """Does an engine work here? Run `python -m wmspec.runtime.doctor.probe ENGINE execute|render`.
 
+The last line that it prints is `found: ` with what was found, or `failed: ` with a `Failure` as JSON.
+
 `python -m wmspec.runtime.doctor.probe mitsuba photo` tries what draws the look "photo".
 
 A process of its own, because a broken graphics driver may take the whole process down.
@@ -7,14 +9,18 @@ A process of its own, because a broken graphics driver may take the whole proces
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 from collections.abc import Callable
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.core.crash import Crash
 from wmspec.core.diagnostics import WmsError
+from wmspec.runtime.doctor.install_hints import Cause, recognised
 from wmspec.runtime.engines.registry import backend
 from wmspec.sim.scene.model import Body, Camera, Geom, Light, Pose, Scene, Shot, Surface
 from wmspec.sim.scene.model.transform import identity
@@ -25,6 +31,31 @@ from wmspec.sim.shapes import Box
 GRAVITY = 9.81
 SIZE = 64
 FOUND, FAILED = "found: ", "failed: "
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why a trial failed: in words, the recognised cause, and where none was recognised how to report it."""
+
+    words: str
+    cause: Cause | None = None
+    report: str = ""
+
+    @classmethod
+    def of(cls, error: Exception) -> Failure:
+        """The failure that an exception is."""
+        words = " ".join(str(error).split())
+        if cause := recognised(error):
+            return cls(words, cause)
+        crash = Crash.of(error)
+        kind = "" if isinstance(error, WmsError) else f"{type(error).__name__}: "
+        return cls(kind + words, report=crash.advice(crash.save()))
+
+    @classmethod
+    def read(cls, text: str) -> Failure:
+        """The failure that was printed."""
+        values = json.loads(text)
+        return cls(values["words"], Cause(**values["cause"]) if values["cause"] else None, values["report"])
 
 
 def falling_cube() -> Scene:
@@ -93,8 +124,7 @@ def main(engine: str, trial: str) -> int:
     try:
         report, code = FOUND + TRIALS[trial](engine), 0
     except Exception as error:  # noqa: BLE001  whatever an engine raises is what we came to hear
-        kind = "" if isinstance(error, WmsError) else f"{type(error).__name__}: "
-        report, code = FAILED + kind + " ".join(str(error).split()), 1
+        report, code = FAILED + json.dumps(asdict(Failure.of(error))), 1
     print("\n" + report, flush=True)
     return code
 

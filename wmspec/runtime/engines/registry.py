@@ -86,8 +86,11 @@ def _loaded(name: str) -> Backend:
         raise WmsError(f"there is no backend `{name}`; {suggestion(name, names()) or 'none is installed'}")
     try:
         return cast(Backend, entries[name].load())
-    except (ImportError, AttributeError) as error:
-        raise WmsError(f"the backend `{name}` cannot be loaded ({error}); install again what brings it") from None
+    except Exception as error:
+        kind = "" if isinstance(error, ImportError) else f"{type(error).__name__}: "
+        raise WmsError(
+            f"the backend `{name}` cannot be loaded ({kind}{error}); install again what brings it"
+        ) from error
 
 
 def default() -> str:

@@ -193,6 +193,9 @@ Reason = Literal[
 #: Reasons that lie with the machine and with what else it did: another time the instance may yield its questions.
 PASSING: Final = frozenset[Reason](("crashed", "timeout"))
 
+#: Reasons that no gate gives: the making itself failed.
+FAILED: Final = frozenset[Reason](("error", *PASSING))
+
 
 @dataclass(frozen=True)
 class Rejected:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import gc
-import re
 import signal
 import sys
 import threading
-import traceback
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
@@ -17,12 +15,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import chain, islice
 from multiprocessing.context import SpawnContext, SpawnProcess
-from pathlib import Path
 from types import ModuleType
 from typing import Any, Literal, Protocol, TypeVar, cast
 
 from pebble import ProcessExpired, ProcessPool
 
+from wmspec.core.crash import Crash
 from wmspec.core.diagnostics import GraphicsError, WmsError
 
 T = TypeVar("T")
@@ -32,8 +30,6 @@ Piece = tuple[Any, ...]
 PIECES_PER_WORKER = 1000
 #: So many pieces are with a worker at a time, so that it need not wait for the next.
 AHEAD = 2
-#: The packages that an error is traced to.
-_OURS = ("wmspec", "backends")
 #: So many times in a row workers may vanish before they say what they do, until the job that is waited for is lost.
 PATIENCE = 10
 
@@ -56,11 +52,12 @@ class Lost:
     """A piece of work that came to nothing, and why.
 
     `timeout` and `crashed` (twice each) depend on the machine and on what else it does: the same piece may succeed at
-    another time. An `error` is its own.
+    another time. An `error` is its own; `crash` is the exception, if it was an unexpected one.
     """
 
     kind: Literal["timeout", "crashed", "error"]
     reason: str
+    crash: Crash | None = field(default=None, compare=False)
 
 
 def in_order(
@@ -285,17 +282,8 @@ def _done(work: Callable[..., T], *piece: Any) -> T | Lost:
     except WmsError as error:
         return Lost("error", str(error))
     except Exception as error:  # noqa: BLE001  whatever it is, it must not cost the other pieces
-        return Lost("error", _reason(error))
-
-
-def _reason(error: Exception) -> str:
-    """An error nobody foresaw in one line, the same in every run: what it is, and where in our code it came from."""
-    way = list(traceback.walk_tb(error.__traceback__))[1:]  # from `_done` on
-    # By its module: the folder that all lies in may be called wmspec, too.
-    ours = [(f.f_code.co_filename, n) for f, n in way if f.f_globals["__name__"].split(".")[0] in _OURS]
-    text = re.sub(r"0x[0-9a-f]{6,}", "0x...", " ".join(str(error).split()))[:300]
-    place = f" ({'/'.join(Path(ours[-1][0]).parts[-2:])}:{ours[-1][1]})" if ours else ""
-    return f"{type(error).__name__}: {text}{place}"
+        crash = Crash.of(error, skip=1)  # this frame
+        return Lost("error", crash.line, crash)
 
 
 @contextmanager

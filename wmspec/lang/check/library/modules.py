@@ -7,13 +7,14 @@ needs. A library that says `left` means the word, also where the task calls some
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, TypeVar
 
 from wmspec.core.diagnostics import Note, Report, suggestion
+from wmspec.core.limits import LIBRARIES, TooLarge
 from wmspec.core.node import Node
 from wmspec.core.places import Source, Span
 from wmspec.lang.check.tables.vocabulary import WORDS
@@ -25,6 +26,7 @@ Declared = s.Factor | s.Let | s.Block | s.Action | s.Template
 #: The names that libraries were given with `as`, and the names that there are in each.
 Prefixes = dict[str, frozenset[str]]
 S = TypeVar("S")
+T = TypeVar("T")
 _WORDS = frozenset(word for words in WORDS.values() for word in words)
 
 
@@ -100,9 +102,11 @@ class Modules:
         if (first := self._used.setdefault((path, outer + prefix), use)) is not use:
             self._again(use, first)
             return []
+        if len(self._used) > LIBRARIES.most:
+            raise TooLarge(f"the spec {LIBRARIES.sentence}", use.span, LIBRARIES.help)
         items = self._program.libraries[path].items
         values = self._given(use, [item for item in items if isinstance(item, s.Parameter)])
-        statements = self._level([_replaced(item, values) for item in items], outer + prefix, {})
+        statements = self._level([_replaced_before(item, values) for item in items], outer + prefix, {})
         chosen = statements if use.only is None else self._chosen(use, use.only, statements)
         if words := self._taken.difference(_said(statements)):
             chosen = _closed(chosen, words, self._program.libraries[path].span.source)
@@ -110,7 +114,9 @@ class Modules:
             return chosen
         names = frozenset(filter(None, map(_name, chosen)))
         prefixes[use.prefix.id] = names
-        return [_replaced(statement, {}, {name: prefix + name for name in names}) for statement in chosen]
+        renamed = {name: prefix + name for name in names}
+        key = (prefix, names)
+        return [_made_before((each,), key, partial(_replaced, each, {}, renamed)) for each in chosen]
 
     def _again(self, use: s.Use, first: s.Use) -> None:
         if use.given or use.only:
@@ -165,7 +171,7 @@ class Modules:
             name = pending.pop()
             if name in by_name and name not in needed:
                 needed.add(name)
-                pending += (n.id for n in s.names(by_name[name]))
+                pending += _names_in(by_name[name])
         return [statement for name, statement in by_name.items() if name in needed]
 
 
@@ -251,6 +257,34 @@ def _closed(statements: list[s.Statement], words: frozenset[str], library: Sourc
         return _each(node, closed)
 
     return [closed(statement) for statement in statements]
+
+
+#: What was made of pieces of libraries, by their identity: syntax trees of libraries are kept for all specs. The pieces
+#: are kept beside what was made of them, so that no other can have their identity.
+_made: dict[tuple[object, ...], tuple[tuple[object, ...], Any]] = {}
+_MOST_MADE = 6000
+
+
+def _made_before(of: tuple[object, ...], how: object, make: Callable[[], T]) -> T:
+    """What `make` returns, or returned before for the very same pieces and `how` they are changed."""
+    key = (*map(id, of), how)
+    found = _made.get(key)
+    if found is None:
+        if len(_made) >= _MOST_MADE:
+            _made.clear()
+        found = _made[key] = (of, make())
+    made: T = found[1]
+    return made
+
+
+def _replaced_before(item: S, values: Mapping[str, s.Expr]) -> S:
+    """A piece of a library with values for its parameters."""
+    return _made_before((item, *values.values()), tuple(values), lambda: _replaced(item, values))
+
+
+def _names_in(statement: s.Statement) -> tuple[str, ...]:
+    """The names in a statement of a library."""
+    return _made_before((statement,), "names", lambda: tuple(name.id for name in s.names(statement)))
 
 
 def _replaced(node: S, values: Mapping[str, s.Expr], names: Mapping[str, str] | None = None) -> S:
