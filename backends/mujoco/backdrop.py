@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Body, Camera, Scene, Shot
 from wmspec.sim.scene.model.digest import digest
-from wmspec.sim.scene.model.memoize import kept
 from wmspec.sim.scene.render.window import Lit, Window
 
 REMEMBERED = 24
-"""Each takes 12 bytes a pixel: 0.8 MB at 256 by 256."""
+"""The most backdrops that are remembered. Each takes 12 bytes a pixel: 0.8 MB at 256 by 256."""
 
 
 @dataclass(frozen=True)
@@ -49,25 +48,9 @@ class Backdrop:
     lit: Lit
 
 
-class Backdrops:
-    """The last ones, by all that they show: which are remembered changes no picture."""
-
-    def __init__(self) -> None:
-        self._known: OrderedDict[bytes, Backdrop] = OrderedDict()
-
-    def of(self, key: bytes, make: Callable[[], Backdrop]) -> Backdrop:
-        """The one with this key, made if it is not remembered."""
-        if key not in self._known:
-            self._known[key] = make()
-            if len(self._known) > REMEMBERED:
-                self._known.popitem(last=False)
-        self._known.move_to_end(key)
-        return self._known[key]
-
-
 def key(scene: Scene, bodies: Sequence[int], eye: Camera, shot: Shot, size: tuple[int, int]) -> bytes:
     """All that a picture (width, height) of some bodies of a scene shows; the camera is in the world."""
-    looks = [kept(scene.bodies[i], _look) for i in bodies]
+    looks = [cached_on(scene.bodies[i], _look) for i in bodies]
     poses = [(shot.poses[i].position, shot.poses[i].orientation) for i in bodies]
     lens = eye.pose.position, eye.pose.orientation, eye.fovy, eye.near, eye.far
     return digest(looks, poses, scene.light, scene.background, lens, size)

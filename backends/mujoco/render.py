@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from wmspec.core.crash import in_our_code
 from wmspec.core.diagnostics import GraphicsError
+from wmspec.core.memoize import LRU
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Camera, Frame, Geom, Scene, Shot
 from wmspec.sim.scene.render.boxes import Edges
@@ -24,7 +25,7 @@ from wmspec.sim.scene.render.texcoords import texcoords
 from wmspec.sim.scene.render.window import Moving, Window, full
 from wmspec.sim.shapes import Shape
 
-from .backdrop import Backdrop, Backdrops, Layer, key
+from .backdrop import REMEMBERED, Backdrop, Layer, key
 from .body_subset import Cast
 
 with silence():
@@ -46,7 +47,7 @@ WIDEST = 0.8
 
 GL_RGBA = 0x1908
 
-_BACKDROPS = Backdrops()
+_BACKDROPS: LRU[bytes, Backdrop] = LRU(REMEMBERED)
 
 
 class Renderer:
@@ -105,7 +106,7 @@ class Renderer:
         if rides or not self._still.bodies or not region.same(self._still.region(eye, shot)):
             return None
         known = key(self._scene, self._still.bodies, eye, shot, self._size)
-        backdrop = _BACKDROPS.of(known, lambda: self._backdrop(eye, region, shot))
+        backdrop = _BACKDROPS.get(known, lambda: self._backdrop(eye, region, shot))
         window = self._moving.window(backdrop.lit, eye, shot, self._size, _texel(region))
         if window.share > WIDEST:
             return None

@@ -7,11 +7,11 @@ action happens), `push.way` (where its object is when it begins).
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Callable, Iterable, Iterator
 
 from wmspec.compile.layout.motion import CARRYING
 from wmspec.compile.layout.values import INHERITED
+from wmspec.core.memoize import LRU
 from wmspec.lang.check.ir.evaluate import parts
 from wmspec.lang.check.ir.ir import Call, Choices, Expr, Property, Ref, TaskSpec, Thing, Value
 from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MEASURES
@@ -25,7 +25,7 @@ _SCATTER = ("scatter", "gap")
 
 #: Of so many specs the dependencies are remembered.
 _REMEMBERED = 8
-_latest: OrderedDict[int, tuple[TaskSpec, Dependencies]] = OrderedDict()
+_latest: LRU[int, tuple[TaskSpec, Dependencies]] = LRU(_REMEMBERED)
 
 #: What of its objects a function looks at.
 _LOOKS_AT: dict[str, tuple[str, ...]] = {
@@ -39,12 +39,7 @@ _LOOKS_AT: dict[str, tuple[str, ...]] = {
 
 def dependencies(spec: TaskSpec) -> Dependencies:
     """Those of a spec, the same for all its instances: a spec never changes, and is known by being the same object."""
-    if id(spec) not in _latest:
-        _latest[id(spec)] = spec, Dependencies(spec)  # the spec stays, and so its `id`
-        if len(_latest) > _REMEMBERED:
-            _latest.popitem(last=False)
-    _latest.move_to_end(id(spec))
-    return _latest[id(spec)][1]
+    return _latest.get(id(spec), lambda: (spec, Dependencies(spec)))[1]  # the spec stays, and so its `id`
 
 
 class Dependencies:

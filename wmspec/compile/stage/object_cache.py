@@ -5,7 +5,6 @@ What that is the spec alone tells. Those of a control group differ in what one f
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from typing import Any
 
 from wmspec.compile.design.depend import dependencies
@@ -13,6 +12,7 @@ from wmspec.compile.layout.values import Values
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.objects import add_object
 from wmspec.compile.stage.one_factor import changed_by
+from wmspec.core.memoize import LRU
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.tables.vocabulary import PROPERTIES
 
@@ -21,34 +21,23 @@ class ObjectCache:
     """Makes the prims of objects, and remembers the latest of the latest specs."""
 
     def __init__(self, remembered: int = 1024, specs: int = 8) -> None:
-        self._remembered, self._specs = remembered, specs
-        self._deciding: OrderedDict[int, _Deciding] = OrderedDict()
-        self._made: OrderedDict[tuple[Any, ...], Document] = OrderedDict()
+        self._deciding: LRU[int, _Deciding] = LRU(specs)
+        self._made: LRU[tuple[Any, ...], tuple[TaskSpec, Document]] = LRU(remembered)
 
     def add(self, doc: Document, name: str, values: Values, carriers: frozenset[str], carried: bool) -> None:
         """What `add_object` adds. Raises WmsError where that does."""
-        levels = self._of(values.spec).levels(name, values)
+        spec = values.spec  # it stays with what is remembered, and so its `id`
+        levels = self._deciding.get(id(spec), lambda: _Deciding(spec)).levels(name, values)
         if levels is None:
             add_object(doc, name, values, carriers, carried)
             return
-        key = (id(values.spec), name, carried, *levels)
-        if key not in self._made:
+
+        def make() -> tuple[TaskSpec, Document]:
             own = Document({})
             add_object(own, name, values, carriers, carried)
-            self._made[key] = own
-            if len(self._made) > self._remembered:
-                self._made.popitem(last=False)
-        self._made.move_to_end(key)
-        doc.prims.update(self._made[key].prims)
+            return spec, own
 
-    def _of(self, spec: TaskSpec) -> _Deciding:
-        if id(spec) not in self._deciding:
-            self._deciding[id(spec)] = _Deciding(spec)  # it has the spec, which so stays, and its `id`
-            if len(self._deciding) > self._specs:
-                old, _ = self._deciding.popitem(last=False)
-                self._made = OrderedDict((key, made) for key, made in self._made.items() if key[0] != old)
-        self._deciding.move_to_end(id(spec))
-        return self._deciding[id(spec)]
+        doc.prims.update(self._made.get((id(spec), name, carried, *levels), make)[1].prims)
 
 
 class _Deciding:

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import io
-from collections import OrderedDict
 from hashlib import blake2b
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from wmspec.core.memoize import LRU
 from wmspec.core.safe_io import picture
 
 #: What pictures of a dataset may be, as Pillow calls them.
 PNG, WEBP = "PNG", "WEBP"
 #: So many encoded pictures, of some 50 kB, are remembered.
 REMEMBERED = 128
-_latest: OrderedDict[bytes, bytes] = OrderedDict()
+_latest: LRU[bytes, bytes] = LRU(REMEMBERED)
 
 
 def lossless(pixels: NDArray[np.uint8]) -> bytes:
@@ -27,20 +28,17 @@ def lossless(pixels: NDArray[np.uint8]) -> bytes:
     group have many in common.
     """
     key = blake2b(pixels.tobytes(), digest_size=16, key=repr(pixels.shape).encode()).digest()
-    if key not in _latest:
-        out = io.BytesIO()
-        Image.fromarray(pixels).save(out, WEBP, lossless=True, method=0, quality=0)
-        _latest[key] = out.getvalue()
-        if len(_latest) > REMEMBERED:
-            _latest.popitem(last=False)
-    _latest.move_to_end(key)
-    return _latest[key]
+    return _latest.get(key, lambda: _encoded(pixels, WEBP, lossless=True, method=0, quality=0))
 
 
 def png(pixels: NDArray[np.uint8] | NDArray[np.uint16], level: int = 1) -> bytes:
     """A picture (h, w, 3) of 8 bits or (h, w) of 16 as a PNG file."""
+    return _encoded(pixels, PNG, compress_level=level)
+
+
+def _encoded(pixels: NDArray[np.uint8] | NDArray[np.uint16], form: str, **options: Any) -> bytes:
     out = io.BytesIO()
-    Image.fromarray(pixels).save(out, PNG, compress_level=level)
+    Image.fromarray(pixels).save(out, form, **options)
     return out.getvalue()
 
 

@@ -5,10 +5,9 @@ The hash of a body is kept with it, since one body is in many scenes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
+from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Body, Scene, Shot, Surface
 from wmspec.sim.scene.model.digest import digest
 
@@ -17,17 +16,17 @@ _PLAIN = Surface()
 
 def physics_key(scene: Scene) -> bytes:
     """What physics reads of a scene: two scenes with the same key have the same trace."""
-    return _once(scene, "physics", _physics)
+    return cached_on(scene, _physics)
 
 
 def form_key(scene: Scene) -> bytes:
     """What a picture shows of a scene apart from poses and colours."""
-    return _once(scene, "form", _form)
+    return cached_on(scene, _form)
 
 
 def look_key(scene: Scene) -> bytes:
     """What a picture shows of a scene apart from poses."""
-    return _once(scene, "look", lambda s: digest(form_key(s), [_once(b, "paint", _paint) for b in s.bodies]))
+    return cached_on(scene, _look)
 
 
 def shot_key(shot: Shot) -> bytes:
@@ -36,7 +35,7 @@ def shot_key(shot: Shot) -> bytes:
 
 
 def _physics(scene: Scene) -> bytes:
-    bodies = [_once(body, "physics", _felt) for body in scene.bodies]
+    bodies = [cached_on(body, _felt) for body in scene.bodies]
     return digest(scene.gravity, scene.actions, bodies, scene.joints, scene.filtered, scene.duration, scene.rate)
 
 
@@ -45,7 +44,11 @@ def _felt(body: Body) -> bytes:
 
 
 def _form(scene: Scene) -> bytes:
-    return digest([_once(body, "form", _shown) for body in scene.bodies], scene.cameras, scene.light, scene.background)
+    return digest([cached_on(body, _shown) for body in scene.bodies], scene.cameras, scene.light, scene.background)
+
+
+def _look(scene: Scene) -> bytes:
+    return digest(form_key(scene), [cached_on(body, _paint) for body in scene.bodies])
 
 
 def _shown(body: Body) -> bytes:
@@ -55,11 +58,3 @@ def _shown(body: Body) -> bytes:
 
 def _paint(body: Body) -> bytes:
     return digest([geom.surface for geom in body.geoms if geom.visible])
-
-
-def _once(whole: Any, name: str, make: Callable[[Any], bytes]) -> bytes:
-    """A hash of what never changes, kept with it beside its fields: neither copies nor comparisons take it along."""
-    kept: dict[str, bytes] = whole.__dict__.setdefault("_keys", {})
-    if name not in kept:
-        kept[name] = make(whole)
-    return kept[name]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from dataclasses import dataclass
 
+from wmspec.core.memoize import LRU
 from wmspec.runtime.caches.cache_keys import form_key, look_key, shot_key
 from wmspec.runtime.engines.registry import backend
 from wmspec.sim.scene.model import Frame, Look, Renderer, Scene, Shot
@@ -31,45 +32,32 @@ class RenderCache:
         self.size = (width, height)
         self.asked = self.drawn = 0
         self._look, self._samples = look, samples
-        self._room = remembered
-        self._frames: OrderedDict[tuple[bytes, bytes, bool], Frame] = OrderedDict()
-        self._open: OrderedDict[bytes, tuple[bytes, Renderer]] = OrderedDict()
+        self._frames: LRU[tuple[bytes, bytes, bool], Frame] = LRU(remembered, weigh=_bytes)
+        self._open: LRU[bytes, _Open] = LRU(OPEN, drop=lambda one: one.renderer.close())
 
     def draw(self, scene: Scene, shot: Shot, *, depth: bool = False) -> Frame:
         """The picture of a scene from a camera, with every body at the pose of the shot."""
         key = look_key(scene), shot_key(shot), depth
         self.asked += 1
-        if key not in self._frames:
-            self.drawn += 1
-            self._keep(key, self._renderer(scene).draw(shot, depth=depth))
-        self._frames.move_to_end(key)
-        return self._frames[key]
+        return self._frames.get(key, lambda: self._drawn(scene, shot, depth))
 
     def close(self) -> None:
         """Let go of the renderers."""
-        while self._open:
-            self._open.popitem()[1][1].close()
+        self._open.clear()
 
-    def _keep(self, key: tuple[bytes, bytes, bool], frame: Frame) -> None:
-        self._frames[key] = frame
-        self._room -= _bytes(frame)
-        while self._room < 0 and len(self._frames) > 1:
-            self._room += _bytes(self._frames.popitem(last=False)[1])
+    def _drawn(self, scene: Scene, shot: Shot, depth: bool) -> Frame:
+        self.drawn += 1
+        return self._renderer(scene).draw(shot, depth=depth)
 
     def _renderer(self, scene: Scene) -> Renderer:
         """A renderer of the scene: one that is open if it can be given its colours, or else a new one."""
         form, look = form_key(scene), look_key(scene)
-        if form in self._open:
-            painted, renderer = self._open[form]
-            if painted != look and not renderer.repaint(scene):
-                self._open.pop(form)[1].close()
-        if form not in self._open:
-            renderer = self._made(scene)
-        self._open[form] = look, renderer
-        self._open.move_to_end(form)
-        if len(self._open) > OPEN:
-            self._open.popitem(last=False)[1][1].close()
-        return renderer
+        one = self._open.get(form, lambda: _Open(self._made(scene), look))
+        if one.look != look and not one.renderer.repaint(scene):
+            self._open.pop(form).renderer.close()
+            one = self._open.put(form, _Open(self._made(scene), look))
+        one.look = look
+        return one.renderer
 
     def _made(self, scene: Scene) -> Renderer:
         parity = backend(self.engine).renderer(scene, *self.size)
@@ -78,6 +66,14 @@ class RenderCache:
         from wmspec.sim.photo.renderer import Renderer as Photo
 
         return Photo(scene, parity, self.size, self._samples)
+
+
+@dataclass
+class _Open:
+    """A renderer that is open, and the colours that it has."""
+
+    renderer: Renderer
+    look: bytes
 
 
 def _bytes(frame: Frame) -> int:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 
+from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Frame
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -32,20 +29,7 @@ class Patch:
 
 def patch(frame: Frame, index: int) -> Patch:
     """What is seen of a body."""
-    return known(frame, index, _patch)
-
-
-def known(frame: Frame, index: int, find: Callable[[Frame, int], T]) -> T:
-    """What `find` finds about a body in a picture.
-
-    Kept with the picture, which never changes: instances that share it ask for the same.
-    """
-    found = frame.__dict__.setdefault("_known", {})
-    key = (find, index)
-    if key not in found:
-        found[key] = find(frame, index)
-    answer: T = found[key]
-    return answer
+    return cached_on(frame, _patch, index)
 
 
 def _patch(frame: Frame, index: int) -> Patch:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.layout.values import Values
 from wmspec.core.diagnostics import EngineError, WmsError
+from wmspec.core.memoize import cached_on
 from wmspec.core.rng import uniform
 from wmspec.lang.check.ir.ir import Counterfactual
 from wmspec.runtime.caches.render_cache import RenderCache
@@ -22,7 +23,6 @@ from wmspec.runtime.questions.observed import MOVED, Observed
 from wmspec.runtime.questions.views import View
 from wmspec.sim.scene.model import Array, Body, Frame, Geom, Pose, Scene, Shot, Trace
 from wmspec.sim.scene.model.bounds import bounds, middle, own_middle
-from wmspec.sim.scene.model.memoize import kept
 from wmspec.sim.scene.model.transform import compose as placed
 from wmspec.sim.scene.model.transform import rotate
 from wmspec.sim.scene.physics.overlap import overlap
@@ -119,7 +119,7 @@ def overlaps(scene: Scene) -> Iterator[tuple[str, str, float]]:
     """The bodies, one of them able to move, that lie more than 1 mm (m) deep in one another at the start."""
     apart = {frozenset(pair) for pair in scene.filtered}
     apart |= {frozenset((j.first, j.second)) for j in scene.joints if j.first is not None and not j.collides}
-    pieces = [(body, *piece) for body in scene.bodies for piece in kept(body, _touched)]
+    pieces = [(body, *piece) for body in scene.bodies for piece in cached_on(body, _touched)]
     for (a, one, at, _), (b, other, there, _) in _near(pieces):
         if frozenset((a.name, b.name)) not in apart:
             depth = overlap(one.shape, at, other.shape, there, DEEP)

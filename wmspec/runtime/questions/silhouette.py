@@ -8,9 +8,9 @@ from itertools import product
 import numpy as np
 from PIL import Image, ImageDraw
 
+from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Array, Body, Camera, Pose, Scene
 from wmspec.sim.scene.model.bounds import upright
-from wmspec.sim.scene.model.memoize import kept
 from wmspec.sim.scene.model.transform import apply, compose, identity
 from wmspec.sim.scene.render.camera import find, project
 from wmspec.sim.shapes import Shape
@@ -63,7 +63,7 @@ def box(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], size: tupl
     None where a part of it may be behind the camera.
     """
     camera, pose = placed(scene, *look), look[1][index]
-    points, depth = project(camera, apply(pose, kept(scene.bodies[index], _corners)), *size)
+    points, depth = project(camera, apply(pose, cached_on(scene.bodies[index], _corners)), *size)
     return np.stack([points.min(axis=0), points.max(axis=0)]) if (depth > camera.near).all() else None
 
 

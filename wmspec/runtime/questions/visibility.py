@@ -7,9 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.core.memoize import cached_on
 from wmspec.runtime.questions.difference import ciede2000, lab, lab_of_bytes
 from wmspec.runtime.questions.observed import Observed
-from wmspec.runtime.questions.patch import known, patch
+from wmspec.runtime.questions.patch import patch
 from wmspec.runtime.questions.silhouette import Silhouette, box, silhouette
 from wmspec.runtime.questions.views import View
 from wmspec.sim.scene.model import Frame
@@ -78,7 +79,7 @@ def hidden_at_most(observed: Observed, index: int, view: View) -> float:
 
 def outstanding(frame: Frame, index: int) -> float:
     """How much the mean colour of a body differs (CIEDE2000) from the pixels next to it, on average; 0 if unseen."""
-    return known(frame, index, _outstanding)
+    return cached_on(frame, _outstanding, index)
 
 
 def _outstanding(frame: Frame, index: int) -> float:

@@ -9,12 +9,12 @@ import numpy as np
 
 from wmspec.core.diagnostics import Diagnostic, Report, StageError
 from wmspec.core.limits import POSES, SECONDS
+from wmspec.core.memoize import cached_on
 from wmspec.core.places import PrimPlace
 from wmspec.sim.scene.action_rules import problems as action_problems
 from wmspec.sim.scene.action_rules import sequence
 from wmspec.sim.scene.joints.joints import problems as joint_problems
 from wmspec.sim.scene.model import Body, Geom, Scene
-from wmspec.sim.scene.model.memoize import kept
 
 _UNIT = 1e-6  # how far a quaternion's length may be from 1
 
@@ -24,7 +24,7 @@ def validate(scene: Scene) -> None:
     report = Report(StageError)
     report.include(_whole(scene))
     for body in scene.bodies:
-        report.include(kept(body, _faults))
+        report.include(cached_on(body, _faults))
     motions = {body.name: body.motion for body in scene.bodies}
     joints = {joint.name: joint for joint in scene.joints}
     for action in scene.actions:

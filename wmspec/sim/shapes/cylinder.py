@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from wmspec.core.space import UP, Vector
-from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, across_and_up
+from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, across_and_up, round_gprim
 
 if TYPE_CHECKING:
     from wmspec.sim.shapes.facets import Facets
@@ -76,12 +76,7 @@ class Cylinder(Shape):
 
     def prim(self) -> Gprim:
         """USD's own."""
-        attributes = (
-            ("radius", "double", self.radius, False),
-            ("height", "double", self.height, False),
-            ("axis", "token", "Z", True),
-        )
-        return Gprim("Cylinder", attributes, (self.radius, self.radius, self.height / 2))
+        return round_gprim("Cylinder", self.radius, self.height, self.height / 2)
 
     @classmethod
     def read(cls, prim: Prim) -> tuple[Shape, float]:

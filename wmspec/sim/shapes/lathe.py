@@ -8,14 +8,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.core.space import HERE, Pose, Vector
+from wmspec.core.space import Pose, Vector
 from wmspec.sim.shapes.outline import Outline, convex, integral, runs, sound
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from wmspec.sim.shapes.facets import Facets
     from wmspec.sim.shapes.shape import Array
 
@@ -105,16 +102,13 @@ class Lathe(Shape):
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """Of convex parts of the profile: those at the axis turned as a whole, the others in sectors."""
-        return tuple((piece, HERE) for piece in self._pieces)
+        return self._pieces
 
     @cached_property
-    def _pieces(self) -> tuple[Shape, ...]:
-        import numpy as np
+    def _pieces(self) -> tuple[tuple[Shape, Pose], ...]:
+        from wmspec.sim.shapes.mesh import hulls
 
-        from wmspec.sim.shapes.mesh import Mesh
-
-        none: NDArray[np.int32] = np.empty((0, 3), np.int32)
-        return tuple(Mesh(points, none) for part in convex(self.profile) for points in _turned(part))
+        return hulls(points for part in convex(self.profile) for points in _turned(part))
 
     @property
     def _length(self) -> float:

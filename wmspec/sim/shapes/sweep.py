@@ -9,14 +9,11 @@ from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.core.space import HERE, Pose, Vector, add, cross, dot, times, unit
+from wmspec.core.space import Pose, Vector, add, cross, dot, times, unit
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError
 from wmspec.sim.shapes.tube import THICKNESS
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from wmspec.sim.shapes.facets import Facets
 
 SIDES = 16
@@ -99,16 +96,13 @@ class Sweep(Shape):
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """A prism for each straight part."""
-        return tuple((piece, HERE) for piece in self._pieces)
+        return self._pieces
 
     @cached_property
-    def _pieces(self) -> tuple[Shape, ...]:
-        import numpy as np
+    def _pieces(self) -> tuple[tuple[Shape, Pose], ...]:
+        from wmspec.sim.shapes.mesh import hulls
 
-        from wmspec.sim.shapes.mesh import Mesh
-
-        none: NDArray[np.int32] = np.empty((0, 3), np.int32)
-        return tuple(Mesh(np.array([*a, *b]), none) for a, b in pairwise(self._rings))
+        return hulls([*a, *b] for a, b in pairwise(self._rings))
 
     @cached_property
     def _solid(self) -> Any:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.core.space import HERE, Pose, Vector
+from wmspec.core.space import Pose, Vector
 from wmspec.sim.shapes.lathe import Lathe
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError, across_and_up
 from wmspec.sim.shapes.tube import THICKNESS
@@ -75,11 +75,11 @@ class Torus(Shape):
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """Sectors of the ring."""
-        return tuple((piece, HERE) for piece in self._pieces)
+        return self._pieces
 
     @cached_property
-    def _pieces(self) -> tuple[Shape, ...]:
-        return tuple(piece for piece, _ in self._turned(_TOUCHED).pieces())
+    def _pieces(self) -> tuple[tuple[Shape, Pose], ...]:
+        return self._turned(_TOUCHED).pieces()
 
     def _turned(self, corners: int) -> Lathe:
         """The lathe of a profile with so many corners."""

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.compile.design.about import named
+from wmspec.core.memoize import cached_on
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Counterfactual, Level, Outcome, Question, QuestionKind, Varied
 from wmspec.runtime.caches.cache_keys import look_key
@@ -24,7 +25,6 @@ from wmspec.runtime.questions.runs import Run
 from wmspec.runtime.questions.visible_object import sightings
 from wmspec.sim.scene.model import Body, Frame, Pose, Scene
 from wmspec.sim.scene.model.digest import digest
-from wmspec.sim.scene.model.memoize import kept
 from wmspec.sim.scene.render.appearance import shown_at
 from wmspec.sim.scene.render.turn import axis, visibly_turned
 
@@ -261,7 +261,7 @@ def appearance(scene: Scene) -> str:
     """
     static = [body for body in scene.bodies if body.motion == "static"]
     fixed = [(b.name, b.pose.position.tobytes(), b.pose.orientation.tobytes()) for b in static]
-    looks = look_key(replace(scene, bodies=tuple(kept(body, _without_rounding) for body in scene.bodies)))
+    looks = look_key(replace(scene, bodies=tuple(cached_on(body, _without_rounding) for body in scene.bodies)))
     return digest(looks, fixed).hex()
 
 

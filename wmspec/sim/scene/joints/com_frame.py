@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Array, Body, Inertia, Pose
-from wmspec.sim.scene.model.memoize import kept
 from wmspec.sim.scene.model.transform import apply, compose, identity, inverse
 
 _ROUND_OFF = 1e-12  # m, or of a unit quaternion
@@ -18,12 +18,12 @@ _ROUND_OFF = 1e-12  # m, or of a unit quaternion
 
 def mount(body: Body) -> Pose:
     """The body's own frame, seen from its centre-of-mass frame (the same one, unless it is dynamic)."""
-    return kept(body, _mount)
+    return cached_on(body, _mount)
 
 
 def com_frame(body: Body) -> Body:
     """The same body, described in its centre-of-mass frame."""
-    return body if body.inertia is None else kept(body, _com_frame)
+    return body if body.inertia is None else cached_on(body, _com_frame)
 
 
 def _mount(body: Body) -> Pose:

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Array, Body, Geom, Pose
-from wmspec.sim.scene.model.memoize import kept
 from wmspec.sim.scene.model.transform import compose, identity, rotate, rotation
 from wmspec.sim.shapes import Shape
 
@@ -33,7 +33,7 @@ def middle(body: Body, frames: Pose) -> Array:
 
 def own_middle(body: Body) -> Array:
     """Where the middle (3,) of a body's own box is in its frame."""
-    return kept(body, _own_middle)
+    return cached_on(body, _own_middle)
 
 
 def _own_middle(body: Body) -> Array:

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.joints.articulations import Gear, Tie, Tree, jointed, ties, trees
 from wmspec.sim.scene.joints.com_frame import com_frame, placed
 from wmspec.sim.scene.joints.coordinates import gears
 from wmspec.sim.scene.model import Body, Geom, Scene
-from wmspec.sim.scene.model.memoize import kept
 from wmspec.sim.scene.model.numbers import floats, numbers
 from wmspec.sim.scene.model.transform import identity
 from wmspec.sim.scene.physics.contact import apart, colliders
@@ -79,7 +79,7 @@ def rigids(scene: Scene) -> tuple[Rigid, ...]:
     """The scene's bodies, in order."""
     tied = jointed(scene)
     return tuple(
-        _rigid(com_frame(body), tied=True) if body.name in tied else kept(body, _loose) for body in scene.bodies
+        _rigid(com_frame(body), tied=True) if body.name in tied else cached_on(body, _loose) for body in scene.bodies
     )
 
 

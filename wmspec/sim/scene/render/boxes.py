@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Array, Body, Camera, Scene, Shot
-from wmspec.sim.scene.model.memoize import kept
 from wmspec.sim.scene.model.transform import rotation
 from wmspec.sim.shapes.facets import tessellate
 
@@ -25,7 +25,7 @@ class Boxes:
     """
 
     def __init__(self, scene: Scene) -> None:
-        shown = [kept(body, _boxes) for body in scene.bodies]
+        shown = [cached_on(body, _boxes) for body in scene.bodies]
         self._middle, self._half, radius = np.concatenate([np.empty((0, 3, 3)), *shown]).swapaxes(0, 1)
         self._radius = radius[:, 0]
         self.body = [i for i, own in enumerate(shown) for _ in own]

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Array, Body, Camera, Scene, Shot
-from wmspec.sim.scene.model.memoize import kept
 from wmspec.sim.scene.model.transform import rotation
 from wmspec.sim.scene.render.boxes import shown
 from wmspec.sim.scene.render.camera import look_at
@@ -47,7 +47,7 @@ class Casters:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._radius = np.array([kept(body, _radius) for body in scene.bodies])
+        self._radius = np.array([cached_on(body, _radius) for body in scene.bodies])
         self._axes = rotation(look_at(-scene.light.direction, np.zeros(3)).orientation)
 
         self._moves = np.array([body.motion != "static" for body in scene.bodies], dtype=bool)
