@@ -40,7 +40,13 @@ def test_check_and_list_the_specs_that_come_with_it(tmp_path: Path) -> None:
     assert sizes["speed_tabletop"] >= 2304, "fewer than the paper's instances"
     assert sizes["collide"] >= 1728, "fewer than the paper's instances"
     assert all(len(row["factors"]) >= 3 for row in listed)
-    lines = wmspec("list", folder=tmp_path, COLUMNS="40").stdout.splitlines()
+
+
+def test_a_list_has_a_line_for_each_task(tmp_path: Path) -> None:
+    some = SPECS / "perception/vision"
+    listed = json.loads(wmspec("list", "--json", some, folder=tmp_path).stdout)
+    assert len(listed) >= 3
+    lines = wmspec("list", some, folder=tmp_path, COLUMNS="40").stdout.splitlines()
     assert lines[0].split() == ["task", "dimension", "instances", "groups", "paper's", "factors"]
     assert [line.split()[0] for line in lines[1 : len(listed) + 1]] == [row["task"] for row in listed], "a line a task"
     for line, row in zip(lines[1:], listed, strict=False):
