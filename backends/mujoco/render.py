@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from wmspec.core.crash import is_own_error
 from wmspec.core.diagnostics import GraphicsError
+from wmspec.core.memoize import LRU
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Camera, Frame, Geom, Scene, Shot
 from wmspec.sim.scene.render.boxes import ViewEdges
@@ -24,8 +25,13 @@ from wmspec.sim.scene.render.texcoords import texcoords
 from wmspec.sim.scene.render.window import MovingBodies, Window, full_window
 from wmspec.sim.shapes import Shape
 
+<<<<<<< HEAD
 from .backdrop import Backdrop, Backdrops, ImageLayer, key
 from .body_subset import BodySubset
+=======
+from .backdrop import REMEMBERED, Backdrop, Layer, key
+from .body_subset import Cast
+>>>>>>> main
 
 with silence():
     import mujoco
@@ -46,7 +52,7 @@ MAX_WINDOW_SHARE = 0.8
 
 GL_RGBA = 0x1908
 
-_BACKDROPS = Backdrops()
+_BACKDROPS: LRU[bytes, Backdrop] = LRU(REMEMBERED)
 
 
 class Renderer:
@@ -109,7 +115,7 @@ class Renderer:
         if rides or not self._still.bodies or not region.same(self._still.region(eye, shot)):
             return None
         known = key(self._scene, self._still.bodies, eye, shot, self._size)
-        backdrop = _BACKDROPS.of(known, lambda: self._backdrop(eye, region, shot))
+        backdrop = _BACKDROPS.get(known, lambda: self._backdrop(eye, region, shot))
         window = self._moving.window(backdrop.lit, eye, shot, self._size, _texel(region))
         if window.share > MAX_WINDOW_SHARE:
             return None

@@ -83,9 +83,9 @@ def test_an_option_is_what_it_differs_in_from_the_truth() -> None:
 def test_siblings_are_executed_once() -> None:
     of, traces = design(), pair().traces
     rows(of)
-    known = set(traces._traces)
+    known = set(traces._traces._values)
     rows(of)
-    assert set(traces._traces) == known
+    assert set(traces._traces._values) == known
     assert len(known) <= 8 * 4  # every member and its nudge, whichever tests ran before
 
 

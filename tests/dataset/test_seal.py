@@ -60,7 +60,7 @@ def test_a_seed_that_can_be_guessed_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_seed_that_no_column_holds_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(WmsError, match="a seed is a number from"):
+    with pytest.raises(WmsError, match="a seed is an integer from"):
         generate(SPEED, tmp_path / "out", per_task=1, backend="mujoco", seed=2**63)
 
 

@@ -75,7 +75,7 @@ def test_what_was_altered_is_named(made: Path, tmp_path: Path) -> None:
     told = wmspec("verify", folder, "--all", "-j", 1, folder=tmp_path, code=1).stdout
     assert "DIFFERENT speed_tabletop/" in told
     assert ": answer: " in told
-    assert "3 questions made again: 1 different" in told
+    assert "3 questions regenerated: 1 different" in told
 
 
 def test_what_is_nearly_the_same_passes_and_is_told(made: Path, tmp_path: Path) -> None:

@@ -43,7 +43,7 @@ def test_a_file_that_is_there_stays_as_it_is(tmp_path: Path, monkeypatch: pytest
     for name in ("mine", "mine.wms"):
         done = CliRunner().invoke(main, ["new", name])
         assert done.exit_code == 2
-        assert "is there already" in done.output
+        assert "already exists" in done.output
     assert Path("mine.wms").read_text() == "mine\n"
     done = CliRunner().invoke(main, ["new", "other", "--template", "perception"])
     assert done.exit_code == 0

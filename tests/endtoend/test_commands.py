@@ -40,7 +40,13 @@ def test_check_and_list_the_specs_that_come_with_it(tmp_path: Path) -> None:
     assert sizes["speed_tabletop"] >= 2304, "fewer than the paper's instances"
     assert sizes["collide"] >= 1728, "fewer than the paper's instances"
     assert all(len(row["factors"]) >= 3 for row in listed)
-    lines = wmspec("list", folder=tmp_path, COLUMNS="40").stdout.splitlines()
+
+
+def test_a_list_has_a_line_for_each_task(tmp_path: Path) -> None:
+    some = SPECS / "perception/vision"
+    listed = json.loads(wmspec("list", "--json", some, folder=tmp_path).stdout)
+    assert len(listed) >= 3
+    lines = wmspec("list", some, folder=tmp_path, COLUMNS="40").stdout.splitlines()
     assert lines[0].split() == ["task", "dimension", "instances", "groups", "paper's", "factors"]
     assert [line.split()[0] for line in lines[1 : len(listed) + 1]] == [row["task"] for row in listed], "a line a task"
     for line, row in zip(lines[1:], listed, strict=False):
@@ -79,7 +85,7 @@ def test_three_mistakes_give_three_diagnostics(tmp_path: Path) -> None:
         (["run", STAGE, "--for", "soon"], "expected a time such as 2s"),
         (["render", COLLIDE, "--size", "7", "-o", "out"], "expected pixels such as 384"),
         (["generate", COLLIDE, "-o", "/proc/nowhere"], "/proc"),
-        (["generate", COLLIDE, "-o", "out", "--shard", "3/2"], "shard `3/2`: expected one of so many, from 1/8"),
+        (["generate", COLLIDE, "-o", "out", "--shard", "3/2"], "shard `3/2`: expected I/N, such as 1/8"),
         (["generate", COLLIDE, "-o", "out", "--shard", "0/2"], "shard `0/2`: expected"),
         (["generate", COLLIDE, "-o", "out", "--shard", "half"], "shard `half`: expected"),
         (["generate", COLLIDE, "-o", "out", "--reuse", "nowhere"], "nowhere holds no dataset"),

@@ -307,7 +307,7 @@ def test_a_wrong_prompt_is_told(text: str, told: str, words: Path, tmp_path: Pat
     ("args", "told"),
     [
         (["-m", "oracle"], "add -o results.parquet"),
-        (["-o", "r.parquet"], "what is asked, and who?"),
+        (["-o", "r.parquet"], "missing DATASET or --model"),
         (["-m", "orcale", "-o", "r.parquet"], "did you mean `oracle`?"),
         (["-m", "openai:x", "--base-url", "http://me:pw@localhost/v1"], "without user, key"),
         (["-m", "openai:x", "--base-url", "localhost:80"], "expected an address"),

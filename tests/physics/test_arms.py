@@ -17,6 +17,7 @@ from scipy.interpolate import CubicSpline
 import wmspec
 from tests.engines import installed
 from tests.language.specs import SPECS, task_of
+from tests.stage.law import violations
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.design import Design
 from wmspec.compile.layout.evaluator import Evaluator
@@ -27,7 +28,7 @@ from wmspec.compile.robots.ik import solve
 from wmspec.compile.robots.plan import plan
 from wmspec.compile.robots.planning import matrix
 from wmspec.compile.stage.episode import document
-from wmspec.compile.stage.one_factor import changed_by, violations
+from wmspec.compile.stage.one_factor import changed_by
 from wmspec.core.diagnostics import EngineError, SpecError
 from wmspec.core.resources import resource
 from wmspec.sim.usd import read

@@ -333,4 +333,4 @@ def test_what_is_not_ours_is_not_overwritten_and_what_is_ours_is_made_again(fold
 def test_pictures_that_nobody_asks_about_and_missing_licences_are_told(folder: Path) -> None:
     done = recast(folder, "Q,red.png,a;b,a")
     assert "1 rows state no licence" in done.output
-    assert "not asked about: blue.png, grows.gif, wide.jpg" in done.output
+    assert "pictures without a question: blue.png, grows.gif, wide.jpg" in done.output

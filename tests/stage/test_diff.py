@@ -7,8 +7,8 @@ from collections.abc import Callable
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics
 
+from tests.stage.composed import Difference, diff
 from tests.stage.stages import DATA, stage
-from wmspec.compile.stage.diff import Difference, diff
 
 BALL = "/World/Objects/ball/ball"
 

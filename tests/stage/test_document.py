@@ -12,8 +12,8 @@ import trimesh
 from PIL import Image
 from pxr import Usd
 
+from tests.stage.composed import diff
 from wmspec.compile.design.design import Design
-from wmspec.compile.stage.diff import diff
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose

@@ -136,7 +136,7 @@ def test_files_of_the_page_are_taken_too_and_once(study: Path, tmp_path: Path) -
     visit(study, "anne")
     said = wmspec("study", "collect", study, *paths, "-o", tmp_path / "r.parquet", folder=tmp_path).stdout
     assert "dora" in said
-    assert "24 replies; 12 replies are still wanted" in said
+    assert "24 replies; 12 replies are missing" in said
     told = json.loads(wmspec("study", "collect", study, *paths, "-o", "s.parquet", "--json", folder=tmp_path).stdout)
     assert [rater["rater"] for rater in told["raters"]] == ["anne", "dora"] or len(told["raters"]) == 2
 

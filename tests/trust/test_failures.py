@@ -10,11 +10,14 @@ from pathlib import Path
 
 import pytest
 
+import wmspec
 from tests.dataset.made import make, plan
 from wmspec.core.crash import EXIT_CODE, Crash, is_own_error
 from wmspec.core.tally import Tally
 
 HERE = Path(__file__).parent
+#: Where the wmspec is that is tested: the checkout, or the installed wheel.
+HOME = Path(wmspec.__file__).parents[1]
 FLIGHT = HERE.parent / "recipes/flight.wms"
 MESSAGE = "AttributeError: there is no such thing as " + "a step " * 100
 QUICK = ("--per-task", "2", "--size", "32", "-j", "1", "-o", "out")
@@ -25,7 +28,7 @@ class Shell:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        site = [HERE / "broken", HERE.parent / "recipes/toy", HERE.parents[1]]
+        site = [HERE / "broken", HERE.parent / "recipes/toy", HOME]
         self.environment = {
             **os.environ,
             "PYTHONPATH": os.pathsep.join(map(str, site)),

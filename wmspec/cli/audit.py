@@ -84,7 +84,5 @@ def _print(result: Audit) -> None:
         for text in found[:MAX_PRINTED]:
             click.echo(f"{click.style(WORDS['fails'], fg='red')}: {check}{f' {task}' if task else ''}: {text}")
         if len(found) > MAX_PRINTED:
-            click.echo(
-                f"  and {len(found) - MAX_PRINTED:,} more; `-o FOLDER` writes all of them"
-            )
+            click.echo(f"  and {len(found) - MAX_PRINTED:,} more; `-o FOLDER` writes all of them")
     click.echo(verdict(result))

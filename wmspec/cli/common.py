@@ -108,9 +108,7 @@ def time_limit(seconds: float) -> Iterator[None]:
     try:
         yield
     except _Timeout:
-        raise WmsError(
-            f"time limit of {seconds:g} s exceeded; check fewer specs, or set --timeout"
-        ) from None
+        raise WmsError(f"time limit of {seconds:g} s exceeded; check fewer specs, or set --timeout") from None
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)

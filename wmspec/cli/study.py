@@ -89,9 +89,7 @@ def serve_command(study: Path, host: str, port: int) -> None:
         for path in unfinished_texts(study):
             click.echo(f"{path}: contains unedited text in brackets", err=True)
         if not server.is_local:
-            click.echo(
-                "reachable by others without encryption; put an HTTPS proxy in front of it", err=True
-            )
+            click.echo("reachable by others without encryption; put an HTTPS proxy in front of it", err=True)
         click.echo(f"{server.url}  (stop with Ctrl+C)")
         try:
             server.serve_forever()

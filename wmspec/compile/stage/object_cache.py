@@ -6,7 +6,6 @@ affect.
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from typing import Any
 
 from wmspec.compile.design.depend import dependencies
@@ -14,6 +13,7 @@ from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.objects import add_object
 from wmspec.compile.stage.one_factor import changed_by
+from wmspec.core.memoize import LRU
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.tables.vocabulary import PROPERTIES
 
@@ -22,6 +22,7 @@ class ObjectCache:
     """Builds the prims of objects, and caches the most recent ones of the most recent specs."""
 
     def __init__(self, remembered: int = 1024, specs: int = 8) -> None:
+<<<<<<< HEAD
         self._remembered, self._specs = remembered, specs
         self._deciding: OrderedDict[int, _ObjectDependencies] = OrderedDict()
         self._made: OrderedDict[tuple[Any, ...], Document] = OrderedDict()
@@ -29,19 +30,25 @@ class ObjectCache:
     def add(self, doc: Document, name: str, values: Evaluator, carriers: frozenset[str], carried: bool) -> None:
         """Add what `add_object` adds. Raises WmsError like `add_object`."""
         levels = self._of(values.spec).levels(name, values)
+=======
+        self._deciding: LRU[int, _Deciding] = LRU(specs)
+        self._made: LRU[tuple[Any, ...], tuple[TaskSpec, Document]] = LRU(remembered)
+
+    def add(self, doc: Document, name: str, values: Values, carriers: frozenset[str], carried: bool) -> None:
+        """What `add_object` adds. Raises WmsError where that does."""
+        spec = values.spec  # it stays with what is remembered, and so its `id`
+        levels = self._deciding.get(id(spec), lambda: _Deciding(spec)).levels(name, values)
+>>>>>>> main
         if levels is None:
             add_object(doc, name, values, carriers, carried)
             return
-        key = (id(values.spec), name, carried, *levels)
-        if key not in self._made:
+
+        def make() -> tuple[TaskSpec, Document]:
             own = Document({})
             add_object(own, name, values, carriers, carried)
-            self._made[key] = own
-            if len(self._made) > self._remembered:
-                self._made.popitem(last=False)
-        self._made.move_to_end(key)
-        doc.prims.update(self._made[key].prims)
+            return spec, own
 
+<<<<<<< HEAD
     def _of(self, spec: TaskSpec) -> _ObjectDependencies:
         if id(spec) not in self._deciding:
             self._deciding[id(spec)] = _ObjectDependencies(spec)  # it keeps the spec, so its `id` stays unique
@@ -50,6 +57,9 @@ class ObjectCache:
                 self._made = OrderedDict((key, made) for key, made in self._made.items() if key[0] != old)
         self._deciding.move_to_end(id(spec))
         return self._deciding[id(spec)]
+=======
+        doc.prims.update(self._made.get((id(spec), name, carried, *levels), make)[1].prims)
+>>>>>>> main
 
 
 class _ObjectDependencies:

@@ -1,12 +1,15 @@
+<<<<<<< HEAD
 """The one-factor law: two stages differ only in what depends, by the spec, on the changed factor."""
+=======
+"""What a counterfactual changes, as sources of dependencies."""
+>>>>>>> main
 
 from __future__ import annotations
 
-from wmspec.compile.design.depend import Dependencies
-from wmspec.compile.stage.document import Document
 from wmspec.lang.check.ir.ir import Counterfactual
 
 
+<<<<<<< HEAD
 def violations(depend: Dependencies, before: Document, after: Document, *changed: str) -> tuple[str, ...]:
     """Return the paths of properties that differ between two stages without depending on `changed`.
 
@@ -19,6 +22,8 @@ def violations(depend: Dependencies, before: Document, after: Document, *changed
     )
 
 
+=======
+>>>>>>> main
 def changed_by(change: Counterfactual) -> tuple[str, ...]:
     """Return the sources that a counterfactual changes: an `owner.property`, presence, or two start times."""
     if change.change == "levels":

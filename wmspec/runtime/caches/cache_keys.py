@@ -5,10 +5,9 @@ The hash of a body is cached on it, since one body occurs in many scenes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
+from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Body, Scene, Shot, Surface
 from wmspec.sim.scene.model.digest import digest
 
@@ -16,6 +15,7 @@ _PLAIN = Surface()
 
 
 def physics_key(scene: Scene) -> bytes:
+<<<<<<< HEAD
     """Return the hash of what physics reads: scenes with equal keys have equal traces."""
     return _cached_hash(scene, "physics", _physics)
 
@@ -32,6 +32,20 @@ def look_key(scene: Scene) -> bytes:
 
 def _look(scene: Scene) -> bytes:
     return digest(form_key(scene), [_cached_hash(body, "paint", _body_colors) for body in scene.bodies])
+=======
+    """What physics reads of a scene: two scenes with the same key have the same trace."""
+    return cached_on(scene, _physics)
+
+
+def form_key(scene: Scene) -> bytes:
+    """What a picture shows of a scene apart from poses and colours."""
+    return cached_on(scene, _form)
+
+
+def look_key(scene: Scene) -> bytes:
+    """What a picture shows of a scene apart from poses."""
+    return cached_on(scene, _look)
+>>>>>>> main
 
 
 def shot_key(shot: Shot) -> bytes:
@@ -40,7 +54,11 @@ def shot_key(shot: Shot) -> bytes:
 
 
 def _physics(scene: Scene) -> bytes:
+<<<<<<< HEAD
     bodies = [_cached_hash(body, "physics", _body_physics) for body in scene.bodies]
+=======
+    bodies = [cached_on(body, _felt) for body in scene.bodies]
+>>>>>>> main
     return digest(scene.gravity, scene.actions, bodies, scene.joints, scene.filtered, scene.duration, scene.rate)
 
 
@@ -49,12 +67,20 @@ def _body_physics(body: Body) -> bytes:
 
 
 def _form(scene: Scene) -> bytes:
+<<<<<<< HEAD
     return digest(
         [_cached_hash(body, "form", _body_appearance) for body in scene.bodies],
         scene.cameras,
         scene.light,
         scene.background,
     )
+=======
+    return digest([cached_on(body, _shown) for body in scene.bodies], scene.cameras, scene.light, scene.background)
+
+
+def _look(scene: Scene) -> bytes:
+    return digest(form_key(scene), [cached_on(body, _paint) for body in scene.bodies])
+>>>>>>> main
 
 
 def _body_appearance(body: Body) -> bytes:
@@ -64,6 +90,7 @@ def _body_appearance(body: Body) -> bytes:
 
 def _body_colors(body: Body) -> bytes:
     return digest([geom.surface for geom in body.geoms if geom.visible])
+<<<<<<< HEAD
 
 
 def _cached_hash(whole: Any, name: str, make: Callable[[Any], bytes]) -> bytes:
@@ -72,3 +99,5 @@ def _cached_hash(whole: Any, name: str, make: Callable[[Any], bytes]) -> bytes:
     if name not in kept:
         kept[name] = make(whole)
     return kept[name]
+=======
+>>>>>>> main

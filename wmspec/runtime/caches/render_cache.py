@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from dataclasses import dataclass
 
+from wmspec.core.memoize import LRU
 from wmspec.runtime.caches.cache_keys import form_key, look_key, shot_key
 from wmspec.runtime.engines.registry import backend
 from wmspec.sim.scene.model import Frame, Look, Renderer, Scene, Shot
@@ -31,13 +32,13 @@ class RenderCache:
         self.size = (width, height)
         self.requests = self.drawn = 0
         self._look, self._samples = look, samples
-        self._room = remembered
-        self._frames: OrderedDict[tuple[bytes, bytes, bool], Frame] = OrderedDict()
-        self._open: OrderedDict[bytes, tuple[bytes, Renderer]] = OrderedDict()
+        self._frames: LRU[tuple[bytes, bytes, bool], Frame] = LRU(remembered, weigh=_bytes)
+        self._open: LRU[bytes, _Open] = LRU(OPEN, drop=lambda one: one.renderer.close())
 
     def draw(self, scene: Scene, shot: Shot, *, depth: bool = False) -> Frame:
         """Return the picture of a scene from a camera, with every body at the pose of the shot."""
         key = look_key(scene), shot_key(shot), depth
+<<<<<<< HEAD
         self.requests += 1
         if key not in self._frames:
             self.drawn += 1
@@ -49,16 +50,23 @@ class RenderCache:
         """Close the renderers."""
         while self._open:
             self._open.popitem()[1][1].close()
+=======
+        self.asked += 1
+        return self._frames.get(key, lambda: self._drawn(scene, shot, depth))
 
-    def _keep(self, key: tuple[bytes, bytes, bool], frame: Frame) -> None:
-        self._frames[key] = frame
-        self._room -= _bytes(frame)
-        while self._room < 0 and len(self._frames) > 1:
-            self._room += _bytes(self._frames.popitem(last=False)[1])
+    def close(self) -> None:
+        """Let go of the renderers."""
+        self._open.clear()
+>>>>>>> main
+
+    def _drawn(self, scene: Scene, shot: Shot, depth: bool) -> Frame:
+        self.drawn += 1
+        return self._renderer(scene).draw(shot, depth=depth)
 
     def _renderer(self, scene: Scene) -> Renderer:
         """Return a renderer of the scene: an open one that accepts its colours, or a new one."""
         form, look = form_key(scene), look_key(scene)
+<<<<<<< HEAD
         if form in self._open:
             painted, renderer = self._open[form]
             if painted != look and not renderer.repaint(scene):
@@ -70,6 +78,14 @@ class RenderCache:
         if len(self._open) > MAX_OPEN_RENDERERS:
             self._open.popitem(last=False)[1][1].close()
         return renderer
+=======
+        one = self._open.get(form, lambda: _Open(self._made(scene), look))
+        if one.look != look and not one.renderer.repaint(scene):
+            self._open.pop(form).renderer.close()
+            one = self._open.put(form, _Open(self._made(scene), look))
+        one.look = look
+        return one.renderer
+>>>>>>> main
 
     def _made(self, scene: Scene) -> Renderer:
         parity = backend(self.engine).renderer(scene, *self.size)
@@ -78,6 +94,14 @@ class RenderCache:
         from wmspec.sim.photo.renderer import PhotoRenderer as Photo
 
         return Photo(scene, parity, self.size, self._samples)
+
+
+@dataclass
+class _Open:
+    """A renderer that is open, and the colours that it has."""
+
+    renderer: Renderer
+    look: bytes
 
 
 def _bytes(frame: Frame) -> int:

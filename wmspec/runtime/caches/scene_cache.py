@@ -10,7 +10,6 @@ other. Their actions are read without their visual geometry.
 from __future__ import annotations
 
 import hashlib
-from collections import OrderedDict
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -21,6 +20,7 @@ from wmspec.compile.stage.episode import build_document
 from wmspec.compile.stage.layers import compose, without_geometry
 from wmspec.compile.stage.object_cache import ObjectCache
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.memoize import LRU
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.sim.scene.model import Body, Camera, Scene
 from wmspec.sim.usd import read
@@ -57,10 +57,9 @@ class SceneCache:
     """Reads documents, and caches the most recent parts."""
 
     def __init__(self, remembered: int = 2048) -> None:
-        self._remembered = remembered
-        self._known: OrderedDict[bytes, Any] = OrderedDict()
+        self._known: LRU[bytes, Any] = LRU(remembered)
         self._objects = ObjectCache()
-        self._built: OrderedDict[tuple[object, ...], tuple[TaskSpec, Scene]] = OrderedDict()
+        self._built: LRU[tuple[object, ...], tuple[TaskSpec, Scene]] = LRU(SIBLINGS)
 
     def of(self, values: Evaluator) -> Scene:
         """Return the scene of an instance, with a counterfactual if given.
@@ -70,6 +69,7 @@ class SceneCache:
         if values.change is not None and values.change.change != "levels":
             return self.scene(build_document(values, self._objects))
         key = (id(values.spec), values.key, *sorted(values.assignment.items()))
+<<<<<<< HEAD
         if key not in self._built:
             self._built[key] = (
                 values.spec,
@@ -79,6 +79,10 @@ class SceneCache:
                 self._built.popitem(last=False)
         self._built.move_to_end(key)
         return self._built[key][1]
+=======
+        # the spec stays, and so its `id`
+        return self._built.get(key, lambda: (values.spec, self.scene(built(values, self._objects))))[1]
+>>>>>>> main
 
     def scene(self, document: Document) -> Scene:
         """Return the scene of a document, equal to `wmspec.sim.usd.read` of the whole stage.
@@ -95,14 +99,11 @@ class SceneCache:
 
     def _assembled(self, document: Document, parts: _Parts) -> Scene:
         keys = _keys(document, parts)
-        missing = [part for part in keys if keys[part] not in self._known]
+        content: dict[str, Any] = {part: self._known.find(key) for part, key in keys.items()}
+        missing = [part for part, known in content.items() if known is None]
         if missing:
-            self._read(document, parts, missing, keys)
-        for key in keys.values():
-            self._known.move_to_end(key)
-        content = {part: self._known[key] for part, key in keys.items()}
-        while len(self._known) > self._remembered:
-            self._known.popitem(last=False)
+            for part, new in self._read(document, parts, missing).items():
+                content[part] = self._known.put(keys[part], new)
         objects = [content[part] for part in content if part.startswith(_OBJECTS)]
         bodies = tuple(body for known, _ in objects for body in known)
         cameras = [camera for _, riding in objects for camera in riding]
@@ -120,8 +121,13 @@ class SceneCache:
             background=background,
         )
 
+<<<<<<< HEAD
     def _read(self, document: Document, parts: _Parts, missing: list[str], keys: dict[str, bytes]) -> None:
         """Read missing parts, from a stage with these and the parts they refer to."""
+=======
+    def _read(self, document: Document, parts: _Parts, missing: list[str]) -> dict[str, Any]:
+        """What the parts that are missing become, read from a stage of these and what they point to."""
+>>>>>>> main
         robots = _robots(document)
         near = (other for part in missing for other in _reached(document, parts, part, robots))
         looking = [part for part in parts if part.startswith(_CAMERAS)][
@@ -138,9 +144,14 @@ class SceneCache:
             raise _ReadWhole from None  # which reports all errors
         _require_independent_names(scene.bodies, scene.cameras, document)
         if scene.joints or scene.filtered:
+<<<<<<< HEAD
             raise _ReadWhole
         for part in missing:
             self._known[keys[part]] = _content(scene, part, parts.get(part, ()), document)
+=======
+            raise _Whole
+        return {part: _content(scene, part, parts.get(part, ()), document) for part in missing}
+>>>>>>> main
 
 
 class _ReadWhole(Exception):

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
-
+from wmspec.core.memoize import LRU
 from wmspec.runtime.caches.cache_keys import physics_key
 from wmspec.runtime.engines.registry import backend
 from wmspec.sim.scene.model import Scene, Trace
@@ -17,6 +16,7 @@ class TraceCache:
 
     def __init__(self, engine: str, remembered: int = 128) -> None:
         self.engine = engine
+<<<<<<< HEAD
         self.requests = self.executed = 0
         self._remembered = remembered
         self._traces: OrderedDict[bytes, Trace] = OrderedDict()
@@ -32,3 +32,16 @@ class TraceCache:
                 self._traces.popitem(last=False)
         self._traces.move_to_end(key)
         return self._traces[key]
+=======
+        self.asked = self.executed = 0
+        self._traces: LRU[bytes, Trace] = LRU(remembered)
+
+    def trace(self, scene: Scene) -> Trace:
+        """The trace of a scene, executed now or before. Raises EngineError if the engine fails on it."""
+        self.asked += 1
+        return self._traces.get(physics_key(scene), lambda: self._execute(scene))
+
+    def _execute(self, scene: Scene) -> Trace:
+        self.executed += 1
+        return backend(self.engine).execute(scene)
+>>>>>>> main

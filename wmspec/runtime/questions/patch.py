@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 
+from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Frame
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -30,6 +27,7 @@ class Patch:
 
 
 def patch(frame: Frame, index: int) -> Patch:
+<<<<<<< HEAD
     """Return the patch of a body."""
     return memoized(frame, index, _patch)
 
@@ -42,6 +40,10 @@ def memoized(frame: Frame, index: int, find: Callable[[Frame, int], T]) -> T:
         found[key] = find(frame, index)
     answer: T = found[key]
     return answer
+=======
+    """What is seen of a body."""
+    return cached_on(frame, _patch, index)
+>>>>>>> main
 
 
 def _patch(frame: Frame, index: int) -> Patch:

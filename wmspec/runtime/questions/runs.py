@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import EngineError, WmsError
+from wmspec.core.memoize import cached_on
 from wmspec.core.rng import uniform
 from wmspec.lang.check.ir.ir import Counterfactual
 from wmspec.runtime.caches.render_cache import RenderCache
@@ -21,8 +22,12 @@ from wmspec.runtime.questions.model import Reject
 from wmspec.runtime.questions.observed import MIN_MOTION, Observed
 from wmspec.runtime.questions.views import View
 from wmspec.sim.scene.model import Array, Body, Frame, Geom, Pose, Scene, Shot, Trace
+<<<<<<< HEAD
 from wmspec.sim.scene.model.bounds import bounds, box_center, own_box_center
 from wmspec.sim.scene.model.memoize import cached_on
+=======
+from wmspec.sim.scene.model.bounds import bounds, middle, own_middle
+>>>>>>> main
 from wmspec.sim.scene.model.transform import compose as placed
 from wmspec.sim.scene.model.transform import rotate
 from wmspec.sim.scene.physics.overlap import overlap

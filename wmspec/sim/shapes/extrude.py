@@ -7,14 +7,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
+<<<<<<< HEAD
 from wmspec.core.space import IDENTITY, Pose, Vector
 from wmspec.sim.shapes.outline import Outline, checked_outline, convex, integral, smooth_runs, triangles
+=======
+from wmspec.core.space import Pose, Vector
+from wmspec.sim.shapes.outline import Outline, convex, integral, runs, sound, triangles
+>>>>>>> main
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from wmspec.sim.shapes.facets import Facets
 
 
@@ -96,18 +98,20 @@ class Extrude(Shape):
         return join(made)
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
+<<<<<<< HEAD
         """Extrusions of convex parts of the outline."""
         return tuple((piece, IDENTITY) for piece in self._pieces)
+=======
+        """Of convex parts of the outline."""
+        return self._pieces
+>>>>>>> main
 
     @cached_property
-    def _pieces(self) -> tuple[Shape, ...]:
-        import numpy as np
+    def _pieces(self) -> tuple[tuple[Shape, Pose], ...]:
+        from wmspec.sim.shapes.mesh import hulls
 
-        from wmspec.sim.shapes.mesh import Mesh
-
-        none: NDArray[np.int32] = np.empty((0, 3), np.int32)
         ends = (-self.depth / 2, self.depth / 2)
-        return tuple(Mesh(np.array([(x, y, z) for x, z in part for y in ends]), none) for part in convex(self.outline))
+        return hulls([(x, y, z) for x, z in part for y in ends] for part in convex(self.outline))
 
     @property
     def _area(self) -> float:

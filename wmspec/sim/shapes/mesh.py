@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from wmspec.core.space import Vector
+from wmspec.core.space import HERE, Pose, Vector
 from wmspec.sim.shapes.polygons import Polygons
 from wmspec.sim.shapes.shape import Shape, Tensor
 
 if TYPE_CHECKING:  # most specs have no meshes and can be checked without numpy
     import numpy as np
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from wmspec.sim.shapes.facets import Facets
     from wmspec.sim.shapes.shape import Array
+
+
+def hulls(parts: Iterable[ArrayLike]) -> tuple[tuple[Shape, Pose], ...]:
+    """Meshes that collide as the convex hulls of sets of points (n, 3), each at the origin."""
+    import numpy as np
+
+    none: NDArray[np.int32] = np.empty((0, 3), np.int32)
+    return tuple((Mesh(np.asarray(points), none), HERE) for points in parts)
 
 
 @dataclass(frozen=True, eq=False)

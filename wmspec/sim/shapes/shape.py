@@ -74,6 +74,16 @@ class Gprim:
         return scale(-1.0, self.half), self.half
 
 
+def round_gprim(type: str, radius: float, height: float, half: float) -> Gprim:
+    """A prim that is round about z, of a radius and a height (m); it reaches from -`half` to `half` (m) along z."""
+    attributes = (
+        ("radius", "double", radius, False),
+        ("height", "double", height, False),
+        ("axis", "token", "Z", True),
+    )
+    return Gprim(type, attributes, (radius, radius, half))
+
+
 class Prim(Protocol):
     """The part of a USD prim that shapes read. Invalid numbers are rejected here."""
 

@@ -9,14 +9,15 @@ from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar
 
+<<<<<<< HEAD
 from wmspec.core.space import IDENTITY, Pose, Vector, add, cross, dot, scale, unit
+=======
+from wmspec.core.space import Pose, Vector, add, cross, dot, times, unit
+>>>>>>> main
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError
 from wmspec.sim.shapes.tube import THICKNESS
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from wmspec.sim.shapes.facets import Facets
 
 SWEEP_SIDES = 16
@@ -99,16 +100,17 @@ class Sweep(Shape):
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """A prism for each straight part."""
+<<<<<<< HEAD
         return tuple((piece, IDENTITY) for piece in self._pieces)
+=======
+        return self._pieces
+>>>>>>> main
 
     @cached_property
-    def _pieces(self) -> tuple[Shape, ...]:
-        import numpy as np
+    def _pieces(self) -> tuple[tuple[Shape, Pose], ...]:
+        from wmspec.sim.shapes.mesh import hulls
 
-        from wmspec.sim.shapes.mesh import Mesh
-
-        none: NDArray[np.int32] = np.empty((0, 3), np.int32)
-        return tuple(Mesh(np.array([*a, *b]), none) for a, b in pairwise(self._rings))
+        return hulls([*a, *b] for a, b in pairwise(self._rings))
 
     @cached_property
     def _solid(self) -> Any:

@@ -8,7 +8,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
+<<<<<<< HEAD
 from wmspec.core.space import IDENTITY, Pose, Vector
+=======
+from wmspec.core.space import Pose, Vector
+>>>>>>> main
 from wmspec.sim.shapes.lathe import Lathe
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError, width_and_height
 from wmspec.sim.shapes.tube import THICKNESS
@@ -75,11 +79,15 @@ class Torus(Shape):
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """Sectors of the ring."""
+<<<<<<< HEAD
         return tuple((piece, IDENTITY) for piece in self._pieces)
+=======
+        return self._pieces
+>>>>>>> main
 
     @cached_property
-    def _pieces(self) -> tuple[Shape, ...]:
-        return tuple(piece for piece, _ in self._turned(_TOUCHED).pieces())
+    def _pieces(self) -> tuple[tuple[Shape, Pose], ...]:
+        return self._turned(_TOUCHED).pieces()
 
     def _turned(self, corners: int) -> Lathe:
         """Return the lathe of a profile with `corners` corners."""
