@@ -1,4 +1,4 @@
-"""The table of docs/stage.md that says which engine can do what, made from what refuses it.
+"""Write the capability matrix in docs/stage.md from the capabilities that engines declare.
 
 python tools/capabilities.py            rewrites it
 python tools/capabilities.py --check    exits with 1 if it is not current
@@ -17,7 +17,7 @@ START, STOP = "<!-- capabilities -->\n", "<!-- /capabilities -->\n"
 
 
 def current(page: str) -> str:
-    """The page with its table as it should be."""
+    """Return the page with the current table."""
     before, start, rest = page.partition(START)
     _, stop, after = rest.partition(STOP)
     assert start
@@ -26,7 +26,7 @@ def current(page: str) -> str:
 
 
 def lines() -> list[str]:
-    """The table in Markdown."""
+    """Return the table in Markdown."""
     engines = [info(name) for name in names()]
     head = f"| | {' | '.join(engine.title for engine in engines)} | otherwise |"
     rows = capability_table({engine.name: engine.lacks for engine in engines})
@@ -35,7 +35,7 @@ def lines() -> list[str]:
 
 
 def cells(row: dict[str, str]) -> list[str]:
-    """A mark for each engine, and the reasons."""
+    """Return a mark for each engine, and the reasons."""
     marks = ["≈" if reason.startswith(APPROXIMATE) else "—" if reason else "✓" for reason in row.values()]
     return [*marks, "; ".join(dict.fromkeys(filter(None, row.values())))]
 

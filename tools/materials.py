@@ -1,4 +1,4 @@
-"""The picture of the materials in docs/pixels.md: each on a ball, a cube and a cylinder, in its own colour and in blue.
+"""Draw the materials of docs/pixels.md: each on a ball, a cube and a cylinder, in its own colour and in blue.
 
 python tools/materials.py [OUTPUT]
 """
@@ -47,7 +47,7 @@ task one : custom {{
 
 
 def picture(name: str, color: str, look: Look) -> Image.Image:
-    """Three things of a material."""
+    """Return a picture of three objects of a material."""
     with tempfile.TemporaryDirectory() as folder:
         spec = Path(folder) / "one.wms"
         spec.write_text(SPEC.format(name=name, color=color))
@@ -62,7 +62,7 @@ def picture(name: str, color: str, look: Look) -> Image.Image:
 
 
 def sheet() -> Image.Image:
-    """Rows of seven materials beside one another."""
+    """Return rows of seven materials."""
     label, name, wide = Style(18, bold=True), Style(15), 110
     parts, names = [], list(MATERIALS)
     for row in (names[i : i + 7] for i in range(0, len(names), 7)):

@@ -1,4 +1,4 @@
-"""What the site shows of the code: the commands, and a page for every diagnostic. MkDocs calls it, see `mkdocs.yml`."""
+"""Generated pages of the site: the commands and the diagnostics. A hook of MkDocs, see `mkdocs.yml`."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def commands() -> Iterator[str]:
-    """Every command as its `--help` tells it."""
-    yield "# Commands\n\nAs `wmspec COMMAND --help` tells them. Most are functions of [the API](api.md) too."
+    """Yield the help text of every command."""
+    yield "# Commands\n\nThe help texts of `wmspec COMMAND --help`. Most commands are also functions of [the API](api.md)."
     whole = click.Context(main, info_name="wmspec", max_content_width=WIDTH, terminal_width=WIDTH)
     for name in main.list_commands(whole):
         command = main.get_command(whole, name)
@@ -41,8 +41,8 @@ def commands() -> Iterator[str]:
 
 
 def diagnostics() -> Iterator[str]:
-    """Every code, with the page that explains it."""
+    """Yield every code with its explanation."""
     yield "# Diagnostics\n"
-    yield "What `wmspec check` tells, and how to mend it; `wmspec explain CODE` shows the same pages.\n"
+    yield "The diagnostics of `wmspec check` and their remedies; `wmspec explain CODE` prints the same pages.\n"
     yield "| code | meaning |\n|---|---|"
     yield from (f"| [{code}]({code}.md) | {meaning} |" for code, meaning in CODES.items())

@@ -52,7 +52,7 @@ class Rules:
 
 
 def findings(path: Path, text: str, rules: Rules) -> Iterator[Finding]:
-    """Every finding in a file: prose in Markdown; docstrings, comments, messages and identifiers in Python."""
+    """Yield every finding in a file: prose in Markdown; docstrings, comments, messages and identifiers in Python."""
     lines = text.splitlines()
     spans = _python(text) if path.suffix == ".py" else _markdown(text)
     for first, words in spans:

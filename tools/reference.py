@@ -1,4 +1,4 @@
-"""The tables of docs/language.md, made from what the checker knows.
+"""Generate the reference tables of docs/language.md from the tables of the checker.
 
 python tools/reference.py            rewrites them
 python tools/reference.py --check    exits with 1 if they are not current
@@ -38,13 +38,13 @@ MARK = "<!-- reference -->\n"
 
 
 def current(page: str) -> str:
-    """The page with its tables as they should be."""
+    """Return the page with current tables."""
     tour, mark, _ = page.partition(MARK)
     return tour + mark + "\n" + "\n".join(reference())
 
 
 def reference() -> Iterator[str]:
-    """The lines of the reference."""
+    """Yield the lines of the reference."""
     yield "### Domains\n"
     yield "Of a `factor` or a `nuisance`, constants:\n"
     yield from forms("domain", FACTOR_DOMAINS)
@@ -122,12 +122,12 @@ def reference() -> Iterator[str]:
 
 
 def forms(head: str, written: Iterable[SyntaxForm]) -> Iterator[str]:
-    """A table of ways to write something."""
+    """Yield a table of syntax forms."""
     yield from table((head, "meaning"), ((f"`{form.written}`", form.meaning) for form in written))
 
 
 def joints() -> Iterator[tuple[str, ...]]:
-    """Each kind of joint: what it does, the kind of its coordinate, and what others do not have."""
+    """Yield each kind of joint: its motion, its coordinate, and its own properties."""
     has = {kind: allowed_properties(entity_type("joint", (), kind)) for kind in JOINTS}
     for kind, meaning in JOINTS.items():
         own = [name for name in has[kind] if not all(name in other for other in has.values())]
@@ -136,26 +136,26 @@ def joints() -> Iterator[tuple[str, ...]]:
 
 
 def described(name: str, verb: Verb) -> Iterator[str]:
-    """A verb with a table of its arguments."""
+    """Yield a verb with a table of its arguments."""
     yield f"`{call(name, verb)}` {verb.meaning}.\n"
     slots = verb.arguments.items()
     yield from table(("argument", "takes", "left out", "meaning"), (row(n, slot) for n, slot in slots))
 
 
 def call(name: str, verb: Verb) -> str:
-    """How a verb is written."""
+    """Return the signature of a verb."""
     return f"{name}({', '.join(verb.arguments)}){' for TIME' if verb.lasts else ''}"
 
 
 def arguments(verb: Verb) -> Iterator[str]:
-    """The arguments of a verb in a line."""
+    """Yield the arguments of a verb, one line each."""
     for name, slot in verb.arguments.items():
         _, takes, left_out, _ = row(name, slot)
         yield f"`{name}`: {takes}" + (f" ({left_out})" if slot.default is not None else "")
 
 
 def row(name: str, slot: PropertySpec, default: str = "") -> tuple[str, ...]:
-    """A property or argument as a row of its table."""
+    """Return a property or argument as a table row."""
     kinds = either([str(kind) for kind in slot.types])
     left_out = f"`{slot.default}`" if slot.default is not None else "—" if slot.optional else "must be given"
     left_out = default or left_out
@@ -163,7 +163,7 @@ def row(name: str, slot: PropertySpec, default: str = "") -> tuple[str, ...]:
 
 
 def bounds(slot: PropertySpec) -> str:
-    """What a slot's values are limited to, as it is said after their kind."""
+    """Return the limits of a slot's values, as text after its type."""
     if slot.among:
         return f", {either([f'`{word}`' for word in slot.among])}"
     if slot.least is not None and slot.most is not None:
@@ -174,7 +174,7 @@ def bounds(slot: PropertySpec) -> str:
 
 
 def article(noun: str) -> str:
-    """A or an."""
+    """Return the noun with its article."""
     return "an" if noun[0] in "aeio" else "a"
 
 
@@ -188,7 +188,7 @@ def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Iterator[st
 
 
 def main() -> None:
-    """Rewrite the page, or tell whether it is current."""
+    """Rewrite or check the page."""
     page = PAGE.read_text(encoding="utf-8")
     made = current(page)
     if "--check" in sys.argv:

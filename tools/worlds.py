@@ -1,11 +1,11 @@
-"""The pictures of docs/worlds.md: every thing of the libraries, with its name and without, and every room.
+"""Draw the pictures of docs/worlds.md: every object of the libraries, with and without its name, and every room.
 
-python tools/worlds.py things [NAME ...]    named; smaller, by each engine: docs/images/things*.jpg
+python tools/worlds.py things [NAME ...]    with names; smaller, by each engine: docs/images/things*.jpg
 python tools/worlds.py rooms [NAME ...]     from each camera: docs/images/rooms.jpg
 python tools/worlds.py town                 the town and the flat, as tasks show them: docs/images/town.jpg
-python tools/worlds.py nameless FOLDER KEY [LOOK]   one a picture and shuffled, to be named; what they are is in KEY
-python tools/worlds.py parity [all]         what the pictures of the engines differ by: lines of a table, for every
-                                            sixth thing and every room, or for all from each camera; and the worst
+python tools/worlds.py nameless FOLDER KEY [LOOK]   one per picture, shuffled; KEY has the names
+python tools/worlds.py parity [all]         differences between engines, as table rows, for every sixth object and
+                                            every room, or for all from each camera; and the worst
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ PLACES = {
 
 
 def scene(text: str) -> Scene:
-    """The first instance of a spec."""
+    """Return the first instance of a spec."""
     with tempfile.TemporaryDirectory() as folder:
         spec = Path(folder) / "one.wms"
         spec.write_text(text)
@@ -97,18 +97,18 @@ def scene(text: str) -> Scene:
 
 
 def templates(library: str) -> list[str]:
-    """The templates that a library declares, in their order."""
+    """Return the templates of a library, in order."""
     file = parse(read_source(library_folder() / f"{library}.wms"), Report())
     return [item.name.id for item in file.items if isinstance(item, Template)]
 
 
 def things() -> dict[str, str]:
-    """The library of every thing."""
+    """Return object name -> library."""
     return {name: library for library in LIBRARIES for name in templates(library)}
 
 
 def thing(name: str, library: str, more: str = "") -> Scene:
-    """A thing on a floor, and a camera that it fills the picture of."""
+    """Return a scene with an object on a floor, and a camera that it fills."""
 
     def placed(*camera: float) -> Scene:
         return scene(THING.format(*camera, name=name, library=library, more=more))
@@ -130,18 +130,18 @@ def thing(name: str, library: str, more: str = "") -> Scene:
 
 
 def surface(name: str) -> str:
-    """What things stand on in a room."""
+    """Return the object that carries others in a room."""
     text = read_source(library_folder() / f"{name}.wms").text
     return "table" if "object table" in text else "floor"
 
 
 def room(name: str, settings: str = "") -> Scene:
-    """A room with nothing going on."""
+    """Return the scene of a room without actions."""
     return scene(ROOM.format(name=name, settings=settings, surface=surface(name)))
 
 
 def frames(what: Scene, engine: str, side: int, cameras: Iterable[str], look: Look = "parity") -> list[Frame]:
-    """The scene as it begins, from cameras by the ends of their names."""
+    """Return initial frames, from cameras by the ends of their names."""
     studio = RenderCache(engine, side, side, look)
     poses = tuple(body.pose for body in what.bodies)
     views = [next(one.name for one in what.cameras if one.name.endswith(camera)) for camera in cameras]
@@ -153,19 +153,19 @@ def frames(what: Scene, engine: str, side: int, cameras: Iterable[str], look: Lo
 def pictures(
     what: Scene, engine: str, side: int, cameras: Iterable[str] = ("near",), look: Look = "parity"
 ) -> list[Image.Image]:
-    """The same, to be looked at."""
+    """Return the frames as pictures."""
     return [Image.fromarray(frame.rgb) for frame in frames(what, engine, side, cameras, look)]
 
 
 def rows(cells: Iterable[Image.Image], abreast: int) -> Iterator[Image.Image]:
-    """So many beside one another."""
+    """Yield rows of `abreast` cells."""
     every = list(cells)
     for i in range(0, len(every), abreast):
         yield typeset.hstack(every[i : i + abreast], GAP)
 
 
 def thing_cell(name: str, library: str, engines: Iterable[str], side: int) -> Image.Image:
-    """A thing in each engine, with its name below."""
+    """Return an object in each engine, with its name below."""
     what = thing(name, library)
     cell = typeset.hstack([one for engine in engines for one in pictures(what, engine, side)])
     label = typeset.paragraph(name.replace("_", " "), Style(15), cell.width, centred=True)
@@ -173,14 +173,14 @@ def thing_cell(name: str, library: str, engines: Iterable[str], side: int) -> Im
 
 
 def things_sheet(chosen: Iterable[str], engines: Iterable[str], side: int) -> Image.Image:
-    """All things."""
+    """Return a sheet of all objects."""
     every = things()
     cells = [thing_cell(name, every[name], engines, side) for name in chosen]
     return typeset.pad(typeset.vstack(rows(cells, ABREAST if len(tuple(engines)) == 1 else 5), GAP), GAP)
 
 
 def rooms_sheet(chosen: Iterable[str], engines: Iterable[str], side: int) -> Image.Image:
-    """A row for each room and engine, a column for each camera."""
+    """Return a sheet with a row per room and engine, and a column per camera."""
     lines = []
     for name in chosen:
         for engine in engines:

@@ -90,7 +90,7 @@ def _changed_files(kind: str, there: Mapping[str, str], here: Mapping[str, str])
         if name not in here:
             yield f"the {kind} {name} is gone"
         elif name not in there:
-            yield f"the {kind} {name} was not sealed"
+            yield f"the {kind} {name} is not in the attestation"
         elif there[name] != here[name]:
             yield f"the {kind} {name} is not what was sealed"
 

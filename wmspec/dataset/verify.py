@@ -113,7 +113,7 @@ def _compare(
     if isinstance(here, JobFailure):
         yield Difference(id_, "", f"it cannot be made here: {here.reason}", False)
     elif there is None and id_ in here:
-        yield Difference(id_, "", "it was rejected, and is asked here", False)
+        yield Difference(id_, "", "rejected in the dataset, accepted here", False)
     elif there is not None and id_ not in here:
         yield Difference(id_, "", f"it is asked in the dataset, and rejected here ({rejected.get(id_, '')})", False)
     elif there is not None:

@@ -61,7 +61,7 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None], workers
     with closing(_task_results(pieces, min(workers, len(pieces)))) as done:
         for task, found in zip(dataset.tasks, done, strict=True):
             if isinstance(found, JobFailure):
-                raise WmsError(f"the audit of `{task}` came to nothing: {found.reason}")
+                raise WmsError(f"the audit of `{task}` failed: {found.reason}")
             gathered.add(found)
             progress(task, 1)
     tests, probed = balance.corrected_tests(gathered.tests), probes.with_intervals(gathered.probes)

@@ -85,7 +85,7 @@ def judge(test: Test) -> Finding:
     """Return the finding of a test."""
     asked = sum(map(sum, test.counts))
     what = f"{test.first} and {test.second} are independent" if test.second else f"the {test.first} is uniform"
-    wrong = f"{test.first} goes with {test.second}" if test.second else f"the {test.first} is not uniform"
+    wrong = f"{test.first} depends on {test.second}" if test.second else f"the {test.first} is not uniform"
     how = f"({test.method}, p = {test.corrected:.2g}, strength {test.strength:.2f}, {asked:,} questions)"
     if test.corrected < SIGNIFICANCE and test.strength >= MIN_STRENGTH:
         return Finding("balance", test.task, "fails" if test.judged else "told", f"{wrong} {how}")

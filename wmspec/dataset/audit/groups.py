@@ -23,7 +23,7 @@ def group_finding(unit: Unit, count: int) -> Finding:
     """Return whether there are enough groups for conclusions about the task rather than about a few scenes."""
     again = unit.draws - count
     what = f"{len(unit.per_instance):,} instances of {count:,} independent groups" + (
-        f", {again:,} ask the same" if again else ""
+        f", {again:,} are duplicates" if again else ""
     )
     if count >= MIN_GROUPS:
         return Finding("groups", unit.name, "holds", what)

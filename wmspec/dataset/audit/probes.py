@@ -43,7 +43,7 @@ _BEST = {"picture": "single picture", "pair": "pair of pictures"}
 _BLIND = "it sees none of the pictures"
 _FEWER = "it takes more moments than it sees"
 _ENOUGH = "it takes no more moments than it sees"
-_NOTHING = "the question shows no picture, so its options are all there is"
+_NOTHING = "the question has no context pictures, so the options are its only input"
 _FRAMED = "options that differ in the action alone begin at one place, so that how far it has come shows in one picture"
 _RIVAL = "the best of them is judged"
 _UNASKED = "without the question, any of what is shown may be meant"
@@ -212,7 +212,7 @@ def _question_blind_probe(cases: Sequence[Case], views: tuple[int, ...]) -> Iter
     """
     if len({c.row["text"] for c in cases}) > 1:
         seen = _pixels(cases, views)
-        yield _ProbeSpec("all pictures, not the question", "pictures", False, _UNASKED, seen, pictured=True)
+        yield _ProbeSpec("all pictures without the question", "pictures", False, _UNASKED, seen, pictured=True)
 
 
 def _blind(see: See, cases: Sequence[Case]) -> Look:
@@ -310,7 +310,7 @@ def judge(probe: Probe) -> Finding:
     outcome = verdict(probe)
     if outcome in ("told", "fails"):
         return Finding("shortcut", probe.task, outcome, f"{result}; {probe.why}")
-    least = f"a shortcut of {100 * probe.least:.0f} points" if probe.least < 1 else "no shortcut that was tried"
+    least = f"a shortcut of {100 * probe.least:.0f} points" if probe.least < 1 else "no tested shortcut"
     what = f"{result}; {least} would have been found"
     return Finding(
         "shortcut", probe.task, outcome, f"{what}; too few questions to tell" if outcome == "unclear" else what

@@ -97,7 +97,7 @@ def require_same_settings(before: Any, asked: dict[str, Any], path: Path) -> Non
     differing = [key for key in asked if before.get(key) != asked[key]]
     if differing:
         raise WmsError(
-            f"{path} holds replies to something else: {', '.join(differing)} differ; choose another -o, or move it away"
+            f"{path} holds replies of another run: {', '.join(differing)} differ; choose another -o, or move it away"
         )
 
 

@@ -87,7 +87,7 @@ def _messages(request: Request) -> list[dict[str, Any]]:
             case Picture(png):
                 turn.append({"type": "image", "image": decode_image(png)})
             case Clip():
-                raise WmsError("models by transformers are shown pictures here; use another --prompt than `clip`")
+                raise WmsError("local models do not support videos; use another --prompt than `clip`")
     system = [{"role": "system", "content": [{"type": "text", "text": request.system}]}] if request.system else []
     return [*system, {"role": "user", "content": turn}]
 

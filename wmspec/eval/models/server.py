@@ -95,7 +95,7 @@ class ServerModel:
     def _read(self, done: Any) -> Reply:
         """Return the reply in a response. Raises ValueError and others if it is no chat completion."""
         if not done.choices:
-            return Reply(outcome="error", error="the server answered without a choice")
+            return Reply(outcome="error", error="the response has no choices")
         chosen = done.choices[0]
         text = chosen.message.content
         withheld = chosen.finish_reason == "content_filter" or getattr(chosen.message, "refusal", None)

@@ -44,9 +44,7 @@ class StudyServer(ThreadingHTTPServer):
             super().__init__((host, port), partial(_Handler))
         except OSError as error:
             self.store.close()
-            raise WmsError(
-                f"{host}:{port} cannot be listened on: {error.strerror or error}; try another --port"
-            ) from None
+            raise WmsError(f"{host}:{port} is not available: {error.strerror or error}; try another --port") from None
 
     @property
     def url(self) -> str:

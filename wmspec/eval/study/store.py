@@ -63,7 +63,7 @@ class AnswerStore:
                     self._file.execute("insert into study values (?)", [study.fingerprint])
         except sqlite3.Error as error:
             raise WmsError(
-                f"cannot be opened ({error})", FilePlace(str(path)), "move it away, answers begin anew"
+                f"cannot be opened ({error})", FilePlace(str(path)), "move it away to start a new file"
             ) from None
         if known and known != [study.fingerprint]:
             raise WmsError("answers to another study", FilePlace(str(path)), "serve the folder that it was made in")
