@@ -1,4 +1,4 @@
-"""The machine reads as Lark does, of whose tables it is made: the same words, and the same trees."""
+"""The LR parser agrees with Lark, which generates its tables: same tokens, same trees."""
 
 import re
 from functools import cache
@@ -41,7 +41,7 @@ def theirs(text: str) -> Any:
 
 
 def bare(node: Any) -> Any:
-    """Rules, words and gaps alone."""
+    """Rules, tokens and gaps only."""
     match node:
         case Tree():
             return node.rule, [bare(child) for child in node.children]
