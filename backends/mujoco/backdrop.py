@@ -11,18 +11,10 @@ from numpy.typing import NDArray
 from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Body, Camera, Scene, Shot
 from wmspec.sim.scene.model.digest import digest
-<<<<<<< HEAD
-from wmspec.sim.scene.model.memoize import cached_on
 from wmspec.sim.scene.render.window import LitPoints, Window
 
 MAX_BACKDROPS = 24
 """Each takes 12 bytes per pixel: 0.8 MB at 256 x 256."""
-=======
-from wmspec.sim.scene.render.window import Lit, Window
-
-REMEMBERED = 24
-"""The most backdrops that are remembered. Each takes 12 bytes a pixel: 0.8 MB at 256 by 256."""
->>>>>>> main
 
 
 @dataclass(frozen=True)
@@ -56,29 +48,8 @@ class Backdrop:
     lit: LitPoints
 
 
-<<<<<<< HEAD
-class Backdrops:
-    """The most recent backdrops by content. Which ones are cached does not affect pictures."""
-
-    def __init__(self) -> None:
-        self._known: OrderedDict[bytes, Backdrop] = OrderedDict()
-
-    def of(self, key: bytes, make: Callable[[], Backdrop]) -> Backdrop:
-        """Return the backdrop with this key; create it if it is not cached."""
-        if key not in self._known:
-            self._known[key] = make()
-            if len(self._known) > MAX_BACKDROPS:
-                self._known.popitem(last=False)
-        self._known.move_to_end(key)
-        return self._known[key]
-
-
 def key(scene: Scene, bodies: Sequence[int], eye: Camera, shot: Shot, size: tuple[int, int]) -> bytes:
     """Return a hash of everything that a picture (width, height) of `bodies` shows; the camera is in the world."""
-=======
-def key(scene: Scene, bodies: Sequence[int], eye: Camera, shot: Shot, size: tuple[int, int]) -> bytes:
-    """All that a picture (width, height) of some bodies of a scene shows; the camera is in the world."""
->>>>>>> main
     looks = [cached_on(scene.bodies[i], _look) for i in bodies]
     poses = [(shot.poses[i].position, shot.poses[i].orientation) for i in bodies]
     lens = eye.pose.position, eye.pose.orientation, eye.fovy, eye.near, eye.far

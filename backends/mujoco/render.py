@@ -25,13 +25,8 @@ from wmspec.sim.scene.render.texcoords import texcoords
 from wmspec.sim.scene.render.window import MovingBodies, Window, full_window
 from wmspec.sim.shapes import Shape
 
-<<<<<<< HEAD
-from .backdrop import Backdrop, Backdrops, ImageLayer, key
+from .backdrop import MAX_BACKDROPS, Backdrop, ImageLayer, key
 from .body_subset import BodySubset
-=======
-from .backdrop import REMEMBERED, Backdrop, Layer, key
-from .body_subset import Cast
->>>>>>> main
 
 with silence():
     import mujoco
@@ -52,7 +47,7 @@ MAX_WINDOW_SHARE = 0.8
 
 GL_RGBA = 0x1908
 
-_BACKDROPS: LRU[bytes, Backdrop] = LRU(REMEMBERED)
+_BACKDROPS: LRU[bytes, Backdrop] = LRU(MAX_BACKDROPS)
 
 
 class Renderer:

@@ -70,7 +70,7 @@ def test_a_damaged_dataset_fails_and_is_not_shown(tmp_path: Path) -> None:
     assert shard.name in (tmp_path / "report/audit.html").read_text()
     for output in ("page.html", "folder", "sheet.png"):
         told = wmspec("view", "made", "-o", output, folder=tmp_path, code=2).stderr
-        assert f"{shard.name} is not as it was written; give the command that made the dataset again" in told
+        assert f"{shard.name} was modified; give the command that made the dataset again" in told
         assert not (tmp_path / output).exists()
 
 

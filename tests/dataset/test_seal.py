@@ -39,7 +39,7 @@ def test_what_was_sealed_is_known_again_and_nothing_else(private: Path, tmp_path
     assert check(again, tmp_path / "public" / "seal.json") == ()
     other = tmp_path / "other"
     generate(SPEED, other, per_task=2, backend="mujoco", size=64, seed=SEED + 1, workers=0)
-    assert check(other, tmp_path / "public" / "seal.json")[0] == "the seed is another"
+    assert check(other, tmp_path / "public" / "seal.json")[0] == "the seed differs"
 
 
 def test_what_is_shown_is_drawn_as_what_is_not(tmp_path: Path) -> None:

@@ -12,13 +12,8 @@ from hypothesis import strategies as st
 
 import wmspec
 from wmspec.backends.mujoco import render
-<<<<<<< HEAD
-from wmspec.backends.mujoco.backdrop import Backdrops
+from wmspec.backends.mujoco.backdrop import MAX_BACKDROPS
 from wmspec.backends.mujoco.body_subset import BodySubset
-=======
-from wmspec.backends.mujoco.backdrop import REMEMBERED
-from wmspec.backends.mujoco.body_subset import Cast
->>>>>>> main
 from wmspec.backends.mujoco.render import Renderer
 from wmspec.core.memoize import LRU
 from wmspec.core.resources import resource
@@ -71,14 +66,14 @@ def test_pictures_are_those_that_are_drawn_at_once(scene: Scene, monkeypatch: py
 def test_what_was_drawn_before_changes_no_byte(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     renderer = Renderer(scene, SIZE, SIZE)
     first = [renderer.draw(shot) for shot in shots(scene)]
-    monkeypatch.setattr(render, "_BACKDROPS", LRU(REMEMBERED))
+    monkeypatch.setattr(render, "_BACKDROPS", LRU(MAX_BACKDROPS))
     other = replace(scene, bodies=scene.bodies[::-1])  # bodies have other numbers in it, and pictures are the same
     fresh = Renderer(other, SIZE, SIZE)
     for shot, frame in reversed(list(zip(shots(scene), first, strict=True))):
         again = fresh.draw(Shot(shot.camera, shot.poses[::-1]))
         assert np.array_equal(again.ids, np.where(frame.ids < 0, -1, len(scene.bodies) - 1 - frame.ids))
         assert (again.rgb != frame.rgb).mean() < 0.001  # the order in which things are drawn decides ties
-        monkeypatch.setattr(render, "_BACKDROPS", LRU(REMEMBERED))
+        monkeypatch.setattr(render, "_BACKDROPS", LRU(MAX_BACKDROPS))
         assert np.array_equal(renderer.draw(shot).rgb, frame.rgb)
     renderer.close(), fresh.close()
 

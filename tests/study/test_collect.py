@@ -159,11 +159,11 @@ def answers_file(study: Study, slot: int, rater: str = "") -> dict[str, object]:
     ("change", "said"),
     [
         ({"study": "other"}, "another study"),
-        ({"slot": 77}, "none of its options"),
-        ({"rater": "<b>"}, "no file of answers (rater)"),
-        ({"answers": [{"step": 0, "text": "Z", "seconds": 1}]}, "none of its options"),
+        ({"slot": 77}, "not one of its options"),
+        ({"rater": "<b>"}, "not a file of answers (rater)"),
+        ({"answers": [{"step": 0, "text": "Z", "seconds": 1}]}, "not one of its options"),
         ({"answers": [{"step": 0, "text": "A", "seconds": -1}]}, "answers.0.seconds"),
-        ({"more": 1}, "no file of answers (more)"),
+        ({"more": 1}, "not a file of answers (more)"),
     ],
 )
 def test_a_file_that_was_tampered_with_is_refused(

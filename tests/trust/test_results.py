@@ -42,10 +42,10 @@ def rewritten(original: Path, path: Path, **values: Any) -> Path:
 @pytest.mark.parametrize(
     ("values", "told"),
     [
-        ({"task": "../../x"}, "`task` is '../../x', which is no name"),
+        ({"task": "../../x"}, "`task` is '../../x', which is not a name"),
         ({"task": None}, "row 2: `task` is null"),
         ({"id": None}, "row 2: `id` is null"),
-        ({"model": "\x1b]0;x\x07"}, r"`model` is '\x1b]0;x\x07', which is no name"),
+        ({"model": "\x1b]0;x\x07"}, r"`model` is '\x1b]0;x\x07', which is not a name"),
         ({"model": None}, "row 2: `model` is null"),
         ({"right": None}, "row 2: `right` is null"),
         ({"status": "well"}, "a status is 'well'"),

@@ -65,7 +65,7 @@ def differences(seal: Attestation, dataset: DatasetReader) -> Iterator[str]:
     """Yield the differences between a dataset and its attestation, as sentences."""
     here = _hashes(dataset.manifest)
     if here.seed != seal.seed:
-        yield "the seed is another"
+        yield "the seed differs"
     for kind, there, now in (("spec", seal.specs, here.specs), ("file", seal.shards, here.shards)):
         yield from _changed_files(kind, there, now)
     for name in ("engines", "size", "consensus", "versions"):
@@ -88,7 +88,7 @@ def _hashes(manifest: Mapping[str, Any]) -> Attestation:
 def _changed_files(kind: str, there: Mapping[str, str], here: Mapping[str, str]) -> Iterator[str]:
     for name in sorted({*there, *here}):
         if name not in here:
-            yield f"the {kind} {name} is gone"
+            yield f"the {kind} {name} is missing"
         elif name not in there:
             yield f"the {kind} {name} is not in the attestation"
         elif there[name] != here[name]:

@@ -111,11 +111,11 @@ def _compare(
 ) -> Iterator[Difference]:
     """Yield the first difference of a question, if any."""
     if isinstance(here, JobFailure):
-        yield Difference(id_, "", f"it cannot be made here: {here.reason}", False)
+        yield Difference(id_, "", f"cannot be generated here: {here.reason}", False)
     elif there is None and id_ in here:
         yield Difference(id_, "", "rejected in the dataset, accepted here", False)
     elif there is not None and id_ not in here:
-        yield Difference(id_, "", f"it is asked in the dataset, and rejected here ({rejected.get(id_, '')})", False)
+        yield Difference(id_, "", f"in the dataset, but rejected here ({rejected.get(id_, '')})", False)
     elif there is not None:
         differences = [d for name in there for d in _column(id_, name, there[name], here[id_].get(name))]
         yield from sorted(differences, key=lambda d: d.near)[:1]

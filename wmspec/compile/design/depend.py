@@ -11,15 +11,9 @@ from collections.abc import Callable, Iterable, Iterator
 
 from wmspec.compile.layout.evaluator import INHERITED
 from wmspec.compile.layout.motion import CARRYING
-<<<<<<< HEAD
+from wmspec.core.memoize import LRU
 from wmspec.lang.check.ir.evaluate import subexpressions
 from wmspec.lang.check.ir.ir import Call, Choices, Entity, Expr, Property, Ref, TaskSpec, Value
-=======
-from wmspec.compile.layout.values import INHERITED
-from wmspec.core.memoize import LRU
-from wmspec.lang.check.ir.evaluate import parts
-from wmspec.lang.check.ir.ir import Call, Choices, Expr, Property, Ref, TaskSpec, Thing, Value
->>>>>>> main
 from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MEASURES
 
 #: Properties that determine the form of an object or part.
@@ -29,15 +23,9 @@ _TURN = ("yaw", "pitch", "roll")
 PLACEMENT = ("at", "on", "inside", *_TURN)
 _SCATTER = ("scatter", "gap")
 
-<<<<<<< HEAD
 #: Number of specs whose dependencies are cached.
 _MAX_CACHED = 8
-_latest: OrderedDict[int, tuple[TaskSpec, Dependencies]] = OrderedDict()
-=======
-#: Of so many specs the dependencies are remembered.
-_REMEMBERED = 8
-_latest: LRU[int, tuple[TaskSpec, Dependencies]] = LRU(_REMEMBERED)
->>>>>>> main
+_latest: LRU[int, tuple[TaskSpec, Dependencies]] = LRU(_MAX_CACHED)
 
 #: Properties of its objects that a function reads.
 _FUNCTION_READS: dict[str, tuple[str, ...]] = {
@@ -50,18 +38,8 @@ _FUNCTION_READS: dict[str, tuple[str, ...]] = {
 
 
 def dependencies(spec: TaskSpec) -> Dependencies:
-<<<<<<< HEAD
     """Return the dependencies of a spec, cached by identity since specs are immutable."""
-    if id(spec) not in _latest:
-        _latest[id(spec)] = spec, Dependencies(spec)  # keeping the spec keeps its `id` unique
-        if len(_latest) > _MAX_CACHED:
-            _latest.popitem(last=False)
-    _latest.move_to_end(id(spec))
-    return _latest[id(spec)][1]
-=======
-    """Those of a spec, the same for all its instances: a spec never changes, and is known by being the same object."""
-    return _latest.get(id(spec), lambda: (spec, Dependencies(spec)))[1]  # the spec stays, and so its `id`
->>>>>>> main
+    return _latest.get(id(spec), lambda: (spec, Dependencies(spec)))[1]  # keeping the spec keeps its `id` unique
 
 
 class Dependencies:

@@ -57,11 +57,11 @@ def answer_in_pictures(scene: LintScene) -> Iterator[Breach]:
         time = answer_picture_time(question, values) if is_posed(question, values) else None
         if time is None:
             continue
-        # Without earlier pictures the question is not a prediction, but asks for the view of another camera.
-        foretold = bool(question.orbit) and any(moment < time - _MOMENT for _, moment in shown)
+        # Without earlier pictures the question requests the view of another camera, not a prediction.
+        is_prediction = bool(question.orbit) and any(moment < time - _MOMENT for _, moment in shown)
         for observation, moment in shown:
             itself = abs(moment - time) < _MOMENT and observation.camera == _camera(question)
-            if itself or (foretold and moment > time - _MOMENT):
+            if itself or (is_prediction and moment > time - _MOMENT):
                 at = units.format_quantity(moment, units.TIME)
                 what = f"the requested picture is shown: that at {at}, {scene.where}"
                 yield Breach(what, observation.place, _remedy(scene, question), about=("shown", question.place))
@@ -73,7 +73,7 @@ SCENE_RULES = (answer_in_pictures,)
 
 
 def _remedy(scene: LintScene, question: Question) -> str:
-    """Without a `horizon`, the end is the last picture that is shown."""
+    """Return the remedy; without a `horizon` the end is the last picture that is shown."""
     spec = scene.values.spec
     unwritten = spec.horizon == time_of_last_picture(spec.observations)
     if unwritten and any(isinstance(part, Ref) and part.name == "end" for part in subexpressions(question.answer)):
@@ -82,7 +82,7 @@ def _remedy(scene: LintScene, question: Question) -> str:
 
 
 def _camera(question: Question) -> str:
-    """The camera of the picture that is asked for, if it is always the same."""
+    """Return the camera of the requested picture if it is always the same, else an empty string."""
     answer = question.answer
     first = answer.arguments[0] if answer.kind == "call" and answer.arguments else None
     return str(first.value) if first is not None and first.kind == "value" else ""

@@ -115,7 +115,7 @@ def late_action(scene: LintScene) -> Iterator[Breach]:
 
 @rule("WMS304")
 def crowded(scene: LintScene) -> Iterator[Breach]:
-    """Find scenes with so many possible contacts that an episode is slow: each step tests every pair."""
+    """Find scenes with too many possible contacts: each step tests every pair, which makes episodes slow."""
     values = scene.values
     present = [t.name for t in values.spec.things if t.kind == "object" and values.is_present(t.name)]
     free = [name for name in present if not values.flag(name, "fixed")]

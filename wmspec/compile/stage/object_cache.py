@@ -22,23 +22,13 @@ class ObjectCache:
     """Builds the prims of objects, and caches the most recent ones of the most recent specs."""
 
     def __init__(self, remembered: int = 1024, specs: int = 8) -> None:
-<<<<<<< HEAD
-        self._remembered, self._specs = remembered, specs
-        self._deciding: OrderedDict[int, _ObjectDependencies] = OrderedDict()
-        self._made: OrderedDict[tuple[Any, ...], Document] = OrderedDict()
+        self._deciding: LRU[int, _ObjectDependencies] = LRU(specs)
+        self._made: LRU[tuple[Any, ...], tuple[TaskSpec, Document]] = LRU(remembered)
 
     def add(self, doc: Document, name: str, values: Evaluator, carriers: frozenset[str], carried: bool) -> None:
         """Add what `add_object` adds. Raises WmsError like `add_object`."""
-        levels = self._of(values.spec).levels(name, values)
-=======
-        self._deciding: LRU[int, _Deciding] = LRU(specs)
-        self._made: LRU[tuple[Any, ...], tuple[TaskSpec, Document]] = LRU(remembered)
-
-    def add(self, doc: Document, name: str, values: Values, carriers: frozenset[str], carried: bool) -> None:
-        """What `add_object` adds. Raises WmsError where that does."""
-        spec = values.spec  # it stays with what is remembered, and so its `id`
-        levels = self._deciding.get(id(spec), lambda: _Deciding(spec)).levels(name, values)
->>>>>>> main
+        spec = values.spec  # cached with the document, which keeps its `id` unique
+        levels = self._deciding.get(id(spec), lambda: _ObjectDependencies(spec)).levels(name, values)
         if levels is None:
             add_object(doc, name, values, carriers, carried)
             return
@@ -48,18 +38,7 @@ class ObjectCache:
             add_object(own, name, values, carriers, carried)
             return spec, own
 
-<<<<<<< HEAD
-    def _of(self, spec: TaskSpec) -> _ObjectDependencies:
-        if id(spec) not in self._deciding:
-            self._deciding[id(spec)] = _ObjectDependencies(spec)  # it keeps the spec, so its `id` stays unique
-            if len(self._deciding) > self._specs:
-                old, _ = self._deciding.popitem(last=False)
-                self._made = OrderedDict((key, made) for key, made in self._made.items() if key[0] != old)
-        self._deciding.move_to_end(id(spec))
-        return self._deciding[id(spec)]
-=======
         doc.prims.update(self._made.get((id(spec), name, carried, *levels), make)[1].prims)
->>>>>>> main
 
 
 class _ObjectDependencies:

@@ -118,7 +118,7 @@ def _audit_unit(unit: Unit, pictures: FullSizePictures, gathered: _Results) -> N
     gathered.tests += balance.tests(unit)
     probed = probes.probes(unit)
     if not probed and not unit.open:
-        few = f"{len(unit.per_instance):,} instances of {unit.draws:,} groups are too few to look for shortcuts"
+        few = f"{len(unit.per_instance):,} instances of {unit.draws:,} groups are too few for shortcut probes"
         gathered.findings.append(Finding("shortcut", unit.name, "unclear", few))
     gathered.probes += probed
     gathered.spreads += _spreads(unit)

@@ -90,12 +90,10 @@ def judge(test: Test) -> Finding:
     if test.corrected < SIGNIFICANCE and test.strength >= MIN_STRENGTH:
         return Finding("balance", test.task, "fails" if test.judged else "told", f"{wrong} {how}")
     if not test.judged:
-        return Finding("balance", test.task, "told", f"{what}, as far as can be told {how}")
-    power = (
-        f"a strength of {test.least:.2f} would have been found, {100 * guessing_gain(test):.0f} points above guessing"
-    )
+        return Finding("balance", test.task, "told", f"{what} within the power of the test {how}")
+    power = f"a strength of {test.least:.2f} would have been detected, {100 * guessing_gain(test):.0f} points above guessing"
     if guessing_gain(test) > MAX_MISSED_GAIN:
-        return Finding("balance", test.task, "unclear", f"{what} {how}; {power}: too few questions to tell")
+        return Finding("balance", test.task, "unclear", f"{what} {how}; {power}: too few questions for a conclusion")
     return Finding("balance", test.task, "holds", f"{what} {how}; {power}")
 
 

@@ -29,11 +29,11 @@ def check_files(dataset: DatasetReader) -> list[Finding]:
     for path, why in dataset.damaged().items():
         wrong.setdefault(Path(path).parent.name, []).append(f"{path} {why}")
     findings = [
-        Finding("files", task, "fails", f"{'; '.join(those)}. Nothing else of the task was looked at; {REPAIR_HINT}")
+        Finding("files", task, "fails", f"{'; '.join(those)}. The task was not checked further; {REPAIR_HINT}")
         for task, those in wrong.items()
     ]
     gone = [name for name in (files.CARD, files.CROISSANT) if not (dataset.folder / name).is_file()]
-    findings += [Finding("files", "", "fails", f"{name} is gone; {REPAIR_HINT}") for name in gone]
+    findings += [Finding("files", "", "fails", f"{name} is missing; {REPAIR_HINT}") for name in gone]
     return findings or [
         Finding("files", "", "holds", f"{len(dataset.manifest['shards']):,} files are as they were written")
     ]

@@ -75,16 +75,14 @@ def duplicate_findings(unit: Unit, pairs: Sequence[Pair]) -> list[Finding]:
     contrary, same = [p for p in pairs if p.contrary and not p.faint], [p for p in pairs if not p.contrary]
     findings = []
     if faint := [p for p in pairs if p.faint]:
-        what = f"{_count(faint)} can be told apart by who enlarges their pictures alone, such as {_examples(faint)}"
+        what = f"{_count(faint)} are distinguishable only at full picture size, such as {_examples(faint)}"
         findings.append(Finding("duplicates", unit.name, "told", what))
     if contrary:
-        what = f"{_count(contrary)} ask the same and have different answers, such as {_examples(contrary)}"
+        what = f"{_count(contrary)} are equal and have different answers, such as {_examples(contrary)}"
         findings.append(Finding("duplicates", unit.name, "fails", what))
     if same:
         exact = sum(p.exact for p in same)
-        what = (
-            f"{_count(same)} ask the same and have the same answer ({exact:,} to the byte), such as {_examples(same)}"
-        )
+        what = f"{_count(same)} are equal and have the same answer ({exact:,} to the byte), such as {_examples(same)}"
         findings.append(Finding("duplicates", unit.name, "told", what))
     if not pairs:
         seen = len(unit.first_engine)

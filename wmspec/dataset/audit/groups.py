@@ -27,4 +27,4 @@ def group_finding(unit: Unit, count: int) -> Finding:
     )
     if count >= MIN_GROUPS:
         return Finding("groups", unit.name, "holds", what)
-    return Finding("groups", unit.name, "unclear", f"{what}; {MIN_GROUPS} are needed to speak of more than these")
+    return Finding("groups", unit.name, "unclear", f"{what}; {MIN_GROUPS} are needed for conclusions about the task")

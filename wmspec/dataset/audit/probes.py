@@ -41,12 +41,12 @@ Family = Literal["text", "options", "rule", "picture", "pair", "pictures"]
 _BEST = {"picture": "single picture", "pair": "pair of pictures"}
 
 _BLIND = "it sees none of the pictures"
-_FEWER = "it takes more moments than it sees"
-_ENOUGH = "it takes no more moments than it sees"
+_FEWER = "the answer requires more moments than it sees"
+_ENOUGH = "it sees as many moments as the answer requires"
 _NOTHING = "the question has no context pictures, so the options are its only input"
-_FRAMED = "options that differ in the action alone begin at one place, so that how far it has come shows in one picture"
-_RIVAL = "the best of them is judged"
-_UNASKED = "without the question, any of what is shown may be meant"
+_FRAMED = "options that differ in the action alone share their initial state, so one picture shows the displacement"
+_RIVAL = "only the best of these probes is judged"
+_UNASKED = "without the question, the object in question is unknown"
 
 
 @dataclass(frozen=True)
@@ -202,7 +202,7 @@ def _picture_probes(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_
         return
     yield line("objects", _forest(state.question_states, cases, views, "questions"))
     if np.mean([state.named_objects(c)[c.row["answer"]] is not None for c in cases]) > 0.5:
-        yield line("what the options speak of", _forest(state.named_object_states, cases, views))
+        yield line("objects named by the options", _forest(state.named_object_states, cases, views))
 
 
 def _question_blind_probe(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_ProbeSpec]:
@@ -311,7 +311,7 @@ def judge(probe: Probe) -> Finding:
     if outcome in ("told", "fails"):
         return Finding("shortcut", probe.task, outcome, f"{result}; {probe.why}")
     least = f"a shortcut of {100 * probe.least:.0f} points" if probe.least < 1 else "no tested shortcut"
-    what = f"{result}; {least} would have been found"
+    what = f"{result}; {least} would have been detected"
     return Finding(
-        "shortcut", probe.task, outcome, f"{what}; too few questions to tell" if outcome == "unclear" else what
+        "shortcut", probe.task, outcome, f"{what}; too few questions for a conclusion" if outcome == "unclear" else what
     )

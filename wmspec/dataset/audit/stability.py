@@ -34,7 +34,7 @@ def stability(dataset: DatasetReader, task: str, parts: list[Unit]) -> tuple[Fin
     held = len(asked) - len(turned)
     low, high = clopper_pearson(held, len(asked), 0.95)
     engines = len(dataset.engines)
-    whom = f"in {engines} engines" if engines > 1 else "in the one engine, which nothing was compared with"
+    whom = f"in {engines} engines" if engines > 1 else "in a single engine, without comparison"
     what = f"{held:,} of {len(asked):,} answers hold {whom} ({held / len(asked):.1%}; {low:.1%} to {high:.1%})"
     if high < MIN_STABLE:
         return Finding("stability", task, "fails", what), held / len(asked)

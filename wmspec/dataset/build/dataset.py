@@ -157,7 +157,7 @@ class Dataset:
             self._put(files.PLAN, files.compact_json(here))
         if others := unlisted_files(self.folder, {shard.path for shard in self.plan.shards()}):
             raise WmsError(
-                f"{self.folder / others[0]} is none of the dataset's files, and would be loaded with them; "
+                f"{self.folder / others[0]} is not part of the dataset but would be loaded with it; "
                 "move it away, or choose another folder with -o"
             )
         self._verify()
@@ -197,9 +197,9 @@ class Dataset:
             if record is None or record.fingerprint != self.plan.fingerprint:
                 continue
             if not path.is_file():
-                self._again(shard, "is gone")
+                self._again(shard, "is missing")
             elif files.digest(path) != record.sha256:
-                self._again(shard, "is not as it was written")
+                self._again(shard, "was modified")
             elif again := checkpoint.transient(record.rejected):
                 self._unmade(shard, record, again)
             else:
@@ -217,7 +217,7 @@ class Dataset:
 
     def _again(self, shard: Shard, why: str) -> None:
         """Note that a shard is made again."""
-        self.notices.append(f"{shard.path} {why}; it is made again")
+        self.notices.append(f"{shard.path} {why}; it will be made again")
         (self.folder / record_path(shard)).unlink(missing_ok=True)
 
     def _unmade(self, shard: Shard, record: Record, again: set[int]) -> None:
@@ -239,4 +239,4 @@ def _build_date() -> str:
     try:
         return str(datetime.fromtimestamp(float(said) if said else time.time(), UTC).date())
     except (ValueError, OverflowError, OSError):
-        raise WmsError(f"SOURCE_DATE_EPOCH is no time: {said}", help="give seconds since 1970, or unset it") from None
+        raise WmsError(f"SOURCE_DATE_EPOCH is invalid: {said}", help="give seconds since 1970, or unset it") from None

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import io
-from collections import OrderedDict
 from hashlib import blake2b
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from wmspec.core.memoize import LRU
 from wmspec.core.safe_io import load_image
 
 #: The image formats of a dataset, by Pillow's names.
 PNG, WEBP = "PNG", "WEBP"
 #: Number of encoded pictures (about 50 kB each) in the cache.
 CACHE_SIZE = 128
-_cache: OrderedDict[bytes, bytes] = OrderedDict()
+_cache: LRU[bytes, bytes] = LRU(CACHE_SIZE)
 
 
 def encode_webp(pixels: NDArray[np.uint8]) -> bytes:
@@ -26,20 +27,17 @@ def encode_webp(pixels: NDArray[np.uint8]) -> bytes:
     cached by content, since instances of a control group share many pictures.
     """
     key = blake2b(pixels.tobytes(), digest_size=16, key=repr(pixels.shape).encode()).digest()
-    if key not in _cache:
-        out = io.BytesIO()
-        Image.fromarray(pixels).save(out, WEBP, lossless=True, method=0, quality=0)
-        _cache[key] = out.getvalue()
-        if len(_cache) > CACHE_SIZE:
-            _cache.popitem(last=False)
-    _cache.move_to_end(key)
-    return _cache[key]
+    return _cache.get(key, lambda: _encode(pixels, WEBP, lossless=True, method=0, quality=0))
 
 
 def encode_png(pixels: NDArray[np.uint8] | NDArray[np.uint16], level: int = 1) -> bytes:
     """Return a picture (h, w, 3) of 8 bits or (h, w) of 16 bits as a PNG file."""
+    return _encode(pixels, PNG, compress_level=level)
+
+
+def _encode(pixels: NDArray[np.uint8] | NDArray[np.uint16], form: str, **options: Any) -> bytes:
     out = io.BytesIO()
-    Image.fromarray(pixels).save(out, PNG, compress_level=level)
+    Image.fromarray(pixels).save(out, form, **options)
     return out.getvalue()
 
 

@@ -46,7 +46,7 @@ class DatasetReader:
         except (ValueError, RecursionError):
             manifest = None
         if fault := manifest_fault(manifest):
-            raise WmsError(f"{place} is not one that `wmspec generate` writes: {fault}; {REPAIR_HINT}")
+            raise WmsError(f"{place} is not a manifest of `wmspec generate`: {fault}; {REPAIR_HINT}")
         _check_plan(folder, manifest)
         return cls(folder, manifest)
 
@@ -57,13 +57,13 @@ class DatasetReader:
 
         Raises WmsError if a file may not be read.
         """
-        wrong = dict.fromkeys(unlisted_files(self.folder, self.manifest["shards"]), "is none of the dataset's files")
+        wrong = dict.fromkeys(unlisted_files(self.folder, self.manifest["shards"]), "is not part of the dataset")
         for path, shard in self.manifest["shards"].items():
             file = self.folder / path
             if not file.is_file():
-                wrong[path] = "is gone"
+                wrong[path] = "is missing"
             elif _digest(file) != shard["sha256"]:
-                wrong[path] = "is not as it was written"
+                wrong[path] = "was modified"
         return wrong
 
     def intact(self) -> None:

@@ -133,7 +133,7 @@ def row_fault(row: Row, task: str, engines: Sequence[str]) -> str:
         if name in row and row[name] not in known:
             return f"its {name} is `{str(row[name])[:60]}`, expected {' or '.join(known)}"
     if "renderer" in row and not is_file_name(row["renderer"]):
-        return f"its renderer is `{str(row['renderer'])[:60]}`, which is no name"
+        return f"its renderer is `{str(row['renderer'])[:60]}`, which is not a name"
     if "index" in row and not row["index"] >= 0:
         return f"its index is {row['index']}"
     for names in _EQUAL_LENGTHS:

@@ -75,7 +75,7 @@ class _Folder:
         try:
             before = json.loads((self.place / MARK_FILE).read_bytes())["files"]
         except (OSError, ValueError, LookupError, TypeError, RecursionError):
-            raise WmsError(f"{self.place} holds something else than an export; choose another folder with -o") from None
+            raise WmsError(f"{self.place} holds files that are not an export; choose another folder with -o") from None
         inside = self.place.resolve()
         for path in [(self.place / str(name)).resolve() for name in before]:
             if path.is_relative_to(inside):

@@ -66,7 +66,7 @@ def _row(question: Question, prompt: Prompt) -> Row:
                 content.append({"text": None, "image": len(images)})
                 images.append({"bytes": png, "path": None})
             case Clip():
-                raise WmsError("films cannot be exported; use another --prompt than `clip`")
+                raise WmsError("videos cannot be exported; use another --prompt than `clip`")
     is_open = not question.options
     return {
         "id": question.id,

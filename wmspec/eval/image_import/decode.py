@@ -96,9 +96,7 @@ class PictureFolder:
         if not is_within(self._folder, path):
             raise WmsError(f"`{name}` is a link that leads out of the folder", help="put the file itself there")
         if path.suffix.lower() not in endings:
-            raise WmsError(
-                f"`{name}` is no kind of picture that can be read", help=f"save it as one of {', '.join(endings)}"
-            )
+            raise WmsError(f"`{name}` has an unsupported format", help=f"save it as one of {', '.join(endings)}")
         self.used.add(name)
         return path
 

@@ -40,7 +40,7 @@ def import_images(path: Path, folder: Path, output: Path, size: int) -> ImportRe
     Raises WmsError with all errors, or if the folder holds something else or cannot be written.
     """
     if not folder.is_dir():
-        raise WmsError(f"{folder} is no folder; give the one with the pictures as --images")
+        raise WmsError(f"{folder} is not a folder; pass the folder of the pictures as --images")
     pictures = PictureFolder(folder, size)
     entries = read(path, pictures)
     tasks: dict[str, list[Entry]] = {}

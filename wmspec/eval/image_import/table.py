@@ -153,7 +153,7 @@ def _check_repeats(path: Path, entries: list[Entry], report: Report) -> None:
     for entry in entries:
         key = (entry.task, entry.text, entry.pictures, frozenset(entry.options))
         if key in first:
-            message = f"the row asks the same as the one in line {first[key]}"
+            message = f"the row repeats the question of line {first[key]}"
             report.include([Diagnostic(message, FilePlace(str(path), entry.line), "leave one of them out")])
         first.setdefault(key, entry.line)
 
@@ -221,7 +221,7 @@ class _Row:
     def _word(self, column: str, pattern: re.Pattern[str], default: str) -> str:
         word = self._cell(column) or default
         if word and not pattern.fullmatch(word):
-            self._wrong(column, f"`{word}` is no name", "write small letters, digits and _, such as `left_of`")
+            self._wrong(column, f"`{word}` is not a name", "write small letters, digits and _, such as `left_of`")
         return word
 
     def _number(self, column: str, text: str | None = None) -> float | None:
@@ -233,7 +233,7 @@ class _Row:
         except ValueError:
             number = math.nan
         if not math.isfinite(number):
-            self._wrong(column, f"`{written}` is no number", "write it such as 1.5, its unit in the column `unit`")
+            self._wrong(column, f"`{written}` is not a number", "write it such as 1.5, its unit in the column `unit`")
             return None
         return number
 
@@ -247,7 +247,7 @@ class _Row:
             map(self._pictures.moves, names)
         )
         if clip and len(names) > 1:
-            self._wrong("pictures", "a clip stands alone", "write one clip, or several photographs")
+            self._wrong("pictures", "a clip must be the only file", "write one clip, or several photographs")
             return names, True
         for name in names:
             self._check_readable("pictures", name, 1 if clip else None)
@@ -271,7 +271,7 @@ class _Row:
         if frames is not None and not clip:
             self._wrong("frames", "there is no clip to take them from", "leave it empty")
         elif number != int(number) or not 1 <= number <= 64:
-            self._wrong("frames", f"{number:g} is no number of pictures", "write a whole number from 1 to 64")
+            self._wrong("frames", f"{number:g} is not a number of pictures", "write a whole number from 1 to 64")
         elif readable:
             self._check_readable("frames", readable, int(number))
         return int(number)
@@ -284,7 +284,7 @@ class _Row:
         elif times and len(times) != len(files):
             self._wrong("times", f"{len(times)} times for {len(files)} pictures", "write one for each, parted by `;`")
         elif list(known) != sorted(known):
-            self._wrong("times", "they do not rise", "write the pictures and their times in order")
+            self._wrong("times", "the times are not increasing", "write the pictures and their times in order")
         return known or tuple(float(i) for i in range(len(files)))
 
     # ------------------------------------------------------------ options and answer
@@ -294,7 +294,7 @@ class _Row:
         files = [o for o in options if Path(o).suffix.lower() in STILL_SUFFIXES]
         if options and len(options) < 2:
             self._wrong(
-                "options", "there is one alone", "write at least two, parted by `;`, or none for an open question"
+                "options", "there is only one option", "write at least two, parted by `;`, or none for an open question"
             )
         if "" in options:
             self._wrong("options", "one of them is empty", "leave out the `;` too many")
@@ -302,7 +302,9 @@ class _Row:
             self._wrong("options", f"`{option}` is there twice", "leave one of them out")
         if files and len(files) < len(options):
             word = next(o for o in options if o not in files)
-            self._wrong("options", f"`{word}` is no photograph, but others are", "write either words or files")
+            self._wrong(
+                "options", f"`{word}` is not a photograph, but other options are", "write either words or files"
+            )
         elif files:
             self._check_different(options)
         return options, bool(files)
@@ -325,7 +327,7 @@ class _Row:
             return None, self._number("answer")
         if value and value not in options:
             remedy = suggestion(value, options) or "write one of the options as it is written there"
-            self._wrong("answer", f"`{value}` is none of the options", remedy)
+            self._wrong("answer", f"`{value}` is not one of the options", remedy)
         return (options.index(value) if value in options else None), None
 
     def _within(self, options: tuple[str, ...]) -> float | None:
@@ -340,5 +342,5 @@ class _Row:
 
     def _quantity(self) -> str:
         if self._cell("difference") and not self._cell("quantity"):
-            self._wrong("quantity", "it is empty", "write of what `difference` is the number")
+            self._wrong("quantity", "it is empty", "write the quantity that `difference` measures")
         return self._cell("quantity")

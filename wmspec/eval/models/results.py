@@ -175,7 +175,7 @@ def check_free(path: Path) -> None:
     except (OSError, ValueError, TypeError, RecursionError):
         ours = False
     if not ours:
-        message = "it is in the way of what is said beside the results"
+        message = "it is in the way of the settings file of the results"
         raise WmsError(message, FilePlace(str(beside)), "choose another name with -o")
 
 
@@ -243,7 +243,7 @@ def _fault(table: pa.Table) -> str:
     for name in (*_NAMES, *_DISPLAYED):
         for word in table[name].unique().to_pylist() if name in table.column_names else ():
             if word is not None and not (is_file_name(word) if name in _NAMES else _WORDS.fullmatch(word)):
-                return f"`{name}` is {word[:80]!r}, which is no name"
+                return f"`{name}` is {word[:80]!r}, which is not a name"
     if unknown := set(table["status"].unique().to_pylist()) - set(get_args(Status)):
         return f"a status is {min(unknown)[:80]!r}"
     options = "options" if "options" in table.column_names else "order"

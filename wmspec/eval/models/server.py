@@ -89,7 +89,7 @@ class ServerModel:
         except openai.OpenAIError as error:
             reply = Reply(outcome="error", error=self._hidden(_cause(error)))
         except (ValueError, TypeError, LookupError, AttributeError) as error:
-            reply = Reply(outcome="error", error=self._hidden(f"not an answer of a chat: {error}"))
+            reply = Reply(outcome="error", error=self._hidden(f"not a chat completion: {error}"))
         return replace(reply, seconds=round(time.monotonic() - began, 3))
 
     def _read(self, done: Any) -> Reply:

@@ -60,7 +60,7 @@ def read(path: Path, study: Study) -> Visit:
     try:
         if regular_file(path).stat().st_size > MAX_FILE_BYTES:
             raise WmsError(
-                f"more than {MAX_FILE_BYTES >> 20} MiB: no file of answers is as large", FilePlace(str(path))
+                f"more than {MAX_FILE_BYTES >> 20} MiB: too large for a file of answers", FilePlace(str(path))
             )
         visit = Visit.model_validate_json(path.read_bytes())
     except OSError as error:
@@ -68,12 +68,12 @@ def read(path: Path, study: Study) -> Visit:
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(map(str, first["loc"]))
-        message = f"no file of answers{f' ({where})' if where else ''}"
+        message = f"not a file of answers{f' ({where})' if where else ''}"
         raise WmsError(message, FilePlace(str(path)), "the page of a study gives them at its end") from None
     if visit.study != study.fingerprint:
         raise WmsError("answers to another study", FilePlace(str(path)), "give the folder of the study that was shown")
     steps = [(answer, study.step(visit.slot, answer.step)) for answer in visit.answers]
     wrong = [answer.step for answer, shown in steps if shown is None or not answer.fits(shown[0])]
     if wrong:
-        raise WmsError(f"the answer of step {wrong[0]} is none of its options", FilePlace(str(path)))
+        raise WmsError(f"the answer of step {wrong[0]} is not one of its options", FilePlace(str(path)))
     return visit

@@ -15,37 +15,18 @@ _PLAIN = Surface()
 
 
 def physics_key(scene: Scene) -> bytes:
-<<<<<<< HEAD
     """Return the hash of what physics reads: scenes with equal keys have equal traces."""
-    return _cached_hash(scene, "physics", _physics)
-
-
-def form_key(scene: Scene) -> bytes:
-    """Return the hash of what a picture shows, except poses and colours."""
-    return _cached_hash(scene, "form", _form)
-
-
-def look_key(scene: Scene) -> bytes:
-    """Return the hash of what a picture shows, except poses."""
-    return _cached_hash(scene, "look", _look)
-
-
-def _look(scene: Scene) -> bytes:
-    return digest(form_key(scene), [_cached_hash(body, "paint", _body_colors) for body in scene.bodies])
-=======
-    """What physics reads of a scene: two scenes with the same key have the same trace."""
     return cached_on(scene, _physics)
 
 
 def form_key(scene: Scene) -> bytes:
-    """What a picture shows of a scene apart from poses and colours."""
+    """Return the hash of what a picture shows, except poses and colours."""
     return cached_on(scene, _form)
 
 
 def look_key(scene: Scene) -> bytes:
-    """What a picture shows of a scene apart from poses."""
+    """Return the hash of what a picture shows, except poses."""
     return cached_on(scene, _look)
->>>>>>> main
 
 
 def shot_key(shot: Shot) -> bytes:
@@ -54,11 +35,7 @@ def shot_key(shot: Shot) -> bytes:
 
 
 def _physics(scene: Scene) -> bytes:
-<<<<<<< HEAD
-    bodies = [_cached_hash(body, "physics", _body_physics) for body in scene.bodies]
-=======
-    bodies = [cached_on(body, _felt) for body in scene.bodies]
->>>>>>> main
+    bodies = [cached_on(body, _body_physics) for body in scene.bodies]
     return digest(scene.gravity, scene.actions, bodies, scene.joints, scene.filtered, scene.duration, scene.rate)
 
 
@@ -67,20 +44,12 @@ def _body_physics(body: Body) -> bytes:
 
 
 def _form(scene: Scene) -> bytes:
-<<<<<<< HEAD
-    return digest(
-        [_cached_hash(body, "form", _body_appearance) for body in scene.bodies],
-        scene.cameras,
-        scene.light,
-        scene.background,
-    )
-=======
-    return digest([cached_on(body, _shown) for body in scene.bodies], scene.cameras, scene.light, scene.background)
+    appearances = [cached_on(body, _body_appearance) for body in scene.bodies]
+    return digest(appearances, scene.cameras, scene.light, scene.background)
 
 
 def _look(scene: Scene) -> bytes:
-    return digest(form_key(scene), [cached_on(body, _paint) for body in scene.bodies])
->>>>>>> main
+    return digest(form_key(scene), [cached_on(body, _body_colors) for body in scene.bodies])
 
 
 def _body_appearance(body: Body) -> bytes:
@@ -90,14 +59,3 @@ def _body_appearance(body: Body) -> bytes:
 
 def _body_colors(body: Body) -> bytes:
     return digest([geom.surface for geom in body.geoms if geom.visible])
-<<<<<<< HEAD
-
-
-def _cached_hash(whole: Any, name: str, make: Callable[[Any], bytes]) -> bytes:
-    """Return a hash of an immutable object, cached outside its fields: copies and comparisons ignore it."""
-    kept: dict[str, bytes] = whole.__dict__.setdefault("_keys", {})
-    if name not in kept:
-        kept[name] = make(whole)
-    return kept[name]
-=======
->>>>>>> main

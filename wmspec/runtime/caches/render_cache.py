@@ -33,31 +33,17 @@ class RenderCache:
         self.requests = self.drawn = 0
         self._look, self._samples = look, samples
         self._frames: LRU[tuple[bytes, bytes, bool], Frame] = LRU(remembered, weigh=_bytes)
-        self._open: LRU[bytes, _Open] = LRU(OPEN, drop=lambda one: one.renderer.close())
+        self._open: LRU[bytes, _Open] = LRU(MAX_OPEN_RENDERERS, drop=lambda one: one.renderer.close())
 
     def draw(self, scene: Scene, shot: Shot, *, depth: bool = False) -> Frame:
         """Return the picture of a scene from a camera, with every body at the pose of the shot."""
         key = look_key(scene), shot_key(shot), depth
-<<<<<<< HEAD
         self.requests += 1
-        if key not in self._frames:
-            self.drawn += 1
-            self._keep(key, self._renderer(scene).draw(shot, depth=depth))
-        self._frames.move_to_end(key)
-        return self._frames[key]
-
-    def close(self) -> None:
-        """Close the renderers."""
-        while self._open:
-            self._open.popitem()[1][1].close()
-=======
-        self.asked += 1
         return self._frames.get(key, lambda: self._drawn(scene, shot, depth))
 
     def close(self) -> None:
-        """Let go of the renderers."""
+        """Close the renderers."""
         self._open.clear()
->>>>>>> main
 
     def _drawn(self, scene: Scene, shot: Shot, depth: bool) -> Frame:
         self.drawn += 1
@@ -66,28 +52,14 @@ class RenderCache:
     def _renderer(self, scene: Scene) -> Renderer:
         """Return a renderer of the scene: an open one that accepts its colours, or a new one."""
         form, look = form_key(scene), look_key(scene)
-<<<<<<< HEAD
-        if form in self._open:
-            painted, renderer = self._open[form]
-            if painted != look and not renderer.repaint(scene):
-                self._open.pop(form)[1].close()
-        if form not in self._open:
-            renderer = self._made(scene)
-        self._open[form] = look, renderer
-        self._open.move_to_end(form)
-        if len(self._open) > MAX_OPEN_RENDERERS:
-            self._open.popitem(last=False)[1][1].close()
-        return renderer
-=======
-        one = self._open.get(form, lambda: _Open(self._made(scene), look))
+        one = self._open.get(form, lambda: _Open(self._new_renderer(scene), look))
         if one.look != look and not one.renderer.repaint(scene):
             self._open.pop(form).renderer.close()
-            one = self._open.put(form, _Open(self._made(scene), look))
+            one = self._open.put(form, _Open(self._new_renderer(scene), look))
         one.look = look
         return one.renderer
->>>>>>> main
 
-    def _made(self, scene: Scene) -> Renderer:
+    def _new_renderer(self, scene: Scene) -> Renderer:
         parity = backend(self.engine).renderer(scene, *self.size)
         if self._look == "parity":
             return parity

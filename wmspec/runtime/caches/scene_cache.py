@@ -59,7 +59,7 @@ class SceneCache:
     def __init__(self, remembered: int = 2048) -> None:
         self._known: LRU[bytes, Any] = LRU(remembered)
         self._objects = ObjectCache()
-        self._built: LRU[tuple[object, ...], tuple[TaskSpec, Scene]] = LRU(SIBLINGS)
+        self._built: LRU[tuple[object, ...], tuple[TaskSpec, Scene]] = LRU(MAX_SCENES)
 
     def of(self, values: Evaluator) -> Scene:
         """Return the scene of an instance, with a counterfactual if given.
@@ -69,20 +69,8 @@ class SceneCache:
         if values.change is not None and values.change.change != "levels":
             return self.scene(build_document(values, self._objects))
         key = (id(values.spec), values.key, *sorted(values.assignment.items()))
-<<<<<<< HEAD
-        if key not in self._built:
-            self._built[key] = (
-                values.spec,
-                self.scene(build_document(values, self._objects)),
-            )  # keeping the spec keeps its `id` unique
-            if len(self._built) > MAX_SCENES:
-                self._built.popitem(last=False)
-        self._built.move_to_end(key)
-        return self._built[key][1]
-=======
-        # the spec stays, and so its `id`
-        return self._built.get(key, lambda: (values.spec, self.scene(built(values, self._objects))))[1]
->>>>>>> main
+        # keeping the spec keeps its `id` unique
+        return self._built.get(key, lambda: (values.spec, self.scene(build_document(values, self._objects))))[1]
 
     def scene(self, document: Document) -> Scene:
         """Return the scene of a document, equal to `wmspec.sim.usd.read` of the whole stage.
@@ -121,13 +109,8 @@ class SceneCache:
             background=background,
         )
 
-<<<<<<< HEAD
-    def _read(self, document: Document, parts: _Parts, missing: list[str], keys: dict[str, bytes]) -> None:
-        """Read missing parts, from a stage with these and the parts they refer to."""
-=======
     def _read(self, document: Document, parts: _Parts, missing: list[str]) -> dict[str, Any]:
-        """What the parts that are missing become, read from a stage of these and what they point to."""
->>>>>>> main
+        """Return the missing parts, read from a stage with these and the parts they refer to."""
         robots = _robots(document)
         near = (other for part in missing for other in _reached(document, parts, part, robots))
         looking = [part for part in parts if part.startswith(_CAMERAS)][
@@ -144,14 +127,8 @@ class SceneCache:
             raise _ReadWhole from None  # which reports all errors
         _require_independent_names(scene.bodies, scene.cameras, document)
         if scene.joints or scene.filtered:
-<<<<<<< HEAD
             raise _ReadWhole
-        for part in missing:
-            self._known[keys[part]] = _content(scene, part, parts.get(part, ()), document)
-=======
-            raise _Whole
         return {part: _content(scene, part, parts.get(part, ()), document) for part in missing}
->>>>>>> main
 
 
 class _ReadWhole(Exception):

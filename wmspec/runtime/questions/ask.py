@@ -10,8 +10,7 @@ from wmspec.compile.design.about import referenced_objects
 from wmspec.compile.design.design import Design, Instance
 from wmspec.core.diagnostics import GraphicsError, WmsError
 from wmspec.core.rng import Permutation, bits, permuted
-from wmspec.lang.check.expressions.measured import is_measured as is_measured
-from wmspec.lang.check.expressions.measured import moments
+from wmspec.lang.check.expressions.measured import is_measured, moments
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Channel, Level, TaskSpec
 from wmspec.runtime.questions.gates import smallest_margin

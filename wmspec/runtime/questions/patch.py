@@ -27,23 +27,8 @@ class Patch:
 
 
 def patch(frame: Frame, index: int) -> Patch:
-<<<<<<< HEAD
     """Return the patch of a body."""
-    return memoized(frame, index, _patch)
-
-
-def memoized(frame: Frame, index: int, find: Callable[[Frame, int], T]) -> T:
-    """Return `find(frame, index)`, cached with the frame, which instances share."""
-    found = frame.__dict__.setdefault("_known", {})
-    key = (find, index)
-    if key not in found:
-        found[key] = find(frame, index)
-    answer: T = found[key]
-    return answer
-=======
-    """What is seen of a body."""
     return cached_on(frame, _patch, index)
->>>>>>> main
 
 
 def _patch(frame: Frame, index: int) -> Patch:

@@ -22,12 +22,7 @@ from wmspec.runtime.questions.model import Reject
 from wmspec.runtime.questions.observed import MIN_MOTION, Observed
 from wmspec.runtime.questions.views import View
 from wmspec.sim.scene.model import Array, Body, Frame, Geom, Pose, Scene, Shot, Trace
-<<<<<<< HEAD
 from wmspec.sim.scene.model.bounds import bounds, box_center, own_box_center
-from wmspec.sim.scene.model.memoize import cached_on
-=======
-from wmspec.sim.scene.model.bounds import bounds, middle, own_middle
->>>>>>> main
 from wmspec.sim.scene.model.transform import compose as placed
 from wmspec.sim.scene.model.transform import rotate
 from wmspec.sim.scene.physics.overlap import overlap

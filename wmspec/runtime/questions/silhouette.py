@@ -10,12 +10,7 @@ from PIL import Image, ImageDraw
 
 from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Array, Body, Camera, Pose, Scene
-<<<<<<< HEAD
 from wmspec.sim.scene.model.bounds import world_box
-from wmspec.sim.scene.model.memoize import cached_on
-=======
-from wmspec.sim.scene.model.bounds import upright
->>>>>>> main
 from wmspec.sim.scene.model.transform import apply, compose, identity
 from wmspec.sim.scene.render.camera import find_camera, project
 from wmspec.sim.shapes import Shape
@@ -67,11 +62,7 @@ def box(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], size: tupl
 
     None if part of it may be behind the camera.
     """
-<<<<<<< HEAD
     camera, pose = camera_in_world(scene, *look), look[1][index]
-=======
-    camera, pose = placed(scene, *look), look[1][index]
->>>>>>> main
     points, depth = project(camera, apply(pose, cached_on(scene.bodies[index], _corners)), *size)
     return np.stack([points.min(axis=0), points.max(axis=0)]) if (depth > camera.near).all() else None
 

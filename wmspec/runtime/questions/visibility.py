@@ -10,11 +10,7 @@ from numpy.typing import NDArray
 from wmspec.core.memoize import cached_on
 from wmspec.runtime.questions.difference import ciede2000, lab, lab_of_bytes
 from wmspec.runtime.questions.observed import Observed
-<<<<<<< HEAD
-from wmspec.runtime.questions.patch import memoized, patch
-=======
 from wmspec.runtime.questions.patch import patch
->>>>>>> main
 from wmspec.runtime.questions.silhouette import Silhouette, box, silhouette
 from wmspec.runtime.questions.views import View
 from wmspec.sim.scene.model import Frame
@@ -80,15 +76,9 @@ def hidden_share_bound(observed: Observed, index: int, view: View) -> float:
     return 1 - patch(frame, index).pixels / float(np.prod(np.ptp(around, axis=0) + 2))
 
 
-<<<<<<< HEAD
 def surround_contrast(frame: Frame, index: int) -> float:
     """Return the mean colour difference (CIEDE2000) between a body and adjacent pixels; 0 if not visible."""
-    return memoized(frame, index, _outstanding)
-=======
-def outstanding(frame: Frame, index: int) -> float:
-    """How much the mean colour of a body differs (CIEDE2000) from the pixels next to it, on average; 0 if unseen."""
     return cached_on(frame, _outstanding, index)
->>>>>>> main
 
 
 def _outstanding(frame: Frame, index: int) -> float:

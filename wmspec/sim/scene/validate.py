@@ -8,21 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from wmspec.core.diagnostics import Diagnostic, Report, StageError
-<<<<<<< HEAD
 from wmspec.core.limits import EPISODE_POSES, EPISODE_SECONDS
-=======
-from wmspec.core.limits import POSES, SECONDS
 from wmspec.core.memoize import cached_on
->>>>>>> main
 from wmspec.core.places import PrimPlace
 from wmspec.sim.scene.action_rules import problems as action_problems
 from wmspec.sim.scene.action_rules import sequence
 from wmspec.sim.scene.joints.joints import problems as joint_problems
 from wmspec.sim.scene.model import Body, Geom, Scene
-<<<<<<< HEAD
-from wmspec.sim.scene.model.memoize import cached_on
-=======
->>>>>>> main
 
 _UNIT = 1e-6  # tolerance of a unit quaternion's length
 

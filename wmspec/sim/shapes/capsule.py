@@ -8,11 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from wmspec.core.space import Vector
-<<<<<<< HEAD
-from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, UnfitError, width_and_height
-=======
-from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, UnfitError, across_and_up, round_gprim
->>>>>>> main
+from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, UnfitError, round_gprim, width_and_height
 
 if TYPE_CHECKING:
     from wmspec.sim.shapes.facets import Facets
@@ -88,18 +84,8 @@ class Capsule(Shape):
         return round_depth(self.radius, point - [0.0, 0.0, nearest])
 
     def prim(self) -> Gprim:
-<<<<<<< HEAD
         """USD's capsule."""
-        attributes = (
-            ("radius", "double", self.radius, False),
-            ("height", "double", self.height, False),
-            ("axis", "token", "Z", True),
-        )
-        return Gprim("Capsule", attributes, (self.radius, self.radius, self.radius + self.height / 2))
-=======
-        """USD's own."""
         return round_gprim("Capsule", self.radius, self.height, self.radius + self.height / 2)
->>>>>>> main
 
     @classmethod
     def read(cls, prim: Prim) -> tuple[Shape, float]:

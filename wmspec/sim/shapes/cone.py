@@ -8,11 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from wmspec.core.space import Vector
-<<<<<<< HEAD
-from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, width_and_height
-=======
-from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, across_and_up, round_gprim
->>>>>>> main
+from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, round_gprim, width_and_height
 
 if TYPE_CHECKING:
     from wmspec.sim.shapes.facets import Facets
@@ -97,18 +93,8 @@ class Cone(Shape):
         return [*plane_depths((((0.0, 0.0, -1.0), self.height / 2),), point), (float(side), slope)]
 
     def prim(self) -> Gprim:
-<<<<<<< HEAD
         """USD's cone."""
-        attributes = (
-            ("radius", "double", self.radius, False),
-            ("height", "double", self.height, False),
-            ("axis", "token", "Z", True),
-        )
-        return Gprim("Cone", attributes, (self.radius, self.radius, self.height / 2))
-=======
-        """USD's own."""
         return round_gprim("Cone", self.radius, self.height, self.height / 2)
->>>>>>> main
 
     @classmethod
     def read(cls, prim: Prim) -> tuple[Shape, float]:

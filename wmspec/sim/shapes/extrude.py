@@ -7,13 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
-<<<<<<< HEAD
-from wmspec.core.space import IDENTITY, Pose, Vector
-from wmspec.sim.shapes.outline import Outline, checked_outline, convex, integral, smooth_runs, triangles
-=======
 from wmspec.core.space import Pose, Vector
-from wmspec.sim.shapes.outline import Outline, convex, integral, runs, sound, triangles
->>>>>>> main
+from wmspec.sim.shapes.outline import Outline, checked_outline, convex, integral, smooth_runs, triangles
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError
 
 if TYPE_CHECKING:
@@ -98,13 +93,8 @@ class Extrude(Shape):
         return join(made)
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
-<<<<<<< HEAD
         """Extrusions of convex parts of the outline."""
-        return tuple((piece, IDENTITY) for piece in self._pieces)
-=======
-        """Of convex parts of the outline."""
         return self._pieces
->>>>>>> main
 
     @cached_property
     def _pieces(self) -> tuple[tuple[Shape, Pose], ...]:

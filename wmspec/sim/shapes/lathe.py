@@ -8,13 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
-<<<<<<< HEAD
-from wmspec.core.space import IDENTITY, Pose, Vector
-from wmspec.sim.shapes.outline import Outline, checked_outline, convex, integral, smooth_runs
-=======
 from wmspec.core.space import Pose, Vector
-from wmspec.sim.shapes.outline import Outline, convex, integral, runs, sound
->>>>>>> main
+from wmspec.sim.shapes.outline import Outline, checked_outline, convex, integral, smooth_runs
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError
 
 if TYPE_CHECKING:
@@ -106,13 +101,8 @@ class Lathe(Shape):
         return wrapped_texcoords(facets, max(r for r, _ in self.profile), self._length, every)
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
-<<<<<<< HEAD
         """Convex parts of the profile: revolved as a whole at the axis, in sectors elsewhere."""
-        return tuple((piece, IDENTITY) for piece in self._pieces)
-=======
-        """Of convex parts of the profile: those at the axis turned as a whole, the others in sectors."""
         return self._pieces
->>>>>>> main
 
     @cached_property
     def _pieces(self) -> tuple[tuple[Shape, Pose], ...]:

@@ -9,11 +9,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar
 
-<<<<<<< HEAD
-from wmspec.core.space import IDENTITY, Pose, Vector, add, cross, dot, scale, unit
-=======
-from wmspec.core.space import Pose, Vector, add, cross, dot, times, unit
->>>>>>> main
+from wmspec.core.space import Pose, Vector, add, cross, dot, scale, unit
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError
 from wmspec.sim.shapes.tube import THICKNESS
 
@@ -100,11 +96,7 @@ class Sweep(Shape):
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """A prism for each straight part."""
-<<<<<<< HEAD
-        return tuple((piece, IDENTITY) for piece in self._pieces)
-=======
         return self._pieces
->>>>>>> main
 
     @cached_property
     def _pieces(self) -> tuple[tuple[Shape, Pose], ...]:

@@ -8,11 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
-<<<<<<< HEAD
-from wmspec.core.space import IDENTITY, Pose, Vector
-=======
 from wmspec.core.space import Pose, Vector
->>>>>>> main
 from wmspec.sim.shapes.lathe import Lathe
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError, width_and_height
 from wmspec.sim.shapes.tube import THICKNESS
@@ -79,11 +75,7 @@ class Torus(Shape):
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """Sectors of the ring."""
-<<<<<<< HEAD
-        return tuple((piece, IDENTITY) for piece in self._pieces)
-=======
         return self._pieces
->>>>>>> main
 
     @cached_property
     def _pieces(self) -> tuple[tuple[Shape, Pose], ...]:

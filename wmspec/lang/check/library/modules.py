@@ -108,7 +108,7 @@ class Modules:
             raise TooLarge(f"the spec {LIBRARIES.sentence}", use.span, LIBRARIES.help)
         items = self._program.libraries[path].items
         values = self._given(use, [item for item in items if isinstance(item, s.Parameter)])
-        statements = self._expand([_replaced_before(item, values) for item in items], outer + prefix, {})
+        statements = self._expand([_substitute_cached(item, values) for item in items], outer + prefix, {})
         chosen = statements if use.only is None else self._select(use, use.only, statements)
         if words := self._taken.difference(_declared_names(statements)):
             chosen = _bind_words(chosen, words, self._program.libraries[path].span.source)
@@ -118,7 +118,7 @@ class Modules:
         prefixes[use.prefix.id] = names
         renamed = {name: prefix + name for name in names}
         key = (prefix, names)
-        return [_made_before((each,), key, partial(_substitute, each, {}, renamed)) for each in chosen]
+        return [_cached((each,), key, partial(_substitute, each, {}, renamed)) for each in chosen]
 
     def _report_second_use(self, use: s.Use, first: s.Use) -> None:
         if use.given or use.only:
@@ -261,32 +261,32 @@ def _bind_words(statements: list[s.Statement], words: frozenset[str], library: S
     return [closed(statement) for statement in statements]
 
 
-#: What was made of pieces of libraries, by their identity: syntax trees of libraries are kept for all specs. The pieces
-#: are kept beside what was made of them, so that no other can have their identity.
-_made: dict[tuple[object, ...], tuple[tuple[object, ...], Any]] = {}
-_MOST_MADE = 6000
+#: Results by identity of their source nodes, since libraries' syntax trees are shared by all specs. Entries keep the
+#: nodes alive, so no other object can have their identity.
+_cache: dict[tuple[object, ...], tuple[tuple[object, ...], Any]] = {}
+_MAX_CACHED = 6000
 
 
-def _made_before(of: tuple[object, ...], how: object, make: Callable[[], T]) -> T:
-    """What `make` returns, or returned before for the very same pieces and `how` they are changed."""
+def _cached(of: tuple[object, ...], how: object, make: Callable[[], T]) -> T:
+    """Return `make()`, cached by the identity of the nodes `of` and the change `how`."""
     key = (*map(id, of), how)
-    found = _made.get(key)
+    found = _cache.get(key)
     if found is None:
-        if len(_made) >= _MOST_MADE:
-            _made.clear()
-        found = _made[key] = (of, make())
+        if len(_cache) >= _MAX_CACHED:
+            _cache.clear()
+        found = _cache[key] = (of, make())
     made: T = found[1]
     return made
 
 
-def _replaced_before(item: S, values: Mapping[str, s.Expr]) -> S:
-    """A piece of a library with values for its parameters."""
-    return _made_before((item, *values.values()), tuple(values), lambda: _substitute(item, values))
+def _substitute_cached(item: S, values: Mapping[str, s.Expr]) -> S:
+    """Return a node of a library with parameters substituted."""
+    return _cached((item, *values.values()), tuple(values), lambda: _substitute(item, values))
 
 
 def _names_in(statement: s.Statement) -> tuple[str, ...]:
-    """The names in a statement of a library."""
-    return _made_before((statement,), "names", lambda: tuple(name.id for name in s.names(statement)))
+    """Return the names in a statement of a library."""
+    return _cached((statement,), "names", lambda: tuple(name.id for name in s.names(statement)))
 
 
 def _substitute(node: S, values: Mapping[str, s.Expr], names: Mapping[str, str] | None = None) -> S:

@@ -11,12 +11,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-<<<<<<< HEAD
 from wmspec.compile.design.about import referenced_objects
-=======
-from wmspec.compile.design.about import named
 from wmspec.core.memoize import cached_on
->>>>>>> main
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Counterfactual, Level, OrbitFactor, Outcome, Question, QuestionKind
 from wmspec.runtime.caches.cache_keys import look_key
@@ -29,14 +25,8 @@ from wmspec.runtime.questions.runs import Run
 from wmspec.runtime.questions.visible_object import visible_objects
 from wmspec.sim.scene.model import Body, Frame, Pose, Scene
 from wmspec.sim.scene.model.digest import digest
-<<<<<<< HEAD
-from wmspec.sim.scene.model.memoize import cached_on
 from wmspec.sim.scene.render.appearance import appearance_at
 from wmspec.sim.scene.render.visible_rotation import symmetry_axis, visible_angle_about
-=======
-from wmspec.sim.scene.render.appearance import shown_at
-from wmspec.sim.scene.render.turn import axis, visibly_turned
->>>>>>> main
 
 #: Share of pixels below which two option pictures count as equal.
 MIN_DIFFERENT_SHARE = 100 / 256**2

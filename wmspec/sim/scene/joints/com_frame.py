@@ -11,31 +11,18 @@ import numpy as np
 
 from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Array, Body, Inertia, Pose
-<<<<<<< HEAD
-from wmspec.sim.scene.model.memoize import cached_on
-=======
->>>>>>> main
 from wmspec.sim.scene.model.transform import apply, compose, identity, inverse
 
 _ROUND_OFF = 1e-12  # m, or of a unit quaternion
 
 
-<<<<<<< HEAD
 def body_frame_in_com(body: Body) -> Pose:
     """Return the body frame in the centre-of-mass frame; the identity unless the body is dynamic."""
-=======
-def mount(body: Body) -> Pose:
-    """The body's own frame, seen from its centre-of-mass frame (the same one, unless it is dynamic)."""
->>>>>>> main
     return cached_on(body, _mount)
 
 
 def com_frame(body: Body) -> Body:
-<<<<<<< HEAD
     """Return the body expressed in its centre-of-mass frame."""
-=======
-    """The same body, described in its centre-of-mass frame."""
->>>>>>> main
     return body if body.inertia is None else cached_on(body, _com_frame)
 
 

@@ -8,10 +8,6 @@ import numpy as np
 
 from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Array, Body, Geom, Pose
-<<<<<<< HEAD
-from wmspec.sim.scene.model.memoize import cached_on
-=======
->>>>>>> main
 from wmspec.sim.scene.model.transform import compose, identity, rotate, rotation
 from wmspec.sim.shapes import Shape
 
@@ -35,13 +31,8 @@ def box_center(body: Body, frames: Pose) -> Array:
     return frames.position + rotate(frames.orientation, own_box_center(body))
 
 
-<<<<<<< HEAD
 def own_box_center(body: Body) -> Array:
     """Return the centre (3,) of a body's own box in its frame."""
-=======
-def own_middle(body: Body) -> Array:
-    """Where the middle (3,) of a body's own box is in its frame."""
->>>>>>> main
     return cached_on(body, _own_middle)
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-<<<<<<< HEAD
+from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.joints.articulations import (
     LoopClosure,
     MimicConstraint,
@@ -21,16 +21,7 @@ from wmspec.sim.scene.joints.articulations import (
 from wmspec.sim.scene.joints.com_frame import com_frame, transform_points
 from wmspec.sim.scene.joints.coordinates import mimic_constraints
 from wmspec.sim.scene.model import Body, Geom, Scene
-from wmspec.sim.scene.model.memoize import cached_on
 from wmspec.sim.scene.model.numbers import floats, pose_numbers
-=======
-from wmspec.core.memoize import cached_on
-from wmspec.sim.scene.joints.articulations import Gear, Tie, Tree, jointed, ties, trees
-from wmspec.sim.scene.joints.com_frame import com_frame, placed
-from wmspec.sim.scene.joints.coordinates import gears
-from wmspec.sim.scene.model import Body, Geom, Scene
-from wmspec.sim.scene.model.numbers import floats, numbers
->>>>>>> main
 from wmspec.sim.scene.model.transform import identity
 from wmspec.sim.scene.physics.contact import colliders, non_colliding_pairs
 from wmspec.sim.scene.physics.episode import Episode, Vector
@@ -83,7 +74,6 @@ class Assembly:
 
 
 def assembly(scene: Scene, episode: Episode) -> Assembly:
-<<<<<<< HEAD
     """Return the bodies and joints of a scene. Raises WmsError for joints that no engine supports."""
     passing = tuple(sorted(non_colliding_pairs(scene)))
     return Assembly(
@@ -94,18 +84,6 @@ def assembly(scene: Scene, episode: Episode) -> Assembly:
         episode.step,
         loop_closures(scene),
         mimic_constraints(scene),
-=======
-    """What a world is built of. Raises WmsError for joints that no engine can have."""
-    passing = tuple(sorted(apart(scene)))
-    return Assembly(rigids(scene), trees(scene), passing, episode.gravity, episode.step, ties(scene), gears(scene))
-
-
-def rigids(scene: Scene) -> tuple[Rigid, ...]:
-    """The scene's bodies, in order."""
-    tied = jointed(scene)
-    return tuple(
-        _rigid(com_frame(body), tied=True) if body.name in tied else cached_on(body, _loose) for body in scene.bodies
->>>>>>> main
     )
 
 

@@ -9,10 +9,6 @@ import numpy as np
 
 from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Array, Body, Camera, Scene, Shot
-<<<<<<< HEAD
-from wmspec.sim.scene.model.memoize import cached_on
-=======
->>>>>>> main
 from wmspec.sim.scene.model.transform import rotation
 from wmspec.sim.shapes.facets import tessellate
 
@@ -29,13 +25,8 @@ class Boxes:
     """
 
     def __init__(self, scene: Scene) -> None:
-<<<<<<< HEAD
         boxes = [cached_on(body, _boxes) for body in scene.bodies]
         self._middle, self._half, radius = np.concatenate([np.empty((0, 3, 3)), *boxes]).swapaxes(0, 1)
-=======
-        shown = [cached_on(body, _boxes) for body in scene.bodies]
-        self._middle, self._half, radius = np.concatenate([np.empty((0, 3, 3)), *shown]).swapaxes(0, 1)
->>>>>>> main
         self._radius = radius[:, 0]
         self.body = [i for i, own in enumerate(boxes) for _ in own]
 

@@ -14,10 +14,6 @@ from numpy.typing import NDArray
 
 from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Array, Body, Camera, Scene, Shot
-<<<<<<< HEAD
-from wmspec.sim.scene.model.memoize import cached_on
-=======
->>>>>>> main
 from wmspec.sim.scene.model.transform import rotation
 from wmspec.sim.scene.render.boxes import visible_points
 from wmspec.sim.scene.render.camera import look_at
