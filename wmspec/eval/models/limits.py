@@ -35,10 +35,10 @@ class Meter:
     _dearest: float = 0.0
 
     def may_send(self) -> bool:
-        """Return whether another request may be sent. Pending requests are assumed to cost as much as the dearest so
-        far.
+        """Return whether another request may be sent.
 
-        With a cost limit, the first request is sent alone, to learn its cost.
+        Pending requests are assumed to cost as much as the dearest so far. With a cost limit, the first request is sent
+        alone, to learn its cost.
         """
         if self.limits.requests is not None and self.sent >= self.limits.requests:
             return False
