@@ -325,7 +325,7 @@ def _arrays(home: Path, r: random.Random, _: Damage) -> None:
 
 def _results(home: Path, r: random.Random, _: Damage) -> None:
     rows, about = results.read(originals() / "results.parquet")
-    for _ in range(r.choice((1, 2))):
+    for _time in range(r.choice((1, 2))):
         _other(r.choice(rows), r)
     results.write(home / "r.parquet", rows, about)
     replies.read([home / "r.parquet"], None)

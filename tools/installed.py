@@ -37,7 +37,7 @@ def main(folder: Path = FOLDER) -> None:
 def build(source: Path, target: str, into: Path) -> Path:
     """Build a "wheel" or "sdist" of a source tree into a folder, which is replaced; return the archive."""
     shutil.rmtree(into, ignore_errors=True)
-    hatchling = [sys.executable, "-m", "hatchling", "build", "-t", target, "-d", into]
+    hatchling = [sys.executable, "-m", "hatchling", "build", "-t", target, "-d", str(into)]
     subprocess.run(hatchling, cwd=source, check=True, stdout=subprocess.DEVNULL)
     (archive,) = into.glob("*.tar.gz" if target == "sdist" else "*.whl")
     return archive
@@ -46,8 +46,8 @@ def build(source: Path, target: str, into: Path) -> Path:
 def environment(folder: Path, *wheels: Path) -> Path:
     """Create an environment with these wheels only; return its site-packages."""
     venv.create(folder, clear=True, symlinks=True)
-    pip = [sys.executable, "-m", "pip", "--python", folder / "bin/python"]
-    subprocess.run([*pip, "install", "--quiet", "--no-deps", "--no-index", *wheels], check=True)
+    pip = [sys.executable, "-m", "pip", "--python", str(folder / "bin/python")]
+    subprocess.run([*pip, "install", "--quiet", "--no-deps", "--no-index", *map(str, wheels)], check=True)
     return next(folder.glob("lib/python*/site-packages"))
 
 

@@ -26,7 +26,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 def commands() -> Iterator[str]:
     """Yield the help text of every command."""
-    yield "# Commands\n\nThe help texts of `wmspec COMMAND --help`. Most commands are also functions of [the API](api.md)."
+    yield "# Commands\n\nMost commands are also functions of [the API](api.md)."
     whole = click.Context(main, info_name="wmspec", max_content_width=WIDTH, terminal_width=WIDTH)
     for name in main.list_commands(whole):
         command = main.get_command(whole, name)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.view import camera_direction, common_direction, view_coordinates
-from wmspec.compile.stage.cameras import _looking
+from wmspec.compile.stage.cameras import _look_at_matrix
 from wmspec.lang.check.statements.builder import observe, task, thing
 
 PLACES = st.integers(-100, 100).map(lambda cm: cm / 100)
@@ -23,7 +23,7 @@ def test_to_the_right_is_to_the_right_in_the_picture(yaw: float, down: float, x:
     values = Evaluator(task("t", thing("camera", "eye", at=(0.0, 0.0, 0.0), look_at=ahead), observe("eye", [0])), {})
     assert common_direction(values) == camera_direction(values, "eye")
     right, back = view_coordinates(common_direction(values), x, y)
-    across, *_ = _looking((0.0, 0.0, 0.0), ahead, values, "eye")
+    across, *_ = _look_at_matrix((0.0, 0.0, 0.0), ahead, values, "eye")
     assert math.hypot(right, back) == pytest.approx(math.hypot(x, y))
     if abs(right) > 1.01 * abs(back):  # at the most turned, what is as far back is level with it
         assert (across[0] * x + across[1] * y) * right > 0

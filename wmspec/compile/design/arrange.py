@@ -25,7 +25,7 @@ def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Block
     columns: tuple[Column, ...] = (*_chains(spec, conditions), *_strata(spec, seed))
     key = (seed, spec.name, spec.plan.kind)
     if spec.plan.kind != "groups":
-        return RepeatedPlan(columns, _arranged(spec, conditions, columns, key), spec.repeat)
+        return RepeatedPlan(columns, _arrangement(spec, conditions, columns, key), spec.repeat)
     try:
         groups = Groups(columns, spec.plan.cross, spec.plan.turn, spec.plan.count or 1, key)
     except TooManyTied as tied:
@@ -39,7 +39,7 @@ def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Block
     return groups
 
 
-def _arranged(
+def _arrangement(
     spec: TaskSpec, conditions: Sequence[Constraint], columns: tuple[Column, ...], key: tuple[object, ...]
 ) -> Arrangement:
     """Return the arrangement of the columns that the plan of a spec describes."""
@@ -50,7 +50,7 @@ def _arranged(
         case "latin":
             return Latin(columns, count, key)
         case "one_at_a_time":
-            return Listed(tuple(_around(spec, columns, conditions)))
+            return Listed(tuple(_one_at_a_time(spec, columns, conditions)))
     return Factorial(columns)
 
 
@@ -78,7 +78,7 @@ def _chains(spec: TaskSpec, conditions: Sequence[Constraint]) -> tuple[Column, .
     if spec.plan.kind in ("sample", "latin", "groups"):
         domains = dict(sorted(domains.items()))
     try:
-        columns = tuple(_tied(domains, conditions))
+        columns = tuple(_tied_columns(domains, conditions))
     except TooManyCombinations as much:
         raise _too_many_combinations(much, conditions) from None
     constant = [c for c in conditions if not c.scope and not c.allowed]
@@ -87,7 +87,7 @@ def _chains(spec: TaskSpec, conditions: Sequence[Constraint]) -> tuple[Column, .
     return columns
 
 
-def _tied(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> Iterator[Column]:
+def _tied_columns(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> Iterator[Column]:
     """Yield the columns in the order of their first factors. Raises TooMuch."""
     placed: set[str] = set()
     for name in domains:
@@ -126,8 +126,8 @@ def _too_many_combinations(much: TooManyCombinations, conditions: Sequence[Const
 def _nothing_left(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> SpecError:
     """Return the error that names a minimal set of conditions that leaves no combination."""
     by_require = {c.statement: c for c in reversed(conditions)}
-    guilty = _smallest(
-        sorted(by_require), lambda some: _satisfiable(domains, [c for c in conditions if c.statement in some])
+    guilty = _smallest_conflict(
+        sorted(by_require), lambda some: _is_satisfiable(domains, [c for c in conditions if c.statement in some])
     )
     first, *more = (by_require[i] for i in guilty)
     names = [n for n in domains if any(n in c.scope for c in conditions if c.statement in guilty)]
@@ -138,17 +138,17 @@ def _nothing_left(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence
     return SpecError(f"no {whose} meets {met}", first.place, remedy, code="WMS402", notes=notes)
 
 
-def _satisfiable(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> bool:
+def _is_satisfiable(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> bool:
     """Whether the conditions leave at least one combination."""
     if any(not c.scope and not c.allowed for c in conditions):
         return False
     try:
-        return all(column.size for column in _tied(domains, conditions))
+        return all(column.size for column in _tied_columns(domains, conditions))
     except TooManyCombinations:
         return True
 
 
-def _smallest(candidates: Sequence[int], satisfiable: Callable[[set[int]], bool]) -> tuple[int, ...]:
+def _smallest_conflict(candidates: Sequence[int], satisfiable: Callable[[set[int]], bool]) -> tuple[int, ...]:
     """Return the smallest unsatisfiable subset; a minimal one if there are more than MOST_SETS candidates."""
     sets = chain.from_iterable(combinations(candidates, n) for n in range(1, len(candidates)))
     for some in islice(sets, MAX_SUBSETS):
@@ -164,7 +164,7 @@ def _smallest(candidates: Sequence[int], satisfiable: Callable[[set[int]], bool]
 # ---------------------------------------------------------------- one factor at a time
 
 
-def _around(spec: TaskSpec, columns: Sequence[Column], conditions: Sequence[Constraint]) -> Iterator[Ranks]:
+def _one_at_a_time(spec: TaskSpec, columns: Sequence[Column], conditions: Sequence[Constraint]) -> Iterator[Ranks]:
     """Yield the baseline, then the allowed combinations that differ from it in one factor, in the order of the spec."""
     baseline = _baseline(spec, conditions)
     ranks = _ranks(columns, baseline)

@@ -193,7 +193,7 @@ class _Turn:
 
     def __init__(self, columns: Sequence[Column], crossed: Sequence[str], key: tuple[object, ...]) -> None:
         self.crossed = tuple(sorted(crossed))
-        self._parts = tuple(_Part(column, frozenset(crossed), (*key, *sorted(column.names))) for column in columns)
+        self._parts = tuple(_GroupColumn(column, frozenset(crossed), (*key, *sorted(column.names))) for column in columns)
         sizes = [part.even for part in self._parts]
         #: The size of each group, or None if sizes differ.
         self.even = None if None in sizes else prod(size for size in sizes if size is not None)
@@ -223,7 +223,7 @@ class _Turn:
         return place
 
 
-class _Part:
+class _GroupColumn:
     """A column split for groups: contexts of its uncrossed factors, and the crossed combinations in each context."""
 
     def __init__(self, column: Column, crossed: frozenset[str], key: tuple[object, ...]) -> None:

@@ -36,7 +36,7 @@ def links(values: Evaluator, owner: str) -> tuple[str, ...]:
 
 def pose_in_asset(values: Evaluator, owner: str) -> Pose:
     """Return the initial pose of a link in the asset's frame."""
-    return values.memoized((owner, "within"), lambda: _shift(values, owner).compose(zero_pose(values, owner)))
+    return values.memoized((owner, "within"), lambda: _joint_offset(values, owner).compose(zero_pose(values, owner)))
 
 
 def zero_pose(values: Evaluator, owner: str) -> Pose:
@@ -54,7 +54,7 @@ def pieces(values: Evaluator, owner: str) -> tuple[PlacedShape, ...]:
     return tuple(PlacedShape(piece.solid, here.compose(piece.pose)) for here, made in placed for piece in made)
 
 
-def _shift(values: Evaluator, owner: str) -> Pose:
+def _joint_offset(values: Evaluator, owner: str) -> Pose:
     """Return the motion of a link due to the start coordinates of the joints between it and the asset's frame."""
     of = base(values, owner) or owner
     holders = values.memoized((of, "holders"), lambda: _holders(values, of))
@@ -63,7 +63,7 @@ def _shift(values: Evaluator, owner: str) -> Pose:
         if link not in holders:
             break
         joint = holders[link]
-        shift = _moved(values, joint).compose(shift)
+        shift = _joint_motion(values, joint).compose(shift)
         link = values.reference(joint.name, "to") if values.has(joint.name, "to") else ""
     return shift
 
@@ -73,7 +73,7 @@ def _holders(values: Evaluator, of: str) -> dict[str, Entity]:
     return {values.reference(t.name, "of"): t for t in values.assets.get(of, ()) if t.kind == "joint"}
 
 
-def _moved(values: Evaluator, joint: Entity) -> Pose:
+def _joint_motion(values: Evaluator, joint: Entity) -> Pose:
     """Return the motion of everything beyond a joint due to its start coordinate, in the asset's frame."""
     if joint.model not in ("hinge", "slider"):
         return IDENTITY

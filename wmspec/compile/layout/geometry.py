@@ -23,7 +23,7 @@ def pieces(values: Evaluator, owner: str) -> tuple[PlacedShape, ...]:
 
     Raises WmsError for invalid sizes.
     """
-    return values.memoized((owner, "pieces"), lambda: _touched(values, owner))
+    return values.memoized((owner, "pieces"), lambda: _touchable_pieces(values, owner))
 
 
 def all_pieces(values: Evaluator, owner: str) -> tuple[tuple[str, PlacedShape], ...]:
@@ -53,7 +53,7 @@ def own_rotation(values: Evaluator, owner: str) -> tuple[float, float, float]:
     return (values.number(owner, "yaw"), values.number(owner, "pitch"), values.number(owner, "roll"))
 
 
-def _touched(values: Evaluator, owner: str) -> tuple[PlacedShape, ...]:
+def _touchable_pieces(values: Evaluator, owner: str) -> tuple[PlacedShape, ...]:
     every = all_pieces(values, owner)
     return tuple(piece for part, piece in every if touchable(values, part)) or tuple(piece for _, piece in every)
 
@@ -90,13 +90,13 @@ def _shape(values: Evaluator, owner: str) -> Shape:
         many = f"only {having} has {'two' if edges == 2 else 'three'} edges"
         raise ImpossibleValue(f"`{owner}` is a {word}, and {many}", values.source_location(owner, "size"))
     try:
-        return _formed(word, dumps(words))
+        return _cached_shape(word, dumps(words))
     except UnfitError as error:
         place = values.source_location(owner, error.name) if error.name in words else values.source_location(owner)
         raise ImpossibleValue(f"the {word} `{owner}` {error}", place) from None
 
 
 @lru_cache(maxsize=1024)
-def _formed(word: str, words: bytes) -> Shape:
+def _cached_shape(word: str, words: bytes) -> Shape:
     """Return a shape by name and serialized sizes, cached since many objects share it. Raises UnfitError."""
     return SHAPES[word].from_words(loads(words))

@@ -123,14 +123,14 @@ def _of_file(path: str) -> Mesh:
             loaded.apply_scale(trimesh.units.unit_conversion(loaded.units, "m"))
         if max(len(loaded.vertices), 3 * len(loaded.faces)) > POINTS.most:
             raise POINTS.exceeded()
-        return _checked(loaded)
+        return _checked_mesh(loaded)
     except WmsError as error:
         raise ImpossibleValue(f"{path} {error.diagnostics[0].message}", help=error.diagnostics[0].help) from None
     except Exception as error:  # noqa: BLE001  a parser of files of others can fail in any way
         raise ImpossibleValue(f"{path} is broken: {str(error)[:200] or type(error).__name__}") from None
 
 
-def _checked(loaded: Any) -> Mesh:
+def _checked_mesh(loaded: Any) -> Mesh:
     """Return the mesh that trimesh loaded. Raises ValueError if it is invalid."""
     import numpy as np
 

@@ -21,16 +21,16 @@ def pose(values: Evaluator, owner: str) -> Pose:
     """
     base = assets.base(values, owner)
     if base is None:
-        return _placed(values, owner)
+        return _own_placement(values, owner)
     return frame(values, base).compose(assets.pose_in_asset(values, owner))
 
 
 def frame(values: Evaluator, base: str) -> Pose:
     """Return the pose of an asset's frame, given its base."""
-    return values.memoized((base, "frame"), lambda: _placed(values, base))
+    return values.memoized((base, "frame"), lambda: _own_placement(values, base))
 
 
-def _placed(values: Evaluator, owner: str) -> Pose:
+def _own_placement(values: Evaluator, owner: str) -> Pose:
     """Return the pose of an object by its own placement, or of an asset's frame by its base."""
     at = scatter.scattered_position(values, owner) if values.has(owner, "scatter") else values.spot(owner)
     resting = rest(values, owner, at, *own_rotation(values, owner))

@@ -31,7 +31,7 @@ MAX_TRIES, MAX_ROUNDS = 1000, 10
 def scattered_position(values: Evaluator, owner: str) -> tuple[float, float]:
     """Return the position (x, y) of a scattered object on its support, else on the ground."""
     base = _base(values, owner)
-    places = values.memoized((base, "scattered"), lambda: _scattered(values, base))
+    places = values.memoized((base, "scattered"), lambda: _scattered_positions(values, base))
     return places[owner]
 
 
@@ -40,7 +40,7 @@ def _base(values: Evaluator, owner: str) -> str:
     return base
 
 
-def _scattered(values: Evaluator, base: str) -> dict[str, tuple[float, float]]:
+def _scattered_positions(values: Evaluator, base: str) -> dict[str, tuple[float, float]]:
     """Return the positions of all objects that scatter on `base`, present or not."""
     names = [t.name for t in values.spec.things if t.kind == "object" and values.has(t.name, "scatter")]
     members = sorted((name for name in names if _base(values, name) == base), key=natural_key)
@@ -48,7 +48,7 @@ def _scattered(values: Evaluator, base: str) -> dict[str, tuple[float, float]]:
     for deal in range(MAX_ROUNDS):
         circles: dict[str, Circle] = {}
         for name in members:
-            circle = _free(values, name, face, list(circles.values()), deal)
+            circle = _free_circle(values, name, face, list(circles.values()), deal)
             if circle is None:
                 break
             circles[name] = circle
@@ -61,7 +61,7 @@ def _scattered(values: Evaluator, base: str) -> dict[str, tuple[float, float]]:
     )
 
 
-def _free(values: Evaluator, name: str, face: Face, taken: list[Circle], deal: int) -> Circle | None:
+def _free_circle(values: Evaluator, name: str, face: Face, taken: list[Circle], deal: int) -> Circle | None:
     """Return the first free proposal of this round, or None."""
     _, pitch, roll = own_rotation(values, name)
     radius = footprint(assets.pieces(values, name), from_ypr(0.0, pitch, roll))

@@ -75,7 +75,7 @@ def twin_counterfactuals(changed: ChangedScene) -> Iterator[Breach]:
         if other.change == "levels" or changed.change.change == "levels":
             continue
         twin = Evaluator(values.spec, changed.scene.instance.values, other, changed.scene.instance.key)
-        if _alike(changed, other, twin):
+        if _is_equivalent(changed, other, twin):
             what = f"`{changed.change.name}` and `{other.name}` come to the same {changed.scene.where}"
             note = Note(f"`{other.name}` is declared here", other.place)
             yield Breach(what, changed.change.place, "leave one out", (note,), about=changed.change.name)
@@ -85,7 +85,7 @@ def twin_counterfactuals(changed: ChangedScene) -> Iterator[Breach]:
 def broad_counterfactual(changed: ChangedScene) -> Iterator[Breach]:
     """Find counterfactuals that change more than the named property."""
     change = changed.change
-    more = sorted(set(_more(changed)))
+    more = sorted(set(_other_properties(changed)))
     if more:
         target = f"{change.owner}.{change.property}"
         what = f"`{change.name}` changes not only `{target}` but also {' and '.join(f'`{m}`' for m in more)}"
@@ -121,19 +121,19 @@ RULES = (
 )
 
 
-def _alike(changed: ChangedScene, other: Counterfactual, twin: Evaluator) -> bool:
+def _is_equivalent(changed: ChangedScene, other: Counterfactual, twin: Evaluator) -> bool:
     """Whether two counterfactuals have equal results; added actions are compared without their names."""
     if changed.change.change == other.change == "add":
-        return _done(changed.otherwise.values, changed.change.name) == _done(twin, other.name)
+        return _effect(changed.otherwise.values, changed.change.name) == _effect(twin, other.name)
     return not changed.other_stage.differing(build_document(twin))
 
 
-def _done(values: Evaluator, action: str) -> tuple[str, dict[str, object]]:
+def _effect(values: Evaluator, action: str) -> tuple[str, dict[str, object]]:
     thing = values.spec.thing(action)
     return thing.verb, {name: values.property(action, name) for name in thing.properties}
 
 
-def _more(changed: ChangedScene) -> Iterator[str]:
+def _other_properties(changed: ChangedScene) -> Iterator[str]:
     """Yield properties of other entities whose expressions depend on the changed property."""
     change, spec = changed.change, changed.scene.values.spec
     if change.value is None:

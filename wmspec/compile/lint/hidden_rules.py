@@ -20,10 +20,10 @@ from wmspec.sim.shapes.box import Box
 
 
 @rule("WMS605")
-def hidden_thing(scene: LintScene) -> Iterator[Breach]:
+def hidden_object(scene: LintScene) -> Iterator[Breach]:
     """Find relevant or moved objects that one box hides from every camera that looks at the start."""
     values = scene.values
-    cameras = _looking_first(values)
+    cameras = _initial_cameras(values)
     if not cameras or any(values.has(camera, "ride") for camera in cameras):
         return
     things = {t.name: t for t in values.spec.things if t.kind == "object" and values.is_present(t.name)}
@@ -34,7 +34,7 @@ def hidden_thing(scene: LintScene) -> Iterator[Breach]:
     }
     for name in (name for name in things if name in needed and not things[name].set):
         around = list(corners(bounds(pieces(values, name), values.pose(name))))
-        by = [_hiding(values.vector(camera, "at"), around, [w for w in walls if w[0] != name]) for camera in cameras]
+        by = [_hiding_object(values.vector(camera, "at"), around, [w for w in walls if w[0] != name]) for camera in cameras]
         if all(by):
             what = f"`{name}` is moved or asked about, and hidden behind `{by[0]}` from `{cameras[0]}` {scene.where}"
             note = Note(f"`{by[0]}` is declared here", values.source_location(by[0] or ""))
@@ -42,10 +42,10 @@ def hidden_thing(scene: LintScene) -> Iterator[Breach]:
             yield Breach(what, values.source_location(name, "at"), remedy, (note,), about=name)
 
 
-RULES = (hidden_thing,)
+RULES = (hidden_object,)
 
 
-def _looking_first(values: Evaluator) -> list[str]:
+def _initial_cameras(values: Evaluator) -> list[str]:
     """Return the cameras that look at the start."""
     observed = (o for o in values.spec.observations if min(evaluate(o.times, values), default=1.0) < 1e-9)
     return list(dict.fromkeys(observation.camera for observation in observed))
@@ -60,15 +60,15 @@ def _boxes(values: Evaluator, name: str) -> Iterator[tuple[Vector, Pose]]:
             yield piece.solid.half, pose.compose(piece.pose)
 
 
-def _hiding(eye: Vector, around: list[Vector], walls: list[tuple[str, Vector, Pose]]) -> str:
+def _hiding_object(eye: Vector, around: list[Vector], walls: list[tuple[str, Vector, Pose]]) -> str:
     """Return the object with a box in front of all corners, or an empty string.
 
     The region that a convex body hides from a point is convex, so hiding a box's corners hides its content.
     """
-    return next((name for name, half, pose in walls if all(_between(eye, c, half, pose) for c in around)), "")
+    return next((name for name, half, pose in walls if all(_is_between(eye, c, half, pose) for c in around)), "")
 
 
-def _between(eye: Vector, point: Vector, half: Vector, pose: Pose) -> bool:
+def _is_between(eye: Vector, point: Vector, half: Vector, pose: Pose) -> bool:
     """Whether a box lies between an eye outside it and a point (m). (Kay and Kajiya, Ray Tracing Complex Scenes.)"""
     a, b = (rotate(inverse(pose.orientation), add(p, scale(-1.0, pose.position))) for p in (eye, point))
     enters, leaves = -math.inf, 1.0

@@ -55,14 +55,14 @@ def compare_options(question: Question, design: Design, depend: Dependencies) ->
     for instance in _sample(question, design, depend, known):
         values = Evaluator(design.spec, instance.values, None, instance.key)
         options = evaluate(question.options, values) if question.options else ()
-        same = [a for a, b in combinations(options, 2) if _same(a, b, directions)]
+        same = [a for a, b in combinations(options, 2) if _is_same(a, b, directions)]
         answer = _answer(question, values) if known else None
         if (not same and answer is None) or not is_posed(question, values):
             continue
         if same:
             return OptionSample(question, design, (same[0], instance), (), checked)
         checked += 1
-        if question.options is not None and not any(_same(answer, option, directions) for option in options):
+        if question.options is not None and not any(_is_same(answer, option, directions) for option in options):
             lacking.append((answer, instance))
     return OptionSample(question, design, None, tuple(lacking), checked)
 
@@ -73,7 +73,7 @@ def coinciding_options(options: OptionSample) -> Iterator[Breach]:
     if options.coinciding is not None:
         value, instance = options.coinciding
         where = format_instance(options.design, instance)
-        what = f"two options of this question are the same, {_shown(value, options.question)}, {where}"
+        what = f"two options of this question are the same, {_format_option(value, options.question)}, {where}"
         yield Breach(what, options.question.place, "keep them apart with `require`")
 
 
@@ -111,7 +111,7 @@ RULES = (coinciding_options, answer_never_among_options, answer_not_always_among
 
 def _first_lacking(options: OptionSample) -> str:
     answer, instance = options.lacking[0]
-    return f"{_shown(answer, options.question)}, {format_instance(options.design, instance)}"
+    return f"{_format_option(answer, options.question)}, {format_instance(options.design, instance)}"
 
 
 def _sample(question: Question, design: Design, depend: Dependencies, known: bool) -> Iterator[Instance]:
@@ -130,14 +130,14 @@ def _answer(question: Question, values: Evaluator) -> object:
         return None
 
 
-def _same(a: object, b: object, directions: bool) -> bool:
+def _is_same(a: object, b: object, directions: bool) -> bool:
     if isinstance(a, float) and isinstance(b, float):
         apart = math.remainder(a - b, 2 * math.pi) if directions else a - b
         return abs(apart) <= 1e-9 * max(1.0, abs(a))
     return a == b
 
 
-def _shown(value: object, question: Question) -> str:
+def _format_option(value: object, question: Question) -> str:
     return (
         units.format_quantity(value, units.dimension_named(question.sort)) if isinstance(value, float) else f"`{value}`"
     )

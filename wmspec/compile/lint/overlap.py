@@ -49,7 +49,7 @@ def overlaps(values: Evaluator) -> Iterator[Overlap]:
 
     Meshes with convex decomposition are omitted, since their pieces depend on the engine.
     """
-    joined = _joined(values)
+    joined = _joined_pairs(values)
     for a, b in combinations(_bodies(values), 2):
         apart = any(a.low[i] >= b.high[i] - MAX_OVERLAP or b.low[i] >= a.high[i] - MAX_OVERLAP for i in range(3))
         if apart or (a.fixed and b.fixed) or frozenset((a.name, b.name)) in joined:
@@ -81,17 +81,17 @@ def _bodies(values: Evaluator) -> Iterator[_Body]:
         name = thing.name
         if thing.kind != "object" or not values.is_present(name) or not values.flag(name, "solid"):
             continue
-        if any(_in_pieces(values, part) for part in (name, *values.parts(name))):
+        if any(_is_decomposed(values, part) for part in (name, *values.parts(name))):
             continue
         box = bounds(pieces(values, name), values.pose(name))
         yield _Body(name, values.flag(name, "fixed"), _pieces_of(values, name), *box)
 
 
-def _in_pieces(values: Evaluator, part: str) -> bool:
+def _is_decomposed(values: Evaluator, part: str) -> bool:
     return values.has(part, "file") and values.text(part, "collision") == "pieces"
 
 
-def _joined(values: Evaluator) -> set[frozenset[str]]:
+def _joined_pairs(values: Evaluator) -> set[frozenset[str]]:
     joints = [t.name for t in values.spec.things if t.kind == "joint" and values.is_present(t.name)]
     return {frozenset(values.ends(j)) for j in joints if values.has(j, "to")}
 
@@ -109,7 +109,7 @@ def _depth(a: PlacedShape, b: PlacedShape) -> float:
         return 0.0
     from wmspec.sim.scene.physics.overlap import overlap
 
-    (first, at), (second, there) = _placed(a), _placed(b)
+    (first, at), (second, there) = _placed_piece(a), _placed_piece(b)
     return overlap(first, at, second, there, MAX_OVERLAP)
 
 
@@ -135,7 +135,7 @@ def _directions(a: PlacedShape, b: PlacedShape) -> Iterator[Vector]:
             yield scale(-1 / size, axis)
 
 
-def _placed(piece: PlacedShape) -> tuple[Shape, model.Pose]:
+def _placed_piece(piece: PlacedShape) -> tuple[Shape, model.Pose]:
     """Return a convex piece, and its pose in a scene."""
     import numpy as np
 

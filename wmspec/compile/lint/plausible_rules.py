@@ -42,10 +42,10 @@ def times_out_of_order(scene: LintScene) -> Iterator[Breach]:
 def camera_inside(scene: LintScene) -> Iterator[Breach]:
     """Find cameras within an object."""
     values = scene.values
-    for camera in _standing(values):
+    for camera in _fixed_cameras(values):
         eye = values.vector(camera, "at")
         for thing in values.spec.things:
-            if thing.kind == "object" and values.is_present(thing.name) and _within(values, thing.name, eye):
+            if thing.kind == "object" and values.is_present(thing.name) and _is_within(values, thing.name, eye):
                 what = f"`{camera}` is inside `{thing.name}` {scene.where}"
                 note = Note(f"`{thing.name}` is declared here", values.source_location(thing.name))
                 yield Breach(
@@ -58,25 +58,25 @@ def camera_far_away(scene: LintScene) -> Iterator[Breach]:
     """Find cameras in which all relevant objects are too small to be seen."""
     values = scene.values
     boxes = list(relevant_boxes(values))
-    for camera in _standing(values):
-        if boxes and all(_share(values, camera, box) < MIN_VISIBLE_SHARE for box in boxes):
+    for camera in _fixed_cameras(values):
+        if boxes and all(_covered_share(values, camera, box) < MIN_VISIBLE_SHARE for box in boxes):
             what = f"all that is moved or asked about is too small to be seen from `{camera}` {scene.where}"
             place = next(o.place for o in values.spec.observations if o.camera == camera)
             yield Breach(what, place, "move the camera nearer, or narrow its `fov:`", about=camera)
 
 
 @rule("WMS605")
-def thing_far_away(scene: LintScene) -> Iterator[Breach]:
+def object_far_away(scene: LintScene) -> Iterator[Breach]:
     """Find relevant objects that are too far from all cameras to be seen."""
     values = scene.values
-    cameras = _standing(values)
+    cameras = _fixed_cameras(values)
     if len(cameras) < len({o.camera for o in values.spec.observations}):
         return  # a riding camera may come near
     needed = {name for q in values.spec.questions for e in q.ensures for name in mentioned_words(values, e.condition)}
     things = [t for t in values.spec.things if t.kind == "object" and not t.set and values.is_present(t.name)]
     for name in (t.name for t in things if t.name in needed.union(relevant_objects(values))):
         boxes = list(swept_boxes(values, name))
-        if cameras and all(_share(values, camera, box) < MIN_VISIBLE_SHARE for camera in cameras for box in boxes):
+        if cameras and all(_covered_share(values, camera, box) < MIN_VISIBLE_SHARE for camera in cameras for box in boxes):
             what = f"`{name}` is too small to be seen from `{cameras[0]}` {scene.where}"
             yield Breach(what, values.source_location(name, "at"), "is this the unit that is meant?", about=name)
 
@@ -135,19 +135,19 @@ RULES = (
     times_out_of_order,
     camera_inside,
     camera_far_away,
-    thing_far_away,
+    object_far_away,
     out_of_proportion,
     too_fast,
     launched_twice,
 )
 
 
-def _standing(values: Evaluator) -> list[str]:
+def _fixed_cameras(values: Evaluator) -> list[str]:
     """Return the observed cameras that do not ride on an object."""
     return [c for c in dict.fromkeys(o.camera for o in values.spec.observations) if not values.has(c, "ride")]
 
 
-def _within(values: Evaluator, name: str, eye: Vector) -> bool:
+def _is_within(values: Evaluator, name: str, eye: Vector) -> bool:
     """Whether a point is within a solid of an object."""
     pose = values.pose(name)
     low, high = bounds(pieces(values, name), pose)
@@ -157,12 +157,12 @@ def _within(values: Evaluator, name: str, eye: Vector) -> bool:
         for convex, at in piece.solid.pieces():
             there = pose.compose(piece.pose).compose(at)
             local = rotate(inverse(there.orientation), add(eye, scale(-1.0, there.position)))
-            if _inside(convex, local):
+            if _is_inside(convex, local):
                 return True
     return False
 
 
-def _inside(solid: Shape, point: Vector) -> bool:
+def _is_inside(solid: Shape, point: Vector) -> bool:
     """Whether a point is within a convex shape, tested along its axes, its faces, and away from its centre."""
     x, y, _ = point
     outward = [*_AXES, *(scale(-1.0, a) for a in _AXES), *(normal for normal, _ in solid.flat_faces)]
@@ -170,18 +170,18 @@ def _inside(solid: Shape, point: Vector) -> bool:
     return all(dot(d, point) < solid.reach(d) - 1e-9 for d in outward)
 
 
-def _share(values: Evaluator, camera: str, box: tuple[Vector, Vector]) -> float:
+def _covered_share(values: Evaluator, camera: str, box: tuple[Vector, Vector]) -> float:
     """Return the maximum share of the picture's height that a box covers."""
     eye, edge = values.vector(camera, "at"), 2 * math.tan(values.number(camera, "fov") / 2)
-    return _across(box) / max(1e-9, edge * _away(box, eye))
+    return _diagonal(box) / max(1e-9, edge * _distance(box, eye))
 
 
-def _across(box: tuple[Vector, Vector]) -> float:
+def _diagonal(box: tuple[Vector, Vector]) -> float:
     """Return the diagonal (m) of a box."""
     return math.dist(*box)
 
 
-def _away(box: tuple[Vector, Vector], eye: Vector) -> float:
+def _distance(box: tuple[Vector, Vector], eye: Vector) -> float:
     """Return the distance (m) of a point from a box; 0 within it."""
     low, high = box
     return math.hypot(*(max(low[i] - eye[i], 0.0, eye[i] - high[i]) for i in range(3)))

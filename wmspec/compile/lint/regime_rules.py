@@ -48,8 +48,8 @@ def struck_in_a_row(scene: LintScene) -> Iterator[Breach]:
     """Find rows of elastic objects that touch, or nearly: an impact passes through all of them at once."""
     values = scene.values
     speed = max(_speeds(values), default=0.0)
-    free = list(_free(values))
-    for a, b in combinations(free, 2) if speed or _falling(values) else ():
+    free = list(_movable(values))
+    for a, b in combinations(free, 2) if speed or _can_fall(values) else ():
         gap, way = separation(values, a, b)
         if (
             gap > max(IMPACT_DURATION * speed, CONTACT_DISTANCE)
@@ -74,7 +74,7 @@ def struck_in_a_row(scene: LintScene) -> Iterator[Breach]:
 def rolling_cylinder(scene: LintScene) -> Iterator[Breach]:
     """Find cylinders shorter than thick that lie on their side and may roll."""
     values = scene.values
-    for name in _loose(values):
+    for name in _unjointed(values):
         if any(_lying(values, name)):
             what = f"`{name}` is a disc on its rim {scene.where}; some engines brake it as it rolls"
             remedy = f"make it as long as it is thick, or {ENGINES_REMEDY}"
@@ -85,7 +85,7 @@ def rolling_cylinder(scene: LintScene) -> Iterator[Breach]:
 def leaning_cylinder(scene: LintScene) -> Iterator[Breach]:
     """Find cylinders that stand on a slope close to their tipping angle."""
     values = scene.values
-    for name in _loose(values):
+    for name in _unjointed(values):
         (piece, *others) = pieces(values, name)
         if others or not isinstance(piece.solid, Cylinder):
             continue
@@ -105,7 +105,7 @@ def heavy_landing(scene: LintScene) -> Iterator[Breach]:
     values = scene.values
     if not values.gravity:
         return
-    boxes = {name: bounds(pieces(values, name), values.pose(name)) for name in _loose(values)}
+    boxes = {name: bounds(pieces(values, name), values.pose(name)) for name in _unjointed(values)}
     for a, b in permutations(boxes, 2):
         (low, high), (least, most) = boxes[a], boxes[b]
         above = low[2] - most[2] > HEAVY_LANDING_SPEED**2 / (2 * values.gravity)
@@ -129,9 +129,9 @@ def double_pendulum(scene: LintScene) -> Iterator[Breach]:
     if questions and all(question.margins for question in questions):
         return
     swings = {j.name: _ends(values, j.name) for j in _joints(values) if j.model in ("hinge", "ball")}
-    free = {j: ends for j, ends in swings.items() if not _driven(values, j)}
+    free = {j: ends for j, ends in swings.items() if not _is_driven(values, j)}
     for name, ends in free.items():
-        if any(_balanced(values, name, end) for end in ends):
+        if any(_is_balanced(values, name, end) for end in ends):
             continue
         if len(ends) == 2 and any(ends & others for j, others in free.items() if j != name):
             of, to = values.reference(name, "of"), values.reference(name, "to")
@@ -146,7 +146,7 @@ def double_pendulum(scene: LintScene) -> Iterator[Breach]:
 def sliding_mesh(scene: LintScene) -> Iterator[Breach]:
     """Find convex meshes that are launched and may slide."""
     values = scene.values
-    loose = set(_loose(values))
+    loose = set(_unjointed(values))
     for action in values.spec.things:
         if action.kind != "action" or action.verb != "launch" or not values.is_present(action.name):
             continue
@@ -162,10 +162,10 @@ def sliding_mesh(scene: LintScene) -> Iterator[Breach]:
 def fast_spin(scene: LintScene) -> Iterator[Breach]:
     """Find fast spinning objects other than balls: engines do not conserve energy when their axis turns."""
     values = scene.values
-    for name in _free(values):
+    for name in _movable(values):
         spin = math.hypot(*values.vector(name, "spin")) if values.has(name, "spin") else 0.0
         (piece, *others) = pieces(values, name)
-        if spin > FAST_SPIN and (others or not isinstance(piece.solid, Sphere) or name in _joined(values)):
+        if spin > FAST_SPIN and (others or not isinstance(piece.solid, Sphere) or name in _jointed(values)):
             what = f"`{name}` spins at {spin:.3g} rad/s {scene.where}"
             doubt = "some engines gain or lose energy as its axis turns"
             remedy = f"let it spin at less than {FAST_SPIN:g} rad/s, or {ENGINES_REMEDY}"
@@ -224,24 +224,24 @@ def _rise(values: Evaluator, name: str, piece: PlacedShape) -> float:
     return dot(rotate(values.pose(name).orientation, rotate(piece.pose.orientation, UP)), UP)
 
 
-def _falling(values: Evaluator) -> bool:
+def _can_fall(values: Evaluator) -> bool:
     """Whether any free object may fall: it has a joint, or rests on nothing."""
-    joined = _joined(values)
-    return any(name in joined or not values.has(name, "on") for name in _free(values))
+    joined = _jointed(values)
+    return any(name in joined or not values.has(name, "on") for name in _movable(values))
 
 
-def _free(values: Evaluator) -> Iterator[str]:
+def _movable(values: Evaluator) -> Iterator[str]:
     """Yield the touchable objects that can move."""
     return (name for name in _touchable(values) if not values.flag(name, "fixed"))
 
 
-def _loose(values: Evaluator) -> Iterator[str]:
+def _unjointed(values: Evaluator) -> Iterator[str]:
     """Yield the movable objects without joints."""
-    joined = _joined(values)
-    return (name for name in _free(values) if name not in joined)
+    joined = _jointed(values)
+    return (name for name in _movable(values) if name not in joined)
 
 
-def _joined(values: Evaluator) -> set[str]:
+def _jointed(values: Evaluator) -> set[str]:
     """Return the objects that have joints."""
     return {end for j in _joints(values) for end in values.ends(j.name)}
 
@@ -255,7 +255,7 @@ def _ends(values: Evaluator, joint: str) -> set[str]:
     return {end for end in values.ends(joint) if not values.flag(end, "fixed")}
 
 
-def _balanced(values: Evaluator, joint: str, end: str) -> bool:
+def _is_balanced(values: Evaluator, joint: str, end: str) -> bool:
     """Whether an object's centre of mass is on the axis of its hinge, or at its ball joint.
 
     For hinges of an asset the file, which may give the centre of mass, decides.
@@ -275,7 +275,7 @@ def _balanced(values: Evaluator, joint: str, end: str) -> bool:
     return math.hypot(*away) < WHEEL_OFFSET * max(_thickness(piece) for piece in parts)
 
 
-def _driven(values: Evaluator, joint: str) -> bool:
+def _is_driven(values: Evaluator, joint: str) -> bool:
     """Whether a joint has a drive or a brake."""
     return any(values.has(joint, name) and values.number(joint, name) for name in ("stiffness", "damping"))
 

@@ -58,7 +58,7 @@ class Linter:
         try:
             yield
         except WmsError as error:
-            self.report.include(d for d in _coded(error) if self._fresh(d.place))
+            self.report.include(d for d in _with_code(error) if self._fresh(d.place))
 
     def _fresh(self, about: Hashable) -> bool:
         fresh = about not in self._reported
@@ -66,6 +66,6 @@ class Linter:
         return fresh
 
 
-def _coded(error: WmsError) -> Iterator[Diagnostic]:
+def _with_code(error: WmsError) -> Iterator[Diagnostic]:
     """Yield the diagnostics of an error; those without a code become impossible values."""
     yield from (d if d.code else replace(d, code=ImpossibleValue.code) for d in error.diagnostics)

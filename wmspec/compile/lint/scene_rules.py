@@ -82,7 +82,7 @@ def turned_camera(scene: LintScene) -> Iterator[Breach]:
     """Find cameras whose left differs from the left of `relation`."""
     spec = scene.values.spec
     answers = (part for question in spec.questions for part in subexpressions(question.answer))
-    if not any(isinstance(part, Call) and part.function == "relation" and not _from(part) for part in answers):
+    if not any(isinstance(part, Call) and part.function == "relation" and not _names_viewer(part) for part in answers):
         return
     way = common_direction(scene.values)
     for observation in spec.observations:
@@ -92,7 +92,7 @@ def turned_camera(scene: LintScene) -> Iterator[Breach]:
             yield Breach(what, observation.place, remedy, about=observation.camera)
 
 
-def _from(relation: Call) -> bool:
+def _names_viewer(relation: Call) -> bool:
     """Whether a relation names its viewer."""
     return any(option.name == "seen_from" for option in relation.options)
 
@@ -114,7 +114,7 @@ def late_action(scene: LintScene) -> Iterator[Breach]:
 
 
 @rule("WMS304")
-def crowded(scene: LintScene) -> Iterator[Breach]:
+def too_many_contacts(scene: LintScene) -> Iterator[Breach]:
     """Find scenes with too many possible contacts: each step tests every pair, which makes episodes slow."""
     values = scene.values
     present = [t.name for t in values.spec.things if t.kind == "object" and values.is_present(t.name)]
@@ -143,7 +143,7 @@ def measure_outside_the_episode(scene: LintScene) -> Iterator[Breach]:
     for question in values.spec.questions:
         if not is_posed(question, values):
             continue
-        for expr, place in _measuring(question):
+        for expr, place in _measured_expressions(question):
             for call in (part for part in subexpressions(expr) if isinstance(part, Call)):
                 times = dict(_times(call, values))
                 if late := [time for time in times.values() if not values.during(time)]:
@@ -157,7 +157,7 @@ def measure_outside_the_episode(scene: LintScene) -> Iterator[Breach]:
                     yield Breach(what, place, "let `to` be later than `from`")
 
 
-def _measuring(question: Question) -> Iterator[tuple[Expr, Location]]:
+def _measured_expressions(question: Question) -> Iterator[tuple[Expr, Location]]:
     """Yield the expressions of a question that are measured on the episode."""
     yield question.answer, question.place
     yield from ((ensure.condition, ensure.place) for ensure in question.ensures)
@@ -179,7 +179,7 @@ RULES = (
     blind_camera,
     turned_camera,
     late_action,
-    crowded,
+    too_many_contacts,
     picture_after_the_end,
     measure_outside_the_episode,
 )

@@ -22,7 +22,7 @@ class LintTask:
 @rule("WMS403")
 def idle_factor(task: LintTask) -> Iterator[Breach]:
     """Find factors and nuisances without effect."""
-    used = _reached(task, _deciding(task.spec)) | _reached(task, _texts(task.spec))
+    used = _dependencies(task, _effective_expressions(task.spec)) | _dependencies(task, _texts(task.spec))
     for factor in task.spec.factors:
         if factor.name not in used:
             message = f"nothing depends on the {'nuisance' if factor.nuisance else 'factor'} `{factor.name}`"
@@ -32,7 +32,7 @@ def idle_factor(task: LintTask) -> Iterator[Breach]:
 @rule("WMS409")
 def factor_in_words_alone(task: LintTask) -> Iterator[Breach]:
     """Find factors that only the text of a question mentions."""
-    in_words_alone = _reached(task, _texts(task.spec)) - _reached(task, _deciding(task.spec))
+    in_words_alone = _dependencies(task, _texts(task.spec)) - _dependencies(task, _effective_expressions(task.spec))
     for factor in task.spec.factors:
         if not factor.nuisance and factor.name in in_words_alone:
             message = f"`{factor.name}` changes the words of a question, but neither the scene nor an answer"
@@ -58,7 +58,7 @@ def _texts(spec: TaskSpec) -> Iterator[Expr]:
         yield from (part.value for part in parts if isinstance(part, Interpolation))
 
 
-def _deciding(spec: TaskSpec) -> Iterator[Expr]:
+def _effective_expressions(spec: TaskSpec) -> Iterator[Expr]:
     """Yield the expressions that determine presence, events, visibility and answers."""
     yield spec.horizon
     for thing in spec.things:
@@ -72,7 +72,7 @@ def _deciding(spec: TaskSpec) -> Iterator[Expr]:
         yield from (e for e in some if e is not None)
 
 
-def _reached(task: LintTask, expressions: Iterable[Expr]) -> frozenset[str]:
+def _dependencies(task: LintTask, expressions: Iterable[Expr]) -> frozenset[str]:
     """Return the dependencies of expressions, with the factors tied to them by conditions."""
     factors = {f.name for f in task.spec.factors}
     ties = [task.depend.expression(r.condition) & factors for r in task.spec.requires]

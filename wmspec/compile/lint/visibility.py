@@ -23,7 +23,7 @@ def blind_cameras(values: Evaluator) -> tuple[str, ...]:
     boxes = list(relevant_boxes(values))
     cameras = dict.fromkeys(o.camera for o in values.spec.observations)
     still = [camera for camera in cameras if not values.has(camera, "ride")]
-    return tuple(c for c in still if boxes and not any(_in_view(values, c, box) for box in boxes))
+    return tuple(c for c in still if boxes and not any(_is_in_view(values, c, box) for box in boxes))
 
 
 def relevant_boxes(values: Evaluator) -> Iterator[Box]:
@@ -86,12 +86,12 @@ def swept_boxes(values: Evaluator, name: str) -> Iterator[Box]:
     here = values.pose(name).position
     for verb in (*CARRYING, "launch", "slide"):
         for action in values.actions_on(verb, name):
-            for there in _reached(values, action):
+            for there in _reached_points(values, action):
                 gone = add(there, scale(-1.0, here))
-                yield _around((low, high), (add(low, gone), add(high, gone)))
+                yield _union((low, high), (add(low, gone), add(high, gone)))
 
 
-def _reached(values: Evaluator, action: Entity) -> tuple[Vector, ...]:
+def _reached_points(values: Evaluator, action: Entity) -> tuple[Vector, ...]:
     """Return the extreme positions that an action takes its object to."""
     name, verb = action.name, action.verb
     if verb in CARRYING:
@@ -104,7 +104,7 @@ def _reached(values: Evaluator, action: Entity) -> tuple[Vector, ...]:
     return (add(values.pose(values.reference(name, "object")).position, scale(far, ahead)),)
 
 
-def _around(a: Box, b: Box) -> Box:
+def _union(a: Box, b: Box) -> Box:
     """Return the box around two boxes."""
     (p, q), (r, s) = a, b
     return (min(p[0], r[0]), min(p[1], r[1]), min(p[2], r[2])), (max(q[0], s[0]), max(q[1], s[1]), max(q[2], s[2]))
@@ -113,7 +113,7 @@ def _around(a: Box, b: Box) -> Box:
 # ---------------------------------------------------------------- what is in view
 
 
-def _in_view(values: Evaluator, camera: str, box: Box) -> bool:
+def _is_in_view(values: Evaluator, camera: str, box: Box) -> bool:
     """Whether no side of the picture excludes the whole box."""
     eye = values.vector(camera, "at")
     forward, right, up = _axes(eye, values.vector(camera, "look_at"))

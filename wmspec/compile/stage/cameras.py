@@ -39,7 +39,7 @@ def add_camera(doc: Document, name: str, values: Evaluator) -> None:
             )
         doc.add(path.rpartition("/")[0], "Scope", (), (f"{name}.ride",))
     prim = doc.add(path, "Camera", (), (f"{name}.ride",))
-    prim.set("xformOp:transform", "matrix4d", _looking(eye, target, values, name), f"{name}.at", f"{name}.look_at")
+    prim.set("xformOp:transform", "matrix4d", _look_at_matrix(eye, target, values, name), f"{name}.at", f"{name}.look_at")
     prim.set("xformOpOrder", "token[]", ("xformOp:transform",), uniform=True)
     focal = APERTURE / 2 / math.tan(values.number(name, "fov") / 2)
     prim.set("focalLength", "float", focal, f"{name}.fov")
@@ -49,7 +49,7 @@ def add_camera(doc: Document, name: str, values: Evaluator) -> None:
     prim.set("clippingRange", "float2", (NEAR, far), *((f"{name}.far",) if values.has(name, "far") else ()))
 
 
-def _looking(eye: Vector, target: Vector, values: Evaluator, name: str) -> Matrix:
+def _look_at_matrix(eye: Vector, target: Vector, values: Evaluator, name: str) -> Matrix:
     """Return USD's row-vector matrix of a camera at `eye` that looks at `target` with a level horizon."""
     forward = [t - e for e, t in zip(eye, target, strict=True)]
     length = math.hypot(*forward)
@@ -72,7 +72,7 @@ def add_light(doc: Document, name: str, world: str | None, values: Evaluator) ->
     sun = doc.add(f"/World/Lights/{name}", "DistantLight", shining, (shadows,))
     if shining:
         sun.set("inputs:shadow:enable", "bool", False, shadows)
-    aim = _looking((0.0, 0.0, 0.0), direction, values, name)
+    aim = _look_at_matrix((0.0, 0.0, 0.0), direction, values, name)
     sun.set("xformOp:transform", "matrix4d", aim, f"{name}.direction")
     sun.set("xformOpOrder", "token[]", ("xformOp:transform",), uniform=True)
     sun.set("inputs:intensity", "float", values.number(name, "diffuse"), f"{name}.diffuse")

@@ -33,7 +33,7 @@ def document(spec: TaskSpec, instance: Instance, change: Counterfactual | None =
 def build_document(values: Evaluator, objects: ObjectCache | None = None) -> Document:
     """Return the stage for the values of an instance, reusing prims of cached `objects`."""
     try:
-        return _built(values, objects.add if objects else add_object)
+        return _build(values, objects.add if objects else add_object)
     except WmsError as error:
         if values.change is None:
             raise
@@ -41,7 +41,7 @@ def build_document(values: Evaluator, objects: ObjectCache | None = None) -> Doc
         raise error.of(replace(d, notes=(*d.notes, note)) for d in error.diagnostics) from None
 
 
-def _built(values: Evaluator, make: Callable[[Document, str, Evaluator, frozenset[str], bool], None]) -> Document:
+def _build(values: Evaluator, make: Callable[[Document, str, Evaluator, frozenset[str], bool], None]) -> Document:
     spec = values.spec
     doc = Document({})
     doc.add("/World", "Xform")

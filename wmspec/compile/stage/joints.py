@@ -53,12 +53,12 @@ def add_joint(doc: Document, joint: Entity, values: Evaluator, carried: Mapping[
             )
     if "/World/Joints" not in doc.prims:
         doc.add("/World/Joints", "Scope", (), sources)
-    driven = _driven(joint, values)
+    driven = _is_driven(joint, values)
     schemas = (f"PhysicsDriveAPI:{_COORDINATES[joint.model][0]}",) if driven else ()
     prim = doc.add(joint_path(name), _TYPES[joint.model], schemas, (*sources, *_drive_sources(name)))
     frame = Pose(values.vector(name, "at"), _frame(joint, values))
     for number, body in enumerate((to, of)):
-        _side(prim, number, joint, body, frame, values)
+        _set_body(prim, number, joint, body, frame, values)
     if values.has(name, "touching") and values.flag(name, "touching"):
         prim.set("physics:collisionEnabled", "bool", True, f"{name}.touching")
     if joint.model in _COORDINATES:
@@ -98,10 +98,10 @@ def has_joint(values: Evaluator, owner: str) -> bool:
 
 def has_drive(joint: Entity, values: Evaluator) -> bool:
     """Whether a joint has a drive, whose target an action can change."""
-    return _driven(joint, values)
+    return _is_driven(joint, values)
 
 
-def _side(prim: Prim, number: int, joint: Entity, body: str | None, frame: Pose, values: Evaluator) -> None:
+def _set_body(prim: Prim, number: int, joint: Entity, body: str | None, frame: Pose, values: Evaluator) -> None:
     """Set one of the two bodies (or the world), and the joint's frame relative to it."""
     name = joint.name
     here = _place(joint, body, values)
@@ -137,7 +137,7 @@ def _frame(joint: Entity, values: Evaluator) -> Quaternion:
     return align_x(unit(axis))
 
 
-def _driven(joint: Entity, values: Evaluator) -> bool:
+def _is_driven(joint: Entity, values: Evaluator) -> bool:
     """Whether it has a drive. A drive with damping only brakes the joint."""
     if joint.model not in _COORDINATES:
         return False

@@ -146,7 +146,7 @@ def _override(layer: Sdf.Layer, path: str, before: Prim, after: Prim) -> None:
     if reapplied:
         _apply(spec, after.schemas)
     for name, attribute in attributes.items():
-        _attribute(spec, name, *_over(before.attributes.get(name), attribute))
+        _attribute(spec, name, *_as_override(before.attributes.get(name), attribute))
     for name in sorted(lost):
         gone = before.attributes[name]
         _attribute(spec, name, gone._replace(value=Sdf.ValueBlock(), connection=""), bool(gone.connection))
@@ -167,7 +167,7 @@ def _fallback(type: str, schemas: tuple[str, ...], name: str) -> Any:
     return whole.GetAttributeFallbackValue(name) if whole else None
 
 
-def _over(before: Attribute | None, after: Attribute) -> tuple[Attribute, bool]:
+def _as_override(before: Attribute | None, after: Attribute) -> tuple[Attribute, bool]:
     """Return the attribute as an override, and whether it ends a connection. A new connection hides the value."""
     if before is None or bool(before.connection) == bool(after.connection):
         return after, False

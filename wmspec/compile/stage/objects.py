@@ -35,7 +35,7 @@ def add_object(doc: Document, name: str, values: Evaluator, carriers: frozenset[
         )
     require_support(name, values)
     weighed = () if fixed or not solid or not masses.has_own_mass(name, values) else ("PhysicsMassAPI",)
-    passed = _passed(name, values)
+    passed = _pass_through_objects(name, values)
     filters = ("PhysicsFilteredPairsAPI",) if passed else ()
     schemas = filters if fixed else ("PhysicsRigidBodyAPI", *weighed, *filters)
     body = doc.add(object_path(name), "Xform", schemas, (f"{name}.fixed", f"{name}.present"))
@@ -49,7 +49,7 @@ def add_object(doc: Document, name: str, values: Evaluator, carriers: frozenset[
         spun = "spin_damping" if values.has(name, "spin_damping") else "damping"
         for kind, word in (("linear", "damping"), ("angular", spun)):
             body.set(f"physxRigidBody:{kind}Damping", "float", values.number(name, word), f"{name}.{word}")
-    _moving(body, name, values)
+    _set_velocities(body, name, values)
     if passed:
         others = tuple(object_path(other) for other in passed)
         body.relate("physics:filteredPairs", others, f"{name}.passes", *(f"{other}.present" for other in passed))
@@ -58,7 +58,7 @@ def add_object(doc: Document, name: str, values: Evaluator, carriers: frozenset[
     _pieces(doc, name, values, solid)
 
 
-def _moving(body: Prim, name: str, values: Evaluator) -> None:
+def _set_velocities(body: Prim, name: str, values: Evaluator) -> None:
     """Set the initial velocities; those of an asset's link are along the asset's axes."""
     base = assets.base(values, name)
     turned = frame(values, base).orientation if base else IDENTITY_QUAT
@@ -72,7 +72,7 @@ def _moving(body: Prim, name: str, values: Evaluator) -> None:
         body.set(f"physics:{attribute}", "vector3f", way, f"{name}.{word}", *((f"{base}.pose",) if base else ()))
 
 
-def _passed(name: str, values: Evaluator) -> tuple[str, ...]:
+def _pass_through_objects(name: str, values: Evaluator) -> tuple[str, ...]:
     """Return the present objects that it does not collide with."""
     passes = values.references(name, "passes") if values.has(name, "passes") else ()
     return tuple(other for other in passes if other != name and values.is_present(other))

@@ -28,7 +28,7 @@ def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]
     images: dict[str, Path] = {}
 
     def written(change: Counterfactual | None, of: Instance = instance) -> Document:
-        return _moved(document(spec, of, change), images)
+        return _with_local_files(document(spec, of, change), images)
 
     base, truth = written(None, design[0]), written(None)
     name = f"{instance.index:06d}"
@@ -52,22 +52,22 @@ def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]
     return [_write(folder / file, layer.ExportToString().encode()) for file, layer in layers.items()]
 
 
-def _moved(made: Document, images: dict[str, Path]) -> Document:
+def _with_local_files(made: Document, images: dict[str, Path]) -> Document:
     """Return the document with relative paths of images and assets; records their present paths in `images`."""
     for prim in made.prims.values():
         if prim.reference:
-            here = _name(Path(prim.reference), "assets")
+            here = _copy_name(Path(prim.reference), "assets")
             images[here] = Path(prim.reference)
             prim.reference = f"./{here}"
         for name, attribute in prim.attributes.items():
             if attribute.type == "asset":
-                here = _name(Path(attribute.value))
+                here = _copy_name(Path(attribute.value))
                 images[here] = Path(attribute.value)
                 prim.attributes[name] = attribute._replace(value=f"./{here}")
     return made
 
 
-def _name(image: Path, folder: str = "textures") -> str:
+def _copy_name(image: Path, folder: str = "textures") -> str:
     """Return the name of a file's copy, determined by its content."""
     return f"{folder}/{image.stem}-{blake2b(image.read_bytes(), digest_size=4).hexdigest()}{image.suffix.lower()}"
 

@@ -56,13 +56,13 @@ def info(name: str) -> Info:
 
     Raises WmsError if there is no such backend.
     """
-    return _loaded(name).info
+    return _load_backend(name).info
 
 
 @cache
 def backend(name: str) -> Backend:
     """Return a backend. Raises WmsError if there is none with that name, or if its engine is not installed."""
-    engine = _loaded(name)
+    engine = _load_backend(name)
     try:
         with silence():
             import_module(engine.info.module)
@@ -78,7 +78,7 @@ def backend(name: str) -> Backend:
     return engine
 
 
-def _loaded(name: str) -> Backend:
+def _load_backend(name: str) -> Backend:
     entries = _entries()
     if name in _registered:
         return _registered[name]
@@ -96,7 +96,7 @@ def _loaded(name: str) -> Backend:
 def default() -> str:
     """Return the default backend: the first with an importable engine, those of wmspec before others."""
     known = sorted(_entries().values(), key=lambda e: (e.dist is None or e.dist.name != "wmspec", e.name))
-    return next((e.name for e in known if _works(e.name)), "") or _none()[0]
+    return next((e.name for e in known if _is_importable(e.name)), "") or _none()[0]
 
 
 def select_backends(choice: str) -> tuple[str, ...]:
@@ -109,7 +109,7 @@ def select_backends(choice: str) -> tuple[str, ...]:
         for name in chosen:
             backend(name)
         return chosen or (default(),)
-    return tuple(name for name in names() if _works(name)) or _none()
+    return tuple(name for name in names() if _is_importable(name)) or _none()
 
 
 def require_look(engines: Sequence[str], look: Look) -> tuple[str, ...]:
@@ -123,7 +123,7 @@ def require_look(engines: Sequence[str], look: Look) -> tuple[str, ...]:
         photo.mitsuba()
     for name in engines:
         if not info(name).draws:
-            able = ", ".join(other for other in names() if _works(other) and info(other).draws)
+            able = ", ".join(other for other in names() if _is_importable(other) and info(other).draws)
             raise WmsError(
                 f"{name} cannot draw; choose among {able or 'engines yet to be installed'} with "
                 "--backend, or in `wmspec render` with --renderer"
@@ -148,7 +148,7 @@ def version_of(name: str) -> str:
     return photo.versions()[name] if name in photo.DISTRIBUTIONS else engine_version(name)
 
 
-def _works(name: str) -> bool:
+def _is_importable(name: str) -> bool:
     try:
         backend(name)
     except WmsError:

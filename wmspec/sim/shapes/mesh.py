@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from wmspec.core.space import HERE, Pose, Vector
+from wmspec.core.space import IDENTITY, Pose, Vector
 from wmspec.sim.shapes.polygons import Polygons
 from wmspec.sim.shapes.shape import Shape, Tensor
 
@@ -24,7 +24,7 @@ def hulls(parts: Iterable[ArrayLike]) -> tuple[tuple[Shape, Pose], ...]:
     import numpy as np
 
     none: NDArray[np.int32] = np.empty((0, 3), np.int32)
-    return tuple((Mesh(np.asarray(points), none), HERE) for points in parts)
+    return tuple((Mesh(np.asarray(points), none), IDENTITY) for points in parts)
 
 
 @dataclass(frozen=True, eq=False)
