@@ -96,7 +96,7 @@ SKEW = {"a": 0.7, "b": 0.2, "c": 0.1}
 def test_a_lap_has_every_answer_equally_often_whichever_of_its_groups_asks(seed: int, block: int) -> None:
     task = design(count=24)
     lap = balanced_batch(task, block, drawn(SKEW, seed))  # type: ignore[arg-type]
-    groups = task.lap(block)
+    groups = task.balance_batch(block)
     assert block in groups
     assert sorted(lap.answers) == sorted(i for b in groups for i in task.blocks.members(b))
     answers = [answer for each in lap.answers.values() for answer in each]
@@ -128,13 +128,13 @@ def test_an_answer_that_never_comes_is_told_with_how_often_the_others_did() -> N
 
 def test_the_laps_of_a_design_are_its_groups_each_once_with_the_same_crossed() -> None:
     task = design(plan="cross: tone  turn: wood  balance: far", count=20)
-    laps = {task.lap(block) for block in range(20)}
+    laps = {task.balance_batch(block) for block in range(20)}
     assert sorted(block for lap in laps for block in lap) == list(range(20))
     assert all(len({task.blocks.crossed(block) for block in lap}) == 1 for lap in laps)
     two = design(plan="turn: [tone, wood]  balance: far", count=20)
-    assert two.lap(0) == (0, 2, 4)
-    assert two.lap(3) == (1, 3, 5)
-    assert two.lap(19) == (19,)
+    assert two.balance_batch(0) == (0, 2, 4)
+    assert two.balance_batch(3) == (1, 3, 5)
+    assert two.balance_batch(19) == (19,)
 
 
 @settings(max_examples=30, deadline=None)
@@ -153,7 +153,7 @@ def test_a_sample_has_whole_laps(count: int) -> None:
     task = design()
     sampled = set(task.sample(count))
     for index in sampled:
-        lap = task.lap(task.blocks.locate(index)[0])
+        lap = task.balance_batch(task.blocks.locate(index)[0])
         assert sampled >= {i for block in lap for i in task.blocks.members(block)}
 
 

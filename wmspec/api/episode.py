@@ -21,7 +21,7 @@ from wmspec.core.places import FilePlace
 from wmspec.dataset.build import typeset, video
 from wmspec.dataset.build.overlay import annotate
 from wmspec.runtime.caches.trace_cache import TraceCache
-from wmspec.runtime.compare.regimes import entered
+from wmspec.runtime.compare.regimes import trace_regimes
 from wmspec.runtime.compare.tolerance import Tolerances
 from wmspec.runtime.engines import archive
 from wmspec.runtime.engines.registry import info
@@ -85,7 +85,7 @@ class Episode:
     @property
     def notes(self) -> tuple[Diagnostic, ...]:
         """Warnings: substitutions, approximations, and regimes in which the engine is known to be wrong."""
-        wrong = entered(self.scene, self.trace, Tolerances().event)
+        wrong = trace_regimes(self.scene, self.trace, Tolerances().event)
         doubts = (Diagnostic(regime.sentence, severity="warning") for regime in wrong)
         nearly = approximation_warnings(info(self.engine).lacks, self.scene)
         return tuple(dict.fromkeys((*self.scene.notes, *nearly, *doubts)))

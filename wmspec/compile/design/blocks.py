@@ -193,7 +193,9 @@ class _Turn:
 
     def __init__(self, columns: Sequence[Column], crossed: Sequence[str], key: tuple[object, ...]) -> None:
         self.crossed = tuple(sorted(crossed))
-        self._parts = tuple(_GroupColumn(column, frozenset(crossed), (*key, *sorted(column.names))) for column in columns)
+        self._parts = tuple(
+            _GroupColumn(column, frozenset(crossed), (*key, *sorted(column.names))) for column in columns
+        )
         sizes = [part.even for part in self._parts]
         #: The size of each group, or None if sizes differ.
         self.even = None if None in sizes else prod(size for size in sizes if size is not None)

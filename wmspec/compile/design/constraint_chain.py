@@ -34,7 +34,7 @@ class _Link:
     context: tuple[int, ...]
     choices: dict[tuple[int, ...], tuple[Sequence[int], Sequence[int]]]
 
-    def ways(self, at: Sequence[int]) -> int:
+    def completions(self, at: Sequence[int]) -> int:
         """Return the number of choices of this factor and its dependents, given the earlier values `at`."""
         reached = self.choices[tuple([at[v] for v in self.context])][1]
         return reached[-1] if reached else 0
@@ -56,7 +56,7 @@ class Chain:
         order = _order(tuple(map(len, self._values)), [_scope(c, self.names) for c in constraints], self.names)
         self._order = order
         self._links = _links([len(self._values[v]) for v in order], self._placed(constraints))
-        self.size = prod(link.ways(()) for link in self._links if not link.context)
+        self.size = prod(link.completions(()) for link in self._links if not link.context)
 
     def _placed(self, constraints: Sequence[Constraint]) -> list[tuple[tuple[int, ...], frozenset[tuple[int, ...]]]]:
         """Return constraints as positions of their factors in the counting order, with their allowed combinations."""
@@ -183,7 +183,7 @@ def _choices(
     for level in range(sizes[v]):
         known[v] = level
         if all(tuple([known[u] for u in scope]) in table for scope, table in conditions):
-            count = prod(link.ways(known) for link in hanging)
+            count = prod(link.completions(known) for link in hanging)
             if count:
                 levels.append(level)
                 ways.append(count)

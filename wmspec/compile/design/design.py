@@ -134,7 +134,7 @@ class Design:
         others = (self.index(here.factors | {factor: value}, here.block) for value in domain.values)
         return tuple(other for other in others if other is not None and other != index)
 
-    def lap(self, block: int) -> tuple[int, ...]:
+    def balance_batch(self, block: int) -> tuple[int, ...]:
         """Return the blocks that are generated together with this one: itself, or its balance batch.
 
         A balance batch has one block per answer, all of which cross the same factors.
@@ -178,7 +178,7 @@ class Design:
 
     def _laps(self) -> Iterator[list[int]]:
         """Yield the members of all balance batches."""
-        laps = dict.fromkeys(map(self.lap, map(self._order, range(self.blocks.count))))
+        laps = dict.fromkeys(map(self.balance_batch, map(self._order, range(self.blocks.count))))
         return ([index for block in lap for index in self.blocks.members(block)] for lap in laps)
 
     def _parts(self) -> Iterator[tuple[int, ...]]:
@@ -191,7 +191,7 @@ class Design:
             yield next(groups[-1])
         yield from (part for turn in zip_longest(*groups) for part in turn if part is not None)
 
-    def drawn_with(self, index: int) -> tuple[int, int, int]:
+    def sample_part(self, index: int) -> tuple[int, int, int]:
         """Return the part that `sample` takes together with an instance: number, position in it and size.
 
         A balance that follows the parts occurs equally often in every sample.

@@ -56,7 +56,7 @@ class Listed:
 
     def __init__(self, rows: Sequence[Ranks]) -> None:
         self._rows = tuple(rows)
-        self._where = {row: i for i, row in enumerate(self._rows)}
+        self._positions = {row: i for i, row in enumerate(self._rows)}
         self.size = len(self._rows)
 
     def ranks(self, position: int) -> Ranks:
@@ -65,7 +65,7 @@ class Listed:
 
     def position(self, ranks: Ranks) -> int | None:
         """Return the number of the row with this combination, or None."""
-        return self._where.get(ranks)
+        return self._positions.get(ranks)
 
 
 class Sample:
@@ -133,7 +133,7 @@ class _Digit:
 
     def __call__(self, position: int) -> int:
         row, column = divmod(position, self.below)
-        return (self._begun(row) + (self._known[column] if self._known else self._shuffled(column))) % self.base
+        return (self._row_start(row) + (self._known[column] if self._known else self._shuffled(column))) % self.base
 
     def extended(self, column: int, digit: int) -> int:
         """Return the position modulo `below * base`, given its remainder `column` modulo `below` and the digit."""
@@ -142,7 +142,7 @@ class _Digit:
         row = (begun - cycle) // self._common * pow(self._extra // self._common, -1, step) % step
         return column + self.below * (row + cycle * step)
 
-    def _begun(self, row: int) -> int:
+    def _row_start(self, row: int) -> int:
         """Return the start of a row: after the extra values of earlier rows; one further per full round."""
         return row * self._extra + row % self.base * self._common // self.base
 
@@ -170,9 +170,9 @@ class Latin:
         return tuple(s.rank(o(position) % s.count) for s, o in zip(self._spreads, self._orders, strict=True))
 
     @cached_property
-    def _where(self) -> dict[Ranks, int]:
+    def _positions(self) -> dict[Ranks, int]:
         return {self.ranks(position): position for position in reversed(range(self.size))}
 
     def position(self, ranks: Ranks) -> int | None:
         """Return the first position of a combination, or None; builds an index of all positions."""
-        return self._where.get(ranks)
+        return self._positions.get(ranks)

@@ -303,7 +303,7 @@ class Evaluator:
         """Raise WmsError for numbers that are out of bounds."""
         if isinstance(value, str | bool):
             return
-        slot = _slot(thing, name)
+        slot = _property_spec(thing, name)
         for number in value if isinstance(value, tuple) else (value,):
             if isinstance(number, float) and (fault := _violation(number, slot)):
                 raise ImpossibleValue(f"`{name}` of `{thing.name}` is {fault}", place)
@@ -326,9 +326,9 @@ class Evaluator:
             return start
         early, late = sorted((change.owner, change.property), key=lambda a: self.truth.number(a, "start"))
         first, second = self.truth.number(early, "start"), self.truth.number(late, "start")
-        return first if owner == late else second + self._lasts(late) - self._lasts(early)
+        return first if owner == late else second + self._duration(late) - self._duration(early)
 
-    def _lasts(self, action: str) -> float:
+    def _duration(self, action: str) -> float:
         return self.truth.number(action, "duration") if self.has(action, "duration") else 0.0
 
 
@@ -354,7 +354,7 @@ def _violation(number: float, slot: PropertySpec | None) -> str:
     return ""
 
 
-def _slot(thing: Entity, name: str) -> PropertySpec | None:
+def _property_spec(thing: Entity, name: str) -> PropertySpec | None:
     if thing.kind != "action":
         return PROPERTIES[thing.kind].get(name)
     if name in ("start", "duration"):

@@ -34,7 +34,10 @@ def hidden_object(scene: LintScene) -> Iterator[Breach]:
     }
     for name in (name for name in things if name in needed and not things[name].set):
         around = list(corners(bounds(pieces(values, name), values.pose(name))))
-        by = [_hiding_object(values.vector(camera, "at"), around, [w for w in walls if w[0] != name]) for camera in cameras]
+        by = [
+            _hiding_object(values.vector(camera, "at"), around, [w for w in walls if w[0] != name])
+            for camera in cameras
+        ]
         if all(by):
             what = f"`{name}` is moved or asked about, and hidden behind `{by[0]}` from `{cameras[0]}` {scene.where}"
             note = Note(f"`{by[0]}` is declared here", values.source_location(by[0] or ""))

@@ -76,7 +76,9 @@ def object_far_away(scene: LintScene) -> Iterator[Breach]:
     things = [t for t in values.spec.things if t.kind == "object" and not t.set and values.is_present(t.name)]
     for name in (t.name for t in things if t.name in needed.union(relevant_objects(values))):
         boxes = list(swept_boxes(values, name))
-        if cameras and all(_covered_share(values, camera, box) < MIN_VISIBLE_SHARE for camera in cameras for box in boxes):
+        if cameras and all(
+            _covered_share(values, camera, box) < MIN_VISIBLE_SHARE for camera in cameras for box in boxes
+        ):
             what = f"`{name}` is too small to be seen from `{cameras[0]}` {scene.where}"
             yield Breach(what, values.source_location(name, "at"), "is this the unit that is meant?", about=name)
 

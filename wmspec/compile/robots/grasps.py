@@ -93,7 +93,7 @@ def place(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     here = arm.tool
     there = translation(*way) @ here
     over = translation(way[0], way[1], max(way[2] + 0.06, 0.0)) @ here
-    up, rest = translation(0.0, 0.0, APPROACH_HEIGHT) @ there, arm.drawn_back(there)
+    up, rest = translation(0.0, 0.0, APPROACH_HEIGHT) @ there, arm.retracted(there)
     legs = [
         ToolSegment(0.30 * lasts, straight(here, over), arm.width),
         ToolSegment(0.48 * lasts, straight(over, there), arm.width),
@@ -102,7 +102,7 @@ def place(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
         ToolSegment(lasts, straight(up, rest), arm.arm.opening),
     ]
     held = arm.held == thing.name
-    made.let_go(action, made.number(action, "start") + 0.48 * lasts)
+    made.release(action, made.number(action, "start") + 0.48 * lasts)
     made.go(action, legs)
     return thing.moved(way) if held else thing
 
@@ -113,7 +113,7 @@ def drop(made: Plan, acts: Sequence[Entity], thing: Manipuland) -> Manipuland:
     arm = made.arms[action.of]
     made.require_held(action)
     held = arm.held == thing.name
-    made.let_go(action, made.number(action, "start"))
+    made.release(action, made.number(action, "start"))
     made.go(action, [ToolSegment(part * HAND_OPENING_TIME, stay(arm.tool), arm.arm.opening) for part in (0.5, 1.0)])
     if not held or any(other.held == thing.name for other in made.arms.values()):
         return thing

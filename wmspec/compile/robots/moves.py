@@ -124,7 +124,7 @@ def _plan_push(
         ToolSegment(0.65 * lasts, stay(there), apart),  # stops the spline from overshooting by 0.1 mm
         ToolSegment(0.695 * lasts, straight(there, back), apart),
         ToolSegment(0.762 * lasts, straight(back, above @ back), apart),
-        ToolSegment(lasts, straight(above @ back, arm.drawn_back(back)), arm.arm.opening),
+        ToolSegment(lasts, straight(above @ back, arm.retracted(back)), arm.arm.opening),
     ]
     made.go(action, legs)
 
@@ -197,12 +197,12 @@ def _along_joint(made: Plan, action: Entity, handle: Manipuland, sign: float) ->
         ToolSegment(OPEN_SPAN[1] * lasts, lambda s: np.asarray(move(s) @ at), closed),
         ToolSegment(0.70 * lasts, stay(there), opened),
         ToolSegment(0.77 * lasts, straight(there, above @ there), opened),
-        ToolSegment(lasts, straight(above @ there, arm.drawn_back(there)), opened),
+        ToolSegment(lasts, straight(above @ there, arm.retracted(there)), opened),
     ]
     made.go(action, legs)
     start = made.number(action, "start")
     made.hold(action, handle.name, start + OPEN_SPAN[0] * lasts, FIRM_POINTS)
-    made.let_go(action, start + OPEN_SPAN[1] * lasts)
+    made.release(action, start + OPEN_SPAN[1] * lasts)
     made.opened[joint] = made.opened.get(joint, 0.0) + by
     return handle.put(move(1.0))
 

@@ -68,7 +68,7 @@ class ArmState:
         """The frame of its tool."""
         return self.arm.tool(self.q, self.base)
 
-    def drawn_back(self, tool: Array) -> Array:
+    def retracted(self, tool: Array) -> Array:
         """Return the pose of the retracted hand, with the orientation of `tool`."""
         rest = tool.copy()
         rest[:3, 3] = self.arm.tool(self.arm.rest, self.base)[:3, 3]
@@ -159,7 +159,7 @@ class Plan:
         self.reaches[action.name] = replace(self.reaches[action.name], hold=held)
         arm.held, arm.since = name, action.name
 
-    def let_go(self, action: Entity, moment: float) -> None:
+    def release(self, action: Entity, moment: float) -> None:
         """Record that the arm releases its object at `moment` (s)."""
         arm = self.arms[action.of]
         reach = self.reaches.get(arm.since)

@@ -39,7 +39,9 @@ def add_camera(doc: Document, name: str, values: Evaluator) -> None:
             )
         doc.add(path.rpartition("/")[0], "Scope", (), (f"{name}.ride",))
     prim = doc.add(path, "Camera", (), (f"{name}.ride",))
-    prim.set("xformOp:transform", "matrix4d", _look_at_matrix(eye, target, values, name), f"{name}.at", f"{name}.look_at")
+    prim.set(
+        "xformOp:transform", "matrix4d", _look_at_matrix(eye, target, values, name), f"{name}.at", f"{name}.look_at"
+    )
     prim.set("xformOpOrder", "token[]", ("xformOp:transform",), uniform=True)
     focal = APERTURE / 2 / math.tan(values.number(name, "fov") / 2)
     prim.set("focalLength", "float", focal, f"{name}.fov")

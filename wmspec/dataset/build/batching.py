@@ -34,7 +34,7 @@ def batches(spec: TaskSpec, seed: int, indices: Sequence[int]) -> Iterator[list[
     if spec.plan.balance:
         laps: dict[tuple[int, ...], list[int]] = {}
         for index in indices:
-            laps.setdefault(design.lap(design.blocks.locate(index)[0]), []).append(index)
+            laps.setdefault(design.balance_batch(design.blocks.locate(index)[0]), []).append(index)
         yield from ([tuple(lap)] for lap in laps.values())
         return
     batch_key = _BatchKey(design)

@@ -23,12 +23,12 @@ def cause(
     apart: float,
 ) -> Cause | None:
     """Return the first divergence, or None; a pair separate for more than `apart` (s) makes a new contact."""
-    parted = _parted(scene, *differences, float(traces[0].time[-1]))
+    parted = _divergences(scene, *differences, float(traces[0].time[-1]))
     if not parted:
         return None
     began, name = min(parted)
     body = _body(scene, name)
-    contact = _before(name, began, traces, apart)
+    contact = _previous_contact(name, began, traces, apart)
     if contact is None:
         return Cause(run, name, began, None, None, None, None, None, _ALONE)
     other = _body(scene, contact.second if contact.first == name else contact.first)
@@ -47,7 +47,7 @@ def cause(
     )
 
 
-def _parted(
+def _divergences(
     scene: Scene, gaps: Sequence[Gap], events: Sequence[Event], rests: Sequence[Rest], end: float
 ) -> list[tuple[float, str]]:
     """Return the times (s) at which bodies diverge, with their names."""
@@ -64,7 +64,7 @@ def _movable(scene: Scene, event: Event) -> str:
     return event.first if _body(scene, event.first).motion == "dynamic" else event.second
 
 
-def _before(name: str, time: float, traces: tuple[Trace, Trace], apart: float) -> Contact | None:
+def _previous_contact(name: str, time: float, traces: tuple[Trace, Trace], apart: float) -> Contact | None:
     """Return the latest impact of a body until `time` (s) in either engine, or else its support."""
     met = [c for t in traces for c in impacts(t, apart) if name in (c.first, c.second) and c.start <= time]
     lay = [c for t in traces for c in t.contacts if name in (c.first, c.second) and c.start <= time]
@@ -76,22 +76,22 @@ def _material(a: Body, b: Body) -> Friction:
     return combine_friction(colliders(a)[0].friction, colliders(b)[0].friction)
 
 
-def _round(body: Body) -> bool:
+def _is_round(body: Body) -> bool:
     return all(g.shape.symmetry == "ball" for g in colliders(body))
 
 
-def _edged(body: Body) -> bool:
+def _has_edges(body: Body) -> bool:
     return any(g.shape.rim for g in colliders(body))
 
 
 def _hint(body: Body, other: Body, material: Friction, impacts: int) -> str:
     """Return a remedy for the most likely cause that no engine setting removes."""
-    balls = _round(body) and _round(other)
+    balls = _is_round(body) and _is_round(other)
     if material.restitution >= 0.3 and not balls:
         return (
             "what bounces on an edge is chaotic, in any one engine too: lower the restitution, or look before it lands"
         )
-    if _edged(body) or _edged(other):
+    if _has_edges(body) or _has_edges(other):
         return "cylinders and cones touch at a rim, which engines resolve differently: use a box, a sphere or a capsule"
     if impacts > 3:
         return "small differences grow with every impact: look earlier, or let fewer bodies meet"

@@ -53,11 +53,11 @@ def regimes(scene: Scene, traces: tuple[Trace, ...], apart: float) -> tuple[Regi
     """Return the regimes of a scene and its traces, each kind once; contacts are new after `apart` (s)."""
     engines = [info(trace.engine) for trace in traces if trace.engine in names()]
     found = [Regime(d.message, str(d.place)) for engine in engines for d in approximation_warnings(engine.lacks, scene)]
-    found += [regime for trace in traces for regime in entered(scene, trace, apart)]
+    found += [regime for trace in traces for regime in trace_regimes(scene, trace, apart)]
     return tuple({regime.kind: regime for regime in reversed(found)}.values())[::-1]
 
 
-def entered(scene: Scene, trace: Trace, apart: float) -> tuple[Regime, ...]:
+def trace_regimes(scene: Scene, trace: Trace, apart: float) -> tuple[Regime, ...]:
     """Return the regimes in one trace, each kind once."""
     found = [Regime(ROW, where) for where in _rows(scene, trace, apart)]
     engine = info(trace.engine) if trace.engine in names() else None
@@ -79,7 +79,11 @@ def _rows(scene: Scene, trace: Trace, apart: float) -> Iterator[str]:
             continue
         for other in free:
             shared = {hit.first, hit.second} & {other.first, other.second}
-            meets = len(shared) == 1 and other.start <= hit.start <= other.stop and _beside(scene, trace, hit, other)
+            meets = (
+                len(shared) == 1
+                and other.start <= hit.start <= other.stop
+                and _are_side_by_side(scene, trace, hit, other)
+            )
             if meets and min(_bounce(bodies, hit), _bounce(bodies, other)) >= ELASTIC_RESTITUTION:
                 (middle,) = shared
                 first, third = (c.first if c.second == middle else c.second for c in (hit, other))
@@ -91,7 +95,7 @@ def _bounce(bodies: dict[str, Body], contact: Contact) -> float:
     return combine_friction(*pair).restitution
 
 
-def _beside(scene: Scene, trace: Trace, *contacts: Contact) -> bool:
+def _are_side_by_side(scene: Scene, trace: Trace, *contacts: Contact) -> bool:
     """Whether touching bodies are side by side, not on top of each other."""
     size = np.linalg.norm(scene.gravity)
     up = scene.gravity / size if size else np.zeros(3)
@@ -149,7 +153,7 @@ def _whips(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
         ends = {joint.first, joint.second}
         if joint.first is None or not any(ends & {j.first, j.second} for j in swings if j is not joint):
             continue
-        if _balanced(scene.bodies[index[joint.first]], joint.first_frame, joint.kind) or _balanced(
+        if _is_balanced(scene.bodies[index[joint.first]], joint.first_frame, joint.kind) or _is_balanced(
             scene.bodies[index[joint.second]], joint.second_frame, joint.kind
         ):
             continue
@@ -197,7 +201,7 @@ def _energy(scene: Scene, trace: Trace, i: int) -> tuple[NDArray[np.float64], ND
     return motion, -inertia.mass * (trace.position[:, i] + rotate(turn, inertia.center)) @ scene.gravity
 
 
-def _balanced(body: Body, frame: Pose, kind: JointKind) -> bool:
+def _is_balanced(body: Body, frame: Pose, kind: JointKind) -> bool:
     """Whether a body's centre of mass is on the axis of its hinge, or at its ball joint."""
     if body.inertia is None:
         return False

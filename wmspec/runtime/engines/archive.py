@@ -49,7 +49,7 @@ def load(path: Path) -> tuple[Usd.Stage, Trace]:
     """
     place = FilePlace(str(path))
     try:
-        _sized(regular_file(path))
+        _check_size(regular_file(path))
         with np.load(path, allow_pickle=False) as file:
             arrays: dict[str, Any] = dict(file)
         contacts = zip(arrays["contacts"].tolist(), arrays["contact_times"].tolist(), strict=True)
@@ -59,7 +59,7 @@ def load(path: Path) -> tuple[Usd.Stage, Trace]:
             **{name: np.asarray(arrays[name]) for name in ARRAYS},
             contacts=tuple(Contact(*pair, *times) for pair, times in contacts),
         )
-        fault = _fault(trace)
+        fault = _violation(trace)
         stage = None if fault else _stage(str(arrays["stage"]))
     except FileNotFoundError:
         raise WmsError("there is no such file", place) from None
@@ -73,7 +73,7 @@ def load(path: Path) -> tuple[Usd.Stage, Trace]:
     return stage, trace
 
 
-def _sized(path: Path) -> None:
+def _check_size(path: Path) -> None:
     """Raise TooLarge or ValueError if an archive unpacks to more than the limit, or than its headers declare."""
     with zipfile.ZipFile(path) as archive:
         if sum(member.file_size for member in archive.infolist()) > TRACE_BYTES.most:
@@ -94,7 +94,7 @@ def _stage(text: str) -> Usd.Stage | None:
     return None if layer.GetCompositionAssetDependencies() else Usd.Stage.Open(layer)
 
 
-def _fault(trace: Trace) -> str:
+def _violation(trace: Trace) -> str:
     """Return a description of invalid numbers in a trace, or an empty string."""
     t, n = len(trace.time.reshape(-1)), len(trace.bodies)
     expected = dict(zip(ARRAYS, [(t,), (t, n, 3), (t, n, 4), (t, n, 3), (t, n, 3)], strict=True))

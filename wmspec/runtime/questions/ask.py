@@ -167,7 +167,7 @@ class _Row:
         """Return the place of the truth, balanced over the design and over every sample of it."""
         if self.asking.question.orbit:
             return closed_slot(self.design, self.instance, self.q)
-        (turn, place, many), (seed, name, _) = self.design.drawn_with(self.instance.index), self.key
+        (turn, place, many), (seed, name, _) = self.design.sample_part(self.instance.index), self.key
         position = turn * many + permuted(place, many, seed, name, self.q, turn, "position")
         return ShuffledSlot(position, (*self.key, "order"))
 

@@ -43,7 +43,7 @@ def balanced_batch(design: Design, block: int, ask: Ask) -> BalanceBatch:
     One draw of each group is tried in turn, and the first valid combination is kept. A draw counts if every member
     yields the question, by the answers of the first engine.
     """
-    lap, tried = design.lap(block), _TriedDraws(design)
+    lap, tried = design.balance_batch(block), _TriedDraws(design)
     most = len(design.blocks.members(block))  # groups of a batch: as many as answers, of equal size
     ways: list[dict[Counts, Group]] = [{} for _ in lap]
     first: dict[int, Answers] = {}
