@@ -1,9 +1,9 @@
-"""Seconds of processor time that an instance of each task costs in one process, with what the whole task would take.
+"""Processor time per instance of each task in one process, and an estimate for the whole task.
 
     python -m benchmarks.cost specs/perception specs/prediction --tried 16
 
-Units are made as `generate` would, without the first instance, which starts engines. Unlike `generate --dry-run`, which
-measures how long workers take, this bears company: what else the machine does counts little.
+Units are generated as by `generate`, without the first instance, which starts engines. Unlike `generate --dry-run`, it
+measures processor time, which depends little on other load.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.worker import CacheStats, Job, make_instances
 from wmspec.runtime.workers.pool import PoolConfig
 
-#: Of a unit so many pieces are made.
+#: The most pieces generated of a unit.
 PIECES = 16
 
 
 def cost(job: Job, task: Task, seed: int, tried: int) -> tuple[float, int, CacheStats]:
-    """Seconds for some instances from all over the task, how many they are, and how much they shared."""
+    """Return the seconds for instances spread over the task, their number, and the cache statistics."""
     every, seconds, made, shared = list(batches(task.spec, seed, task.indices)), 0.0, 0, CacheStats()
     make_instances(job, task.spec.name, every[-1][0])
     for number in range(0, len(every) - 1, max(1, len(every) * 4 // tried)):

@@ -1,8 +1,7 @@
-"""Episodes and their pictures in bare engines, as one would write it by hand: nothing is shared, asked or checked.
+"""Hand-written loops in bare engines: episodes and pictures without sharing, questions or checks.
 
-Physics is each engine's own, stepped at the same rate by the loop that native scripts have. Pictures are drawn by what
-the engine draws with if nothing is said, encoded as wmspec does; of the state at the beginning or the end, which costs
-what any other does. No contact shadows, no masks; in PyBullet and SAPIEN no images on things.
+Each engine steps at the same rate, as in native scripts. The engine's default renderer draws the initial or final
+state, encoded as in wmspec. No contact shadows, no masks; in PyBullet and SAPIEN no textures.
 """
 
 from __future__ import annotations
@@ -32,12 +31,12 @@ from wmspec.sim.scene.physics.episode import kinematic_recording, play
 from wmspec.sim.scene.render.camera import projection_matrix, view_matrix
 from wmspec.sim.scene.render.texcoords import texcoords
 
-#: Executes episodes, and draws as many pictures of each, of this size.
+#: Executes episodes, and draws this many pictures of each, with this size.
 Loop = Callable[[list[tuple[Scene, int]], int], None]
 
 
 def _mujoco(every: list[tuple[Scene, int]], size: int) -> None:
-    """One model an episode, but for nudges, which have that of the truth; one renderer an episode."""
+    """One model and one renderer per episode; perturbed episodes reuse the model."""
     last: mujoco.MjModel | None = None
     last_kind: object = None  # what moves freely and what will be held is in the model
     for scene, pictures in every:
@@ -58,7 +57,7 @@ def _mujoco(every: list[tuple[Scene, int]], size: int) -> None:
 
 
 def _pybullet(every: list[tuple[Scene, int]], size: int) -> None:
-    """One world and one client to draw with an episode; TinyRenderer with its own shadows."""
+    """One world and one rendering client per episode; TinyRenderer with its own shadows."""
     for scene, pictures in every:
         whole, timeline = in_pybullet.prepare(scene)
         if kinematic_recording(timeline) is None:
@@ -83,7 +82,7 @@ def _pybullet(every: list[tuple[Scene, int]], size: int) -> None:
 
 
 def _shown(scene: Scene) -> int:
-    """A client that has everything that is visible, where it begins."""
+    """Return a client with all visible objects in their initial poses."""
     client: int = pybullet.connect(pybullet.DIRECT)
     for body in scene.bodies:
         for geom in (geom for geom in body.geoms if geom.visible):
@@ -98,7 +97,7 @@ def _shown(scene: Scene) -> int:
 
 
 def _sapien(every: list[tuple[Scene, int]], size: int) -> None:
-    """One world and one scene to draw an episode; SAPIEN's own shaders, compiled before."""
+    """One world and one rendering scene per episode; SAPIEN's own shaders, compiled in advance."""
     _compiled()
     for scene, pictures in every:
         whole, timeline = in_sapien.prepare(scene)
@@ -120,7 +119,7 @@ def _sapien(every: list[tuple[Scene, int]], size: int) -> None:
 
 @cache
 def _compiled() -> Any:
-    """A scene that stays: while it does, SAPIEN keeps its compiled shaders."""
+    """Return a scene that keeps SAPIEN's compiled shaders alive."""
     world = sapien.Scene([sapien.render.RenderSystem()])
     world.add_directional_light([0, 0, -1], [1, 1, 1], shadow=True)
     camera = world.add_camera("eye", 16, 16, 1.0, 0.1, 10.0)
@@ -130,7 +129,7 @@ def _compiled() -> Any:
 
 
 def _cameras(scene: Scene, pictures: int) -> Iterator[Any]:
-    """The camera of each picture, in turns."""
+    """Yield the camera of each picture, in turn."""
     return (scene.cameras[number % len(scene.cameras)] for number in range(pictures))
 
 

@@ -1,12 +1,11 @@
-"""How fast a task of 96 instances with 8 physics is made, next to a loop in bare MuJoCo that shares nothing.
+"""Speed of a task of 96 instances with 8 physics, compared with a loop in bare MuJoCo without sharing.
 
     python -m benchmarks.share [--size 256] [--native 12]
 
-The loop executes the same episodes (the truth, the counterfactuals, the nudge) of the same models, and draws the same
-pictures (those shown and the options), of every instance for itself: MuJoCo's own `mj_step`, at the same rate, and
-`Renderer`, one renderer an episode, PNGs of the same compression. It makes no questions, measures nothing and checks
-nothing. Of it only some instances are made. All times are CPU time of one process, in turns, so that what else the
-machine does is shared.
+The loop executes the same episodes (truth, counterfactuals, perturbation) of the same models, and draws the same
+pictures, for some instances separately. It uses MuJoCo's `mj_step` at the same rate, one `Renderer` per episode, and
+PNGs of the same compression. It creates no questions and checks nothing. Both alternate in one process, measured in
+processor time.
 """
 
 from __future__ import annotations
@@ -94,7 +93,7 @@ def main() -> None:
 
 
 def _episodes(design: Design, index: int, pair: EnginePair) -> list[tuple[Scene, tuple[float, ...]]]:
-    """The scenes of an instance, each with the times of its pictures."""
+    """Return the scenes of an instance, each with the times of its pictures."""
     instance, (question,) = design[index], design.spec.questions
     truth = execute(design, instance, None, pair)
     others: list[Run] = [execute(design, instance, c, pair) for c in question.alternatives(instance.factors)]
@@ -104,7 +103,7 @@ def _episodes(design: Design, index: int, pair: EnginePair) -> list[tuple[Scene,
 
 
 def native(scene: Scene, times: tuple[float, ...], size: int) -> None:
-    """Execute an episode and draw its pictures as one would by hand."""
+    """Execute an episode and draw its pictures with MuJoCo's API only."""
     whole, timeline = prepare(scene)
     text = mjcf(scene, timeline, whole)
     model = mujoco.MjModel.from_xml_string(text)

@@ -3,7 +3,7 @@
 python -m tools.composition [SPEC...] [--count 30] [--size 256]
 
 Instances are spread over each task and executed in MuJoCo. `together` is the share of a picture covered by all objects
-that the first question names, or by movable objects if it names none. `wide` is the share of the frame width that each
+of the first question, or by movable objects if it names none. `wide` is the share of the frame width that each
 visible object covers: median and quartiles. `cut` is the percentage of objects cut off by an edge of the frame.
 """
 

@@ -117,7 +117,7 @@ def run(folder: Path) -> None:
 
 
 def spread(results: dict[str, Any]) -> float | None:
-    """Return the largest distance (m) between final positions of a body; None for fewer than two engines."""
+    """Return the largest distance (m) between final positions in two engines; None for fewer than two engines."""
     ran = [one["bodies"] for one in results.values() if "bodies" in one]
     pairs = [(a[name], b[name]) for a, b in combinations(ran, 2) for name in a]
     if len(ran) < 2:

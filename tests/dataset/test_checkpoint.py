@@ -58,7 +58,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
                     BatchResult((outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),)),
                 )
 
-        monkeypatch.setattr("wmspec.dataset.build.generate.by_units", by_units)
+        monkeypatch.setattr("wmspec.dataset.build.generate.map_batches", map_batches)
         with Dataset.open(tmp_path / "out", PLAN) as dataset:
             generate(dataset, PoolConfig(1, 1), lambda task, count: None, PriorInstances(before, PLAN))
             dataset.finish()

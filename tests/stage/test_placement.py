@@ -207,7 +207,7 @@ def test_another_seed_scatters_anew_and_the_tenth_comes_after_the_second() -> No
 def test_where_one_finds_no_room_all_are_laid_anew(monkeypatch: pytest.MonkeyPatch) -> None:
     narrow = [values(TABLE, *dots(9, 9, scatter=(0.16, 0.16)), seed=seed) for seed in range(8)]
     assert all(there.pose("dots_8") for there in narrow)
-    monkeypatch.setattr(scatter, "DEALS", 1)
+    monkeypatch.setattr(scatter, "MAX_ROUNDS", 1)
     refused = 0
     for seed in range(8):
         try:

@@ -122,7 +122,8 @@ def _function(name: str) -> str:
         return ""
     function = FUNCTIONS[name]
     where = "\n\nMeasured on the executed episode." if function.measured else ""
-    return f"```wms\n{signature(name, function)}\n```\n{function.meaning}; gives {type_with_example(function.result)}{where}"
+    result = type_with_example(function.result)
+    return f"```wms\n{signature(name, function)}\n```\n{function.meaning}; returns {result}{where}"
 
 
 def slot_markdown(name: str, slot: PropertySpec) -> str:

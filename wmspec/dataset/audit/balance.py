@@ -83,15 +83,16 @@ def guessing_gain(test: Test) -> float:
 
 def judge(test: Test) -> Finding:
     """Return the finding of a test."""
-    asked = sum(map(sum, test.counts))
+    count = sum(map(sum, test.counts))
     what = f"{test.first} and {test.second} are independent" if test.second else f"the {test.first} is uniform"
     wrong = f"{test.first} depends on {test.second}" if test.second else f"the {test.first} is not uniform"
-    how = f"({test.method}, p = {test.corrected:.2g}, strength {test.strength:.2f}, {asked:,} questions)"
+    how = f"({test.method}, p = {test.corrected:.2g}, strength {test.strength:.2f}, {count:,} questions)"
     if test.corrected < SIGNIFICANCE and test.strength >= MIN_STRENGTH:
         return Finding("balance", test.task, "fails" if test.judged else "told", f"{wrong} {how}")
     if not test.judged:
         return Finding("balance", test.task, "told", f"{what} within the power of the test {how}")
-    power = f"a strength of {test.least:.2f} would have been detected, {100 * guessing_gain(test):.0f} points above guessing"
+    gain = f"{100 * guessing_gain(test):.0f} points above guessing"
+    power = f"a strength of {test.least:.2f} would have been detected, {gain}"
     if guessing_gain(test) > MAX_MISSED_GAIN:
         return Finding("balance", test.task, "unclear", f"{what} {how}; {power}: too few questions for a conclusion")
     return Finding("balance", test.task, "holds", f"{what} {how}; {power}")

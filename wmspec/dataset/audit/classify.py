@@ -105,78 +105,78 @@ class ProbeFeatures:
     ranked: bool = False
 
 
-def cross_validated_scores(seen: ProbeFeatures, asked: ProbeDataset) -> Array:
+def cross_validated_scores(seen: ProbeFeatures, data: ProbeDataset) -> Array:
     """Return the score of every question by a classifier fitted to the other folds: 1, 0, or a fraction at a tie.
 
     Features of options are taken relative to the mean of a question's options, so that only differences between options
     count. Features of questions distinguish options by their names.
     """
-    scores = np.zeros(len(asked.owner))
-    for held in asked.folds:
-        here = np.isin(asked.owner, held)
-        scores[here] = _scores(seen, asked, ~here, here, FOREST_TREES)
-    return top1_score(scores, asked)
+    scores = np.zeros(len(data.owner))
+    for held in data.folds:
+        here = np.isin(data.owner, held)
+        scores[here] = _scores(seen, data, ~here, here, FOREST_TREES)
+    return top1_score(scores, data)
 
 
-def nested_scores(seen: ProbeFeatures, asked: ProbeDataset) -> Array:
+def nested_scores(seen: ProbeFeatures, data: ProbeDataset) -> Array:
     """Return scores (folds, questions) of classifiers fitted without the row's fold and the question's fold.
 
     A row is independent of its own fold. It can therefore select a probe that is then judged on that fold. Scores of
     the row's own fold are 0.
     """
-    inside = [np.isin(asked.owner, held) for held in asked.folds]
-    scores = np.zeros((len(inside), len(asked.owner)))
+    inside = [np.isin(data.owner, held) for held in data.folds]
+    scores = np.zeros((len(inside), len(data.owner)))
     for one, other in combinations(range(len(inside)), 2):
         either = inside[one] | inside[other]
-        told = np.zeros(len(asked.owner))
-        told[either] = _scores(seen, asked, ~either, either, SELECTION_TREES)
-        scores[one, inside[other]], scores[other, inside[one]] = told[inside[other]], told[inside[one]]
-    right = np.stack([top1_score(row, asked) for row in scores])
-    for row, held in zip(right, asked.folds, strict=True):
+        scored = np.zeros(len(data.owner))
+        scored[either] = _scores(seen, data, ~either, either, SELECTION_TREES)
+        scores[one, inside[other]], scores[other, inside[one]] = scored[inside[other]], scored[inside[one]]
+    right = np.stack([top1_score(row, data) for row in scores])
+    for row, held in zip(right, data.folds, strict=True):
         row[held] = 0
     return right
 
 
-def top1_score(scores: Array, asked: ProbeDataset) -> Array:
+def top1_score(scores: Array, data: ProbeDataset) -> Array:
     """Return 1 where the true option scores highest, 1/n where n options tie with it, else 0."""
-    best = np.maximum.reduceat(scores, asked.starts)
-    top = scores >= best[asked.owner] - 1e-9
-    ties = np.add.reduceat(top.astype(np.float64), asked.starts)
-    return np.asarray(np.add.reduceat((top & asked.truth).astype(np.float64), asked.starts) / ties)
+    best = np.maximum.reduceat(scores, data.starts)
+    top = scores >= best[data.owner] - 1e-9
+    ties = np.add.reduceat(top.astype(np.float64), data.starts)
+    return np.asarray(np.add.reduceat((top & data.truth).astype(np.float64), data.starts) / ties)
 
 
 def _scores(
-    seen: ProbeFeatures, asked: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int
+    seen: ProbeFeatures, data: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int
 ) -> Array:
     """Return the score of every option in `here` by a classifier fitted to `fitted`."""
-    return (_of_options if seen.of == "options" else _of_questions)(seen, asked, fitted, here, trees)
+    return (_of_options if seen.of == "options" else _of_questions)(seen, data, fitted, here, trees)
 
 
 def _of_options(
-    seen: ProbeFeatures, asked: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int
+    seen: ProbeFeatures, data: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int
 ) -> Array:
-    x = asked.centred(seen.features)
+    x = data.centred(seen.features)
     if seen.ranked:
-        x = np.concatenate([x, asked.ranks(seen.features)], axis=1)
+        x = np.concatenate([x, data.ranks(seen.features)], axis=1)
     if seen.model == "forest":
-        return _probabilities(x[fitted], asked.truth[fitted], x[here], trees)[1][:, -1]
-    y = asked.centred(asked.truth[:, None].astype(np.float64))[:, 0]
+        return _probabilities(x[fitted], data.truth[fitted], x[here], trees)[1][:, -1]
+    y = data.centred(data.truth[:, None].astype(np.float64))[:, 0]
     return _linear(x[fitted], y[fitted], x[here])
 
 
 def _of_questions(
-    seen: ProbeFeatures, asked: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int
+    seen: ProbeFeatures, data: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int
 ) -> Array:
-    true, held, others = asked.name[asked.truth], here[asked.starts], fitted[asked.starts]
+    true, held, others = data.name[data.truth], here[data.starts], fitted[data.starts]
     x = seen.features
     if seen.model == "forest":
         classes, scores = _probabilities(x[others], true[others], x[held], trees)
     else:
         classes = np.unique(true[others])
         scores = _linear(x[others], (true[others, None] == classes).astype(np.float64), x[held])
-    place = np.searchsorted(classes, asked.name[here]).clip(max=len(classes) - 1)
-    row = np.searchsorted(np.flatnonzero(held), asked.owner[here])
-    return np.where(classes[place] == asked.name[here], scores[row, place], -1.0)
+    place = np.searchsorted(classes, data.name[here]).clip(max=len(classes) - 1)
+    row = np.searchsorted(np.flatnonzero(held), data.owner[here])
+    return np.where(classes[place] == data.name[here], scores[row, place], -1.0)
 
 
 def _linear(x: Array, y: Array, unseen: Array) -> Array:

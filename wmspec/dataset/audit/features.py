@@ -69,9 +69,9 @@ def colours(cases: Sequence[Case]) -> Array:
 def texts(cases: Sequence[Case]) -> Array:
     """Return the words of question and option, crossed; with the position if options are pictures."""
     option = positions(cases) if cases[0].has_picture_options else _words_of(cases)
-    asked = _bag([_words(c.row["text"]) for c in cases])
-    asked = asked[:, asked.std(0) > 0]  # drop words that every question has
-    each = np.split(_with_products(option, np.repeat(asked, [c.count for c in cases], axis=0)), _ends(cases))
+    question_words = _bag([_words(c.row["text"]) for c in cases])
+    question_words = question_words[:, question_words.std(0) > 0]  # drop words that every question has
+    each = np.split(_with_products(option, np.repeat(question_words, [c.count for c in cases], axis=0)), _ends(cases))
     return principal_components(np.concatenate([of_one - of_one.mean(0) for of_one in each]), MAX_TEXT_COMPONENTS)
 
 

@@ -71,7 +71,7 @@ def _task(audit: Audit, task: str) -> dict[str, Any]:
 def verdict(audit: Audit) -> str:
     """Return the outcome in a sentence."""
     number = {v: sum(s.verdict == v for s in audit.summaries) for v in ("holds", "unclear", "fails")}
-    wording = {"holds": "pass", "unclear": "cannot be told", "fails": "fail"}
+    wording = {"holds": "pass", "unclear": "are inconclusive", "fails": "fail"}
     many = len(audit.summaries)
     tasks = ", ".join(f"{number[v]:,} {wording[v]}" for v in number if number[v])
     whole = "" if audit.passed or number["fails"] else "; files of the dataset are gone"

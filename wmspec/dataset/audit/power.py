@@ -88,16 +88,13 @@ def thresholds(reaches: Sequence[ProbePower]) -> list[float]:
     return [threshold(len(reaches))] * len(reaches)
 
 
-def learned_gains(seen: ProbeFeatures, asked: ProbeDataset, chance: Array) -> tuple[float, ...]:
+def learned_gains(seen: ProbeFeatures, data: ProbeDataset, chance: Array) -> tuple[float, ...]:
     """Return the gain above chance, with a power of 0.8, from a shortcut of each of the sizes."""
     random = np.random.default_rng(SEED)
     times = range(INJECTIONS[seen.model])
     return gain_quantile(
         [
-            [
-                float((cross_validated_scores(*inject_shortcut(seen, asked, size, random)) - chance).mean())
-                for _ in times
-            ]
+            [float((cross_validated_scores(*inject_shortcut(seen, data, size, random)) - chance).mean()) for _ in times]
             for size in SHORTCUT_SIZES
         ]
     )
@@ -126,28 +123,27 @@ def smallest_detectable(reach: ProbePower, beyond: float) -> float:
 
 
 def inject_shortcut(
-    seen: ProbeFeatures, asked: ProbeDataset, size: float, random: np.random.Generator
+    seen: ProbeFeatures, data: ProbeDataset, size: float, random: np.random.Generator
 ) -> tuple[ProbeFeatures, ProbeDataset]:
     """Return the input with a random truth, and a shortcut injected into one feature.
 
-    The feature indicates the truth in so many questions that its accuracy is `size` above chance; in the others it is
-    wrong.
+    The feature indicates the truth in a share of questions that gives it an accuracy of `size` above chance.
     """
-    count = asked.sizes
-    places = (random.random(asked.count) * count).astype(np.int64)
-    relabelled = asked.with_labels(places)
-    tells = random.random(asked.count) < size / (1 - (1 / count).mean())
-    claimed = np.where(tells, places, (random.random(asked.count) * count).astype(np.int64))
+    count = data.sizes
+    places = (random.random(data.count) * count).astype(np.int64)
+    relabelled = data.with_labels(places)
+    tells = random.random(data.count) < size / (1 - (1 / count).mean())
+    claimed = np.where(tells, places, (random.random(data.count) * count).astype(np.int64))
     features = seen.features.copy()
     of_options = seen.of == "options"
-    able = _unique_maxima(features, asked) if of_options else _value_room(features)
+    able = _unique_maxima(features, data) if of_options else _value_room(features)
     column = _shortcut_feature(features, able, random)
     if able[column] < MIN_UNIQUE_MAXIMA:  # no feature can hold a shortcut
         features[:, column] = random.random(len(features))
     if of_options:
-        features[:, column] = _largest_at_claim(features[:, column], asked, claimed, random)
+        features[:, column] = _largest_at_claim(features[:, column], data, claimed, random)
     else:
-        features[:, column] = _bands_by_name(features[:, column], asked.name[asked.starts + claimed], random)
+        features[:, column] = _bands_by_name(features[:, column], data.name[data.starts + claimed], random)
     return replace(seen, features=features), relabelled
 
 
@@ -166,18 +162,18 @@ def _value_room(features: Array) -> Array:
     return np.array([min(1.0, len(np.unique(column.round(9))) / MIN_VALUES) for column in features.T])
 
 
-def _unique_maxima(features: Array, asked: ProbeDataset) -> Array:
+def _unique_maxima(features: Array, data: ProbeDataset) -> Array:
     """Return the share of questions in which one option clearly has the largest value: (d,)."""
-    largest = np.repeat(np.maximum.reduceat(features, asked.starts), asked.sizes, axis=0)
+    largest = np.repeat(np.maximum.reduceat(features, data.starts), data.sizes, axis=0)
     near = features >= largest - np.maximum(MIN_LEAD * features.std(0), 1e-9)
-    having = np.add.reduceat(near.astype(np.float64), asked.starts)
+    having = np.add.reduceat(near.astype(np.float64), data.starts)
     return np.asarray((having == 1).mean(0))
 
 
-def _largest_at_claim(column: Array, asked: ProbeDataset, claimed: np.ndarray, random: np.random.Generator) -> Array:
+def _largest_at_claim(column: Array, data: ProbeDataset, claimed: np.ndarray, random: np.random.Generator) -> Array:
     """Return each question's values in random order, with the largest at the claimed position."""
     put = column.copy()
-    for start, size, place in zip(asked.starts, asked.sizes, claimed, strict=True):
+    for start, size, place in zip(data.starts, data.sizes, claimed, strict=True):
         values = random.permutation(column[start : start + size])
         best = int(values.argmax())
         values[[best, place]] = values[[place, best]]

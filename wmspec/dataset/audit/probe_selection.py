@@ -39,21 +39,21 @@ class CandidateProbes:
     picks: Array
 
     @classmethod
-    def of(cls, seen: Sequence[Callable[[], ProbeFeatures]], asked: ProbeDataset) -> CandidateProbes:
+    def of(cls, seen: Sequence[Callable[[], ProbeFeatures]], data: ProbeDataset) -> CandidateProbes:
         """Return the scores of probes with these inputs."""
-        right, picks = zip(*(_tried(look(), asked) for look in seen), strict=True)
+        right, picks = zip(*(_tried(look(), data) for look in seen), strict=True)
         return cls(np.stack(right), np.stack(picks))
 
-    def best(self, asked: ProbeDataset) -> tuple[Array, NDArray[np.int64]]:
+    def best(self, data: ProbeDataset) -> tuple[Array, NDArray[np.int64]]:
         """Return the score of every question by the selected probe, and the probe selected in each fold."""
         picked = self.picks.round(9).argmax(0)
-        judged = np.zeros(asked.count)
-        for held, probe in zip(asked.folds, picked, strict=True):
+        judged = np.zeros(data.count)
+        for held, probe in zip(data.folds, picked, strict=True):
             judged[held] = self.right[probe, held]
         return judged, picked
 
     def learned(
-        self, seen: Sequence[Callable[[], ProbeFeatures]], asked: ProbeDataset, chance: Array
+        self, seen: Sequence[Callable[[], ProbeFeatures]], data: ProbeDataset, chance: Array
     ) -> tuple[float, ...]:
         """Return the selected probe's gain, with a power of 0.8, from a shortcut in one of the probes.
 
@@ -61,23 +61,23 @@ class CandidateProbes:
         """
         random = np.random.default_rng(SEED)
         return gain_quantile(
-            [[self._gained(seen, asked, chance, s, random) for _ in range(INJECTIONS)] for s in SHORTCUT_SIZES]
+            [[self._gained(seen, data, chance, s, random) for _ in range(INJECTIONS)] for s in SHORTCUT_SIZES]
         )
 
     def _gained(
         self,
         seen: Sequence[Callable[[], ProbeFeatures]],
-        asked: ProbeDataset,
+        data: ProbeDataset,
         chance: Array,
         size: float,
         random: np.random.Generator,
     ) -> float:
-        told = int(random.integers(len(seen)))
+        injected = int(random.integers(len(seen)))
         right, picks = self.right.copy(), self.picks.copy()
-        right[told], picks[told] = _tried(*inject_shortcut(seen[told](), asked, size, random))
-        return float((replace(self, right=right, picks=picks).best(asked)[0] - chance).mean())
+        right[injected], picks[injected] = _tried(*inject_shortcut(seen[injected](), data, size, random))
+        return float((replace(self, right=right, picks=picks).best(data)[0] - chance).mean())
 
 
-def _tried(seen: ProbeFeatures, asked: ProbeDataset) -> tuple[Array, Array]:
-    others = asked.count - np.array([len(held) for held in asked.folds])
-    return cross_validated_scores(seen, asked), nested_scores(seen, asked).sum(1) / others
+def _tried(seen: ProbeFeatures, data: ProbeDataset) -> tuple[Array, Array]:
+    others = data.count - np.array([len(held) for held in data.folds])
+    return cross_validated_scores(seen, data), nested_scores(seen, data).sum(1) / others

@@ -60,7 +60,7 @@ class _ProbeSpec:
     seen: Look | None = None
     scores: Array | None = None  # set for a rule, which is not fitted
     pictured: bool = False  # sees a context picture, so options may be eliminated (`state.struck_out`)
-    rival: bool = False  # competes for selection as the best probe
+    competes: bool = False  # competes for selection as the best probe
 
 
 def probes(unit: Unit) -> list[Probe]:
@@ -72,9 +72,9 @@ def probes(unit: Unit) -> list[Probe]:
     if len(set(groups)) < MIN_GROUPS:
         return []
     task, lines = _ProbedTask(unit.name, cases, groups), list(_probe_specs(cases))
-    made = [task.probe(line) for line in lines if not line.rival]
-    for family in dict.fromkeys(line.family for line in lines if line.rival):
-        made += task.rivals(family, [line for line in lines if line.rival and line.family == family])
+    made = [task.probe(line) for line in lines if not line.competes]
+    for family in dict.fromkeys(line.family for line in lines if line.competes):
+        made += task.rivals(family, [line for line in lines if line.competes and line.family == family])
     return made
 
 
@@ -85,27 +85,27 @@ class _ProbedTask:
         self._name, self._cases, self._groups = name, cases, groups
         everything, struck = [np.zeros(c.count, dtype=bool) for c in cases], state.eliminated_options(cases)
         self._kept = ~np.concatenate(struck)
-        self._asked = {False: _probe_dataset(cases, groups, everything), True: _probe_dataset(cases, groups, struck)}
+        self._data = {False: _probe_dataset(cases, groups, everything), True: _probe_dataset(cases, groups, struck)}
 
     def probe(self, line: _ProbeSpec) -> Probe:
         """Return the result of a probe."""
-        asked = self._asked[line.pictured]
+        data = self._data[line.pictured]
         if line.scores is not None:
             scores = line.scores[self._kept] if line.pictured else line.scores
-            return self._probe(line, top1_score(scores, asked))
+            return self._probe(line, top1_score(scores, data))
         seen = self._seen(line)
-        learned = power.learned_gains(seen, asked, 1 / asked.sizes) if line.judged else None
-        return self._probe(line, cross_validated_scores(seen, asked), learned)
+        learned = power.learned_gains(seen, data, 1 / data.sizes) if line.judged else None
+        return self._probe(line, cross_validated_scores(seen, data), learned)
 
     def rivals(self, family: Family, lines: Sequence[_ProbeSpec]) -> list[Probe]:
         """Return the results of competing probes, and of the best of them."""
         # Cached: every injection uses the same features, which are small and costly to compute.
-        asked, seen = self._asked[True], [cache(partial(self._seen, line)) for line in lines]
-        rivals = CandidateProbes.of(seen, asked)
-        right, picked = rivals.best(asked)
+        data, seen = self._data[True], [cache(partial(self._seen, line)) for line in lines]
+        rivals = CandidateProbes.of(seen, data)
+        right, picked = rivals.best(data)
         commonest = lines[int(np.bincount(picked).argmax())].sees
         best = _ProbeSpec(f"the best {_BEST[family]} ({commonest})", family, True, _FEWER, pictured=True)
-        learned = rivals.learned(seen, asked, 1 / asked.sizes)
+        learned = rivals.learned(seen, data, 1 / data.sizes)
         each = [self._probe(line, answered) for line, answered in zip(lines, rivals.right, strict=True)]
         return [*each, self._probe(best, right, learned)]
 
@@ -116,7 +116,7 @@ class _ProbedTask:
         return replace(seen, features=seen.features[self._kept]) if kept else seen
 
     def _probe(self, line: _ProbeSpec, right: Array, learned: tuple[float, ...] | None = None) -> Probe:
-        chance = 1 / self._asked[line.pictured].sizes
+        chance = 1 / self._data[line.pictured].sizes
         return Probe(
             task=self._name,
             sees=line.sees,
@@ -182,23 +182,25 @@ def _views(shown: int) -> Iterator[tuple[int, ...]]:
 
 def _picture_probes(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_ProbeSpec]:
     """Yield the probes that see these pictures with the question and its options."""
-    rival = _sees_too_few_moments(cases, views)
-    if len(views) > 1 and not rival:
+    competes = _sees_too_few_moments(cases, views)
+    if len(views) > 1 and not competes:
         return  # these pictures are meant to suffice
     family: Family = "picture" if len(views) == 1 else "pair"
     name = f"picture {views[0] + 1}" if len(views) == 1 else f"pictures {views[0] + 1} and {views[1] + 1}"
     known = state.has_object_states(cases)
 
     def line(what: str, seen: Look, framed: bool = False) -> _ProbeSpec:
-        why = _FRAMED if framed else _RIVAL if rival else _ENOUGH
-        return _ProbeSpec(f"{name}: {what}", family, False, why, seen, pictured=True, rival=rival and not framed)
+        why = _FRAMED if framed else _RIVAL if competes else _ENOUGH
+        return _ProbeSpec(f"{name}: {what}", family, False, why, seen, pictured=True, competes=competes and not framed)
 
     if len(views) == 1 or not known:  # for two pictures, object states are stronger features
         yield line("pixels", _pixels(cases, views))
     if not known:
         return
     if cases[0].has_picture_options:
-        yield line("objects", _forest(state.option_states, cases, views), rival and state.reveals_initial_state(cases))
+        yield line(
+            "objects", _forest(state.option_states, cases, views), competes and state.reveals_initial_state(cases)
+        )
         return
     yield line("objects", _forest(state.question_states, cases, views, "questions"))
     if np.mean([state.named_objects(c)[c.row["answer"]] is not None for c in cases]) > 0.5:

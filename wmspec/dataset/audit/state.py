@@ -87,8 +87,8 @@ def named_objects(case: Case) -> list[str | None]:
     looks = {seen["name"]: seen["look"].split() for seen in case.row.get("context_objects") or ()}
     names: list[str | None] = []
     for option in case.row["option_name"]:
-        meant = [name for name, words in looks.items() if option == name or option in words]
-        names.append(meant[0] if len(meant) == 1 else None)
+        matches = [name for name, words in looks.items() if option == name or option in words]
+        names.append(matches[0] if len(matches) == 1 else None)
     return names
 
 
@@ -139,11 +139,11 @@ def _present_words(case: Case) -> set[str]:
 def _named(pictures: Sequence[Objects], about: bool, text: str = "") -> list[str]:
     """Return the names of the objects in order, at most MOST_OBJECTS."""
     said = text.lower().replace("?", " ").replace(",", " ").replace(".", " ").split()
-    asked: dict[str, tuple[bool, int]] = {}
+    sort_keys: dict[str, tuple[bool, int]] = {}
     for picture in pictures:
         for name, seen in picture.items():
-            asked[name] = not (about and seen["asked"]), -sum(said.count(word) for word in seen["look"].split())
-    return sorted(asked, key=lambda name: (*asked[name], name))[:MAX_OBJECTS]
+            sort_keys[name] = not (about and seen["asked"]), -sum(said.count(word) for word in seen["look"].split())
+    return sorted(sort_keys, key=lambda name: (*sort_keys[name], name))[:MAX_OBJECTS]
 
 
 def _step(a: Array, b: Array) -> Array:

@@ -130,9 +130,9 @@ def holm(p: Sequence[float]) -> list[float]:
     return corrected
 
 
-def clopper_pearson(right: float, asked: int, confidence: float) -> tuple[float, float]:
+def clopper_pearson(right: float, count: int, confidence: float) -> tuple[float, float]:
     """Return the exact interval of a proportion (Clopper & Pearson 1934); `right` may be fractional, from ties."""
     tail = (1 - confidence) / 2
-    low = float(stats.beta.ppf(tail, right, asked - right + 1)) if right > 0 else 0.0
-    high = float(stats.beta.isf(tail, right + 1, asked - right)) if right < asked else 1.0
+    low = float(stats.beta.ppf(tail, right, count - right + 1)) if right > 0 else 0.0
+    high = float(stats.beta.isf(tail, right + 1, count - right)) if right < count else 1.0
     return low, high

@@ -31,14 +31,14 @@ def baselines(files: Iterable[Path]) -> Baselines:
     """Return the baselines of a task from its shard files. Raises OSError if one cannot be read."""
     columns = ["block", "question", "answer", "option_kind", "option_name", "option_text"]
     rows: list[Row] = [row for file in files for row in pq.read_table(file, columns=columns).to_pylist()]
-    asked = [row for row in rows if row["answer"] is not None]
-    count = max(len(asked), 1)
+    answered = [row for row in rows if row["answer"] is not None]
+    count = max(len(answered), 1)
     return Baselines(
-        questions=len(asked),
+        questions=len(answered),
         groups=len({row["block"] for row in rows}),
-        chance=sum(1 / len(row["option_kind"]) for row in asked) / count,
-        answer=_most_frequent_hits(asked, "option_name") / count,
-        place=_most_frequent_hits(asked, "") / count,
+        chance=sum(1 / len(row["option_kind"]) for row in answered) / count,
+        answer=_most_frequent_hits(answered, "option_name") / count,
+        place=_most_frequent_hits(answered, "") / count,
     )
 
 

@@ -170,11 +170,11 @@ def _baselines(scores: Mapping[str, Baselines]) -> str:
         for name, b in scores.items()
         if b.questions
     ]
-    told = (
+    consensus_text = (
         "What is right without looking: by guessing, by always saying the answer, or the place of it, that is most "
         "often true. `wmspec audit` tells whether classifiers do better without what it takes."
     )
-    return f"## Baselines\n\n{told}\n\n{_table(head, rows)}"
+    return f"## Baselines\n\n{consensus_text}\n\n{_table(head, rows)}"
 
 
 def bibtex(plan: Plan, total: Summary) -> str:
@@ -243,10 +243,10 @@ def format_level(value: Level) -> str:
 def _rejected(total: Summary) -> str:
     if not total.rejected:
         return "## Rejected\n\nNothing was rejected."
-    asked = total.rows + sum(total.rejected.values())
-    rows = [[reason, n, f"{n / asked:.1%}", REASONS.get(reason, "")] for reason, n in total.rejected.items()]
+    total_questions = total.rows + sum(total.rejected.values())
+    rows = [[reason, n, f"{n / total_questions:.1%}", REASONS.get(reason, "")] for reason, n in total.rejected.items()]
     counts = _table(["reason", "questions", "share", "meaning"], rows)
-    return f"## Rejected\n\nOf {asked:,} questions asked, one an engine:\n\n{counts}"
+    return f"## Rejected\n\nOf {total_questions:,} questions asked, one an engine:\n\n{counts}"
 
 
 def _reasons(rejected: dict[str, int]) -> str:

@@ -12,7 +12,7 @@ from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.rows import CHANNELS, COLUMNS, schema
 from wmspec.dataset.build.shards import Record
 
-#: The context that the specification asks for, as far as it is used here.
+#: The JSON-LD context of the specification, restricted to the terms used here.
 CONTEXT: dict[str, Any] = {
     "@language": "en",
     "@vocab": "https://schema.org/",

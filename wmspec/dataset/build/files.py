@@ -19,7 +19,7 @@ from wmspec.core.safe_io import make_folders
 PROGRESS = ".progress"
 #: The file with the plan of the dataset.
 PLAN = "plan.json"
-#: The files of a finished dataset besides its data; the manifest marks it as complete.
+#: The files of a finished dataset in addition to its data; the manifest marks it as complete.
 CARD = "README.md"
 CROISSANT = "croissant.json"
 MANIFEST = "manifest.json"

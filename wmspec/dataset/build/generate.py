@@ -104,10 +104,10 @@ def _units(job: Job, plan: Plan, making: Iterable[_PendingShard]) -> Iterator[li
     """Yield the work of all tasks in order, one unit of pieces at a time."""
     for task, shards in groupby(making, key=lambda one: one.task):
         of_task = list(shards)
-        wanted = [index for one in of_task for index in one.shard.indices if index in one.missing]
-        if wanted:
+        missing_indices = [index for one in of_task for index in one.shard.indices if index in one.missing]
+        if missing_indices:
             own = job.of(task)
-            for unit in batches(of_task[0].shard.task.spec, plan.seed, wanted):
+            for unit in batches(of_task[0].shard.task.spec, plan.seed, missing_indices):
                 yield [(own, task, piece) for piece in unit]
 
 

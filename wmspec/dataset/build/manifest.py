@@ -41,7 +41,7 @@ class TaskSummary:
 def top_reasons(rejected: Mapping[str, int], examples: Mapping[str, Rejected]) -> list[str]:
     """Return the most frequent rejection reasons, one line each, with an example."""
     often = sorted(rejected.items(), key=lambda one: (-one[1], one[0]))[:MAX_REASONS]
-    return [f"  {n:,} {reason}, such as {told(examples[reason])}" for reason, n in often]
+    return [f"  {n:,} {reason}, such as {describe(examples[reason])}" for reason, n in often]
 
 
 def by_reason(lost: Sequence[Rejected]) -> tuple[dict[str, int], dict[str, Rejected]]:
@@ -50,7 +50,7 @@ def by_reason(lost: Sequence[Rejected]) -> tuple[dict[str, int], dict[str, Rejec
     return dict(sorted(counted.items())), {str(r.reason): r for r in reversed(lost)}
 
 
-def told(one: Rejected) -> str:
+def describe(one: Rejected) -> str:
     """Return a rejection in words."""
     question = f" question {one.question + 1}" if one.question else ""
     return f"instance {one.index}{question} in {one.engine}: {one.detail}"
@@ -79,7 +79,7 @@ class Summary:
         """The first failure in full."""
         if self.crash is not None:
             return self.crash.told()
-        return next((told(t.examples[r]) for t in self.tasks for r in sorted(FAILED) if r in t.examples), "")
+        return next((describe(t.examples[r]) for t in self.tasks for r in sorted(FAILED) if r in t.examples), "")
 
     @property
     def rows(self) -> int:
@@ -111,9 +111,9 @@ def summary(plan: Plan, records: Mapping[str, Record]) -> Summary:
 
 
 def _count(plan: Plan, task: Task, lost: list[Rejected]) -> TaskSummary:
-    asked = len(task.indices) * len(task.spec.questions)
+    planned = len(task.indices) * len(task.spec.questions)
     by_engine = Counter(r.engine for r in lost)
-    rows = {engine: asked - by_engine[engine] for engine in plan.engines}
+    rows = {engine: planned - by_engine[engine] for engine in plan.engines}
     failed = len({r.index for r in lost if r.reason in FAILED})
     return TaskSummary(task.spec.name, len(task.indices), rows, *by_reason(lost), failed)
 

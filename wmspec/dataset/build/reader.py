@@ -109,10 +109,10 @@ class DatasetReader:
         """
         for path in self.shards(task):
             file = _open_parquet(self.folder / path)
-            wanted = columns or [name for name in file.schema_arrow.names if name not in CHANNELS]
+            selected = columns or [name for name in file.schema_arrow.names if name not in CHANNELS]
             try:
                 for group in range(file.num_row_groups):
-                    for number, row in _group(file, group, wanted, only):
+                    for number, row in _group(file, group, selected, only):
                         self._check(path, number, row, task)
                         yield row
             except (OSError, pa.ArrowException, ValueError) as error:

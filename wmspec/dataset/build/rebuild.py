@@ -26,25 +26,25 @@ def rebuild_plan(folder: Path, like: Plan) -> dict[str, Any] | None:
         return None
     try:
         dataset = DatasetReader.open(folder)
-        asked = {name: _indices(dataset, name) for name in dataset.tasks}
+        indices = {name: _indices(dataset, name) for name in dataset.tasks}
     except (WmsError, OSError, pa.ArrowException):
         return None
     known = {task.spec.name: task for task in like.tasks}
-    for whole in (like, *(_plans(like, known, asked) if asked.keys() <= known.keys() else ())):
+    for whole in (like, *(_plans(like, known, indices) if indices.keys() <= known.keys() else ())):
         if whole.fingerprint == dataset.manifest.get("fingerprint"):
             return dict(whole.record)
     return None
 
 
-def _plans(like: Plan, known: dict[str, Task], asked: dict[str, list[int]]) -> list[Plan]:
+def _plans(like: Plan, known: dict[str, Task], indices: dict[str, list[int]]) -> list[Plan]:
     """Return candidate plans."""
-    tasks = tuple(Task(task.spec, tuple(asked[name])) for name, task in known.items() if name in asked)
+    tasks = tuple(Task(task.spec, tuple(indices[name])) for name, task in known.items() if name in indices)
     return [replace(like, tasks=tasks)]
 
 
 def _indices(dataset: DatasetReader, task: str) -> list[int]:
     """Return the instances of a task, in order."""
-    asked = {r["index"] for r in dataset.manifest["rejected"]["list"] if r["task"] == task}
+    indices = {r["index"] for r in dataset.manifest["rejected"]["list"] if r["task"] == task}
     for path in dataset.shards(task):
-        asked.update(pq.read_table(regular_file(dataset.folder / path), columns=["index"])["index"].to_pylist())
-    return sorted(asked)
+        indices.update(pq.read_table(regular_file(dataset.folder / path), columns=["index"])["index"].to_pylist())
+    return sorted(indices)

@@ -30,10 +30,10 @@ class ShardFile:
     shard: Shard
     record: Record
 
-    def outcomes(self, wanted: Iterable[int]) -> dict[int, Outcome]:
+    def outcomes(self, requested: Iterable[int]) -> dict[int, Outcome]:
         """Return the outcomes of the given instances."""
         outcomes = read_outcomes(self.folder, self.shard, self.record)
-        return {i: outcomes[i] for i in wanted}
+        return {i: outcomes[i] for i in requested}
 
     @property
     def indices(self) -> Iterator[int]:
@@ -54,11 +54,11 @@ class PriorInstances:
 
     def outcomes(self, shard: Shard) -> dict[int, Outcome]:
         """Return the outcomes of a shard's instances that were made before, by index."""
-        task, wanted = shard.task.spec.name, dict[str, tuple[ShardFile, list[int]]]()
+        task, requested = shard.task.spec.name, dict[str, tuple[ShardFile, list[int]]]()
         for index in shard.indices:
             if file := self._files.get((task, index)):
-                wanted.setdefault(f"{file.folder}/{file.shard.path}", (file, []))[1].append(index)
-        return {i: outcome for file, indices in wanted.values() for i, outcome in file.outcomes(indices).items()}
+                requested.setdefault(f"{file.folder}/{file.shard.path}", (file, []))[1].append(index)
+        return {i: outcome for file, indices in requested.values() for i, outcome in file.outcomes(indices).items()}
 
     def missing(self, shard: Shard) -> tuple[int, ...]:
         """Return the instances of a shard that are still to be made."""

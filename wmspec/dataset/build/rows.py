@@ -90,7 +90,7 @@ REDRAWN: dict[str, tuple[pa.DataType, str]] = {
     "redrawn": (pa.int64(), "how often the nuisances of the block were drawn before these, for the balance of answers")
 }
 
-#: Additional columns for picture channels besides colour.
+#: Additional columns for picture channels other than colour.
 CHANNELS: dict[str, dict[str, tuple[pa.DataType, str]]] = {
     "depth": {
         "context_depth": (_IMAGES, "of each picture shown: distance along the view axis in mm, 16 bits, 0 for none")
@@ -151,9 +151,9 @@ def _has_named_values(factor: Factor) -> bool:
 
 
 def channel_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
-    """Return the columns of a task's picture channels besides colour."""
-    wanted = channels_of(spec)
-    return {name: column for channel in CHANNELS if channel in wanted for name, column in CHANNELS[channel].items()}
+    """Return the columns of a task's picture channels other than colour."""
+    keys = channels_of(spec)
+    return {name: column for channel in CHANNELS if channel in keys for name, column in CHANNELS[channel].items()}
 
 
 def _split_nuisances(factors: Iterable[Factor]) -> tuple[list[Factor], list[Factor]]:
@@ -266,7 +266,7 @@ def _strength(strength: Strength | None) -> Row | None:
 
 
 def _channel_columns(context: tuple[Picture, ...]) -> Row:
-    """Return the columns of the channels besides colour."""
+    """Return the columns of the channels other than colour."""
     row: Row = {}
     if any(p.depth is not None for p in context):
         row["context_depth"] = [_channel(millimetres(p.depth)) for p in context if p.depth is not None]

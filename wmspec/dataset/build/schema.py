@@ -147,9 +147,9 @@ def _options_fault(row: Row) -> str:
     """Return the first problem of a row's options, or ''."""
     if not row.keys() >= {"option_text", "option_image", "option_kind", "answer"}:
         return ""
-    pictured, told, kinds = row["option_image"], row["option_text"] or [], row["option_kind"]
-    if len(pictured) + len(told) != len(kinds):
-        return f"it has {len(kinds)} options, {len(told)} with a text and {len(pictured)} with a picture"
+    pictured, texts, kinds = row["option_image"], row["option_text"] or [], row["option_kind"]
+    if len(pictured) + len(texts) != len(kinds):
+        return f"it has {len(kinds)} options, {len(texts)} with a text and {len(pictured)} with a picture"
     answer = row["answer"]
     if (answer is None) != (not kinds) or (kinds and not 0 <= answer < len(kinds)):
         return f"its answer is {answer}, of {len(kinds)} options"

@@ -22,7 +22,7 @@ def webpage(package: str, *, scripts_beside: bool = False, shaded: bool = False,
     """Render `page.html` of a package with `values`, including its `page.css` and `page.js`.
 
     Values are escaped, and `data` becomes JSON for the script. The content security policy names style and script by
-    their hashes, so that nothing else runs, whatever the values contain. `scripts_beside` also permits files of the
+    their hashes, so that no other script can run. `scripts_beside` also permits files of the
     page's folder, `shaded` permits style attributes.
     """
     style = _package_text(__package__, "base.css") + _package_text(package, "page.css")

@@ -124,10 +124,10 @@ def _cache_counters(job: Job) -> tuple[int, ...]:
 
 def _answers(job: Job, design: Design, index: int) -> Answers:
     """Return the questions of an instance in every engine, filtered by the consensus setting of the job."""
-    asked = {engine: ask(design, index, pair) for engine, pair in _pairs(job).items()}
+    by_engine = {engine: ask(design, index, pair) for engine, pair in _pairs(job).items()}
     answers: list[QuestionRow | Rejected] = []
     for q in range(len(design.spec.questions)):
-        one: dict[str, QuestionRow | Rejected] = {engine: questions[q] for engine, questions in asked.items()}
+        one: dict[str, QuestionRow | Rejected] = {engine: questions[q] for engine, questions in by_engine.items()}
         answers += consensus(one, job.consensus).values()
     return answers
 

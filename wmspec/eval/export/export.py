@@ -158,7 +158,7 @@ def _line(row: Row) -> Row:
     last = f" The last {len(options)} pictures are the options." if pictured else ""
     places = [f"the {ordinal} of the last {len(options)} pictures" for ordinal in ORDINALS[: len(options)]]
     truth = {name.removeprefix("answer_"): row[name] for name in ("options", "labels", "answer", *_NUMBER)}
-    asked = {"system": row["system"], "content": row["content"], "truth": truth}
+    requests = {"system": row["system"], "content": row["content"], "truth": truth}
     return {
         "id": row["id"],
         "image": pictures[0] if len(pictures) == 1 else str(pictures),  # VLMEvalKit parses Python lists
@@ -168,7 +168,7 @@ def _line(row: Row) -> Row:
         "category": row["task"],
         "l2-category": row["dimension"],
         "split": "test",
-        "wmspec": json.dumps(asked),
+        "wmspec": json.dumps(requests),
     }
 
 

@@ -20,7 +20,7 @@ from wmspec.core.safe_io import is_within
 #: File suffixes of pictures and clips. Animated pictures (GIF, WebP, PNG) count as clips too.
 STILL_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".gif")
 CLIP_SUFFIXES = (".mp4", ".mov", ".webm", ".mkv", ".avi")
-#: Permitted formats of Pillow and FFmpeg; others are refused whatever the content looks like.
+#: Permitted formats of Pillow and FFmpeg; others are refused.
 _STILL_FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")
 _CLIP_FORMATS = ["-protocol_whitelist", "file", "-format_whitelist", "mov,matroska,webm,avi"]
 #: Minimum side of a picture (px).
@@ -119,11 +119,11 @@ class PictureFolder:
     def _animated(self, path: Path, name: str, count: int) -> tuple[list[Pixels], list[float]]:
         with _with_remedies(name), _open_image(path) as picture:
             total = int(getattr(picture, "n_frames", 1))
-            wanted = set(_even_indices(name, total, count))
+            selected = set(_even_indices(name, total, count))
             pixels, times, now = [], [], 0.0
             for number in range(total):
                 picture.seek(number)
-                if number in wanted:
+                if number in selected:
                     pixels.append(self._ready(picture.copy(), name))
                     times.append(now)
                 now += picture.info.get("duration", 100) / 1000
@@ -143,8 +143,10 @@ class PictureFolder:
             if wide * high > PIXELS.most:
                 raise _too_large(name)
             total, _ = imageio_ffmpeg.count_frames_and_secs(str(path))
-            wanted = set(_even_indices(name, total, count))
-            frames = ((n, Image.frombytes("RGB", (wide, high), frame)) for n, frame in enumerate(reader) if n in wanted)
+            selected = set(_even_indices(name, total, count))
+            frames = (
+                (n, Image.frombytes("RGB", (wide, high), frame)) for n, frame in enumerate(reader) if n in selected
+            )
             shown = [
                 (n, self._ready(picture, name)) for n, picture in frames
             ]  # scale each frame before decoding the next

@@ -24,13 +24,13 @@ def rows(entries: Sequence[Entry], pictures: PictureFolder) -> list[Row]:
     factors = _factors(entries)
     instances: dict[str, int] = {}
     blocks: dict[str, int] = {}
-    asked: dict[int, int] = {}
+    question_counts: dict[int, int] = {}
     made = []
     for entry in entries:
         index = instances.setdefault(entry.episode or f"line {entry.line}", len(instances))
         block = blocks.setdefault(entry.group or f"instance {index}", len(blocks))
-        question = asked.get(index, 0)
-        asked[index] = question + 1
+        question = question_counts.get(index, 0)
+        question_counts[index] = question + 1
         made.append(_row(entry, (index, block, question), factors, pictures))
     return made
 

@@ -31,8 +31,8 @@ _REPLY = TypeAdapter(Reply)
 class Journal:
     """An open journal; `replies` are those found when it was opened."""
 
-    def __init__(self, path: Path, asked: dict[str, Any]) -> None:
-        """Open or create a journal for the run `asked`, with an exclusive lock.
+    def __init__(self, path: Path, settings: dict[str, Any]) -> None:
+        """Open or create a journal for the run `settings`, with an exclusive lock.
 
         Raises WmsError if it belongs to another run, is open elsewhere, or cannot be written.
         """
@@ -42,7 +42,7 @@ class Journal:
             self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
             try:
                 self._lock()
-                self.replies = self._read(asked)
+                self.replies = self._read(settings)
             except BaseException:
                 os.close(self._file)
                 raise
@@ -61,16 +61,16 @@ class Journal:
         except BlockingIOError:
             raise WmsError(f"another process is writing to {self.path}; wait for it, or choose another -o") from None
 
-    def _read(self, asked: dict[str, Any]) -> Replies:
+    def _read(self, settings: dict[str, Any]) -> Replies:
         content = self.path.read_bytes()
         whole = content[: content.rfind(b"\n") + 1]
         if len(whole) < len(content):
             os.ftruncate(self._file, len(whole))
         if not whole:
-            self._append({"asked": asked})
+            self._append({"asked": settings})
             return {}
         head, *lines = whole.splitlines()
-        require_same_settings(_parse_line(head, self.path).get("asked"), asked, self.path)
+        require_same_settings(_parse_line(head, self.path).get("asked"), settings, self.path)
         return dict(_record(_parse_line(line, self.path), self.path) for line in lines)
 
     def keep(self, key: Key, reply: Reply) -> None:
@@ -91,10 +91,10 @@ class Journal:
             self.path.unlink()
 
 
-def require_same_settings(before: Any, asked: dict[str, Any], path: Path) -> None:
-    """Raise WmsError, with the differences, if results at `path` belong to another run than `asked`."""
+def require_same_settings(before: Any, settings: dict[str, Any], path: Path) -> None:
+    """Raise WmsError, with the differences, if results at `path` belong to another run than `settings`."""
     before = before if isinstance(before, dict) else {}
-    differing = [key for key in asked if before.get(key) != asked[key]]
+    differing = [key for key in settings if before.get(key) != settings[key]]
     if differing:
         raise WmsError(
             f"{path} holds replies of another run: {', '.join(differing)} differ; choose another -o, or move it away"

@@ -54,7 +54,10 @@ class Meter:
         self.flying += 1
 
     def receive(self, reply: Reply) -> None:
-        """Count a reply. Raises Lost after `MAX_CONSECUTIVE_ERRORS` consecutive errors, or if a limited cost is unknown."""
+        """Count a reply.
+
+        Raises FatalModelError after `MAX_CONSECUTIVE_ERRORS` consecutive errors, or if a limited cost is unknown.
+        """
         self.flying -= 1
         self._failed = self._failed + 1 if reply.outcome == "error" else 0
         if self._failed >= MAX_CONSECUTIVE_ERRORS:

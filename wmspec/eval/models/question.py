@@ -68,8 +68,8 @@ class Selection:
 
     def ids(self, dataset: DatasetReader) -> list[str]:
         """Return the ids of the questions in dataset order. Raises WmsError if a task or engine is missing."""
-        for kind, wanted, known in (("task", self.tasks, dataset.tasks), ("engine", self.engines, dataset.engines)):
-            for name in wanted:
+        for kind, expected, known in (("task", self.tasks, dataset.tasks), ("engine", self.engines, dataset.engines)):
+            for name in expected:
                 if name not in known:
                     raise WmsError(f"the dataset has no {kind} `{name}`; {suggestion(name, known)}".rstrip("; "))
         queues: dict[tuple[str, str], list[str]] = {}
@@ -96,16 +96,16 @@ def questions(dataset: DatasetReader, ids: Collection[str], pictures: bool = Tru
 
     Raises WmsError if a shard cannot be read.
     """
-    wanted = set(ids)
+    expected = set(ids)
     columns = (*_COLUMNS, *PICTURES) if pictures else _COLUMNS
     indices: dict[str, set[int]] = {}
-    for id in wanted:
+    for id in expected:
         task, index, *_ = id.split("/")
         indices.setdefault(task, set()).add(int(index))
     for task in dataset.tasks:
         if task in indices:
             for row in dataset.rows(task, ("index", *(c for c in columns if c != "index")), indices[task]):
-                if row["id"] in wanted:
+                if row["id"] in expected:
                     yield question(row)
 
 

@@ -251,8 +251,8 @@ def _mentioned_labels(reply: str, shown: _ShownOptions) -> set[int]:
     """Labels in parentheses, or isolated capitals (in a numbered list: numbers) that are not negated."""
     kept = _DENIED.sub(" ", reply)
     labels = [match["inside"] or match["bare"] or match["after"] for match in _MENTIONED.finditer(kept)]
-    wanted = [s for s in labels if s.isdecimal() == shown.numbered and (s.isupper() or s.isdecimal())]
-    return {place for s in wanted if (place := shown.label(s)) is not None}
+    usable = [s for s in labels if s.isdecimal() == shown.numbered and (s.isupper() or s.isdecimal())]
+    return {place for s in usable if (place := shown.label(s)) is not None}
 
 
 def _quoted_options(reply: str, shown: _ShownOptions) -> set[int]:
@@ -296,8 +296,8 @@ def number_in(text: str, unit: str = "") -> float | None:
     """
     reply = normalize(text)
     after = re.split(r"(?i)\banswer\b", reply)[-1]
-    told = list(_values(after, unit)) if after != reply else []
-    values = told[:1] or list(_values(reply, unit))
+    answers = list(_values(after, unit)) if after != reply else []
+    values = answers[:1] or list(_values(reply, unit))
     return values[0] if len({f"{value:.9g}" for value in values}) == 1 else None
 
 

@@ -51,7 +51,7 @@ class Run:
     samples: int = 1
     limits: Limits = field(default_factory=Limits)
 
-    def asked(self) -> dict[str, Any]:
+    def settings_record(self) -> dict[str, Any]:
         """The settings as JSON values, with the digest of the dataset's manifest. Contains no secret."""
         settings = self.settings
         return {
@@ -98,26 +98,26 @@ def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> RunRes
     Raises WmsError if the run cannot go on. Replies are kept, and the same run resumes from them.
     """
     results.check_free(output)
-    asked, chosen = run.asked(), run.chosen()
-    with Journal(output.with_suffix(".journal.jsonl"), asked) as journal:
-        have = _existing_replies(output, asked) | journal.replies
+    settings_record, chosen = run.settings_record(), run.chosen()
+    with Journal(output.with_suffix(".journal.jsonl"), settings_record) as journal:
+        have = _existing_replies(output, settings_record) | journal.replies
         _ask(run, model, chosen, have, journal, progress)
         wanted = {ask.key for question in chosen for ask in run.asks(question)}
         rows = list(_rows(run, have))
         missing = sum(key not in have for key in wanted)
-        results.write(output, rows, _about(run, asked, rows, missing))
+        results.write(output, rows, _about(run, settings_record, rows, missing))
         journal.discard()
     return RunResult(
         results.counts(rows), missing, next((row["error"] for row in rows if row["status"] == "error"), "")
     )
 
 
-def _existing_replies(output: Path, asked: dict[str, Any]) -> Replies:
+def _existing_replies(output: Path, settings_record: dict[str, Any]) -> Replies:
     """Return the replies in existing results."""
     if not output.exists():
         return {}
     rows, about = results.read(output)
-    require_same_settings(about.get("asked"), asked, output)
+    require_same_settings(about.get("asked"), settings_record, output)
     return results.replies_of(rows)
 
 
@@ -193,14 +193,14 @@ def _rows(run: Run, have: Replies) -> Iterator[results.Row]:
             yield results.row(ask, have[ask.key], settings.model, settings.prompt_name)
 
 
-def _about(run: Run, asked: dict[str, Any], rows: list[results.Row], missing: int) -> dict[str, Any]:
+def _about(run: Run, settings_record: dict[str, Any], rows: list[results.Row], missing: int) -> dict[str, Any]:
     """Return the content of the settings file."""
     counted = results.counts(rows)
     manifest = run.dataset.manifest
     template = run.settings.prompt.model_dump(mode="json")
     return {
         "format": 1,
-        "asked": asked,
+        "asked": settings_record,
         "template": template,
         "permute": run.permute,
         "samples": run.samples,

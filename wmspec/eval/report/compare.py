@@ -33,14 +33,14 @@ class Comparison:
 
 def comparisons(replies: Replies) -> tuple[Comparison, ...]:
     """Return the comparison of every pair of systems, for each kind of task."""
-    kind = replies.asked["dimension"].str.split(".").str[0]
+    kind = replies.main_questions["dimension"].str.split(".").str[0]
     return tuple(c for k in sorted(kind.unique()) for c in _holm_corrected(_of_kind(replies, k, kind == k)))
 
 
 def _of_kind(replies: Replies, kind: str, chosen: pd.Series[bool]) -> list[Comparison]:
-    asked = replies.asked[chosen]
-    scores = replies.scores.loc[asked.index]
-    pairs = [_pair(kind, a, b, scores, asked["cluster"]) for a, b in combinations(replies.systems, 2)]
+    main_questions = replies.main_questions[chosen]
+    scores = replies.scores.loc[main_questions.index]
+    pairs = [_pair(kind, a, b, scores, main_questions["cluster"]) for a, b in combinations(replies.systems, 2)]
     return [pair for pair in pairs if pair is not None]
 
 

@@ -80,7 +80,7 @@ def curves(replies: Replies) -> tuple[Curve, ...]:
     """
     if replies.questions is None:
         return ()
-    known = replies.questions.table.loc[replies.asked.index]
+    known = replies.questions.table.loc[replies.main_questions.index]
     known = known[(known["quantity"] != "") & (known["options"] > 0)]
     keys = ["task", "question_name", "quantity", "unit"]
     parts = ((tuple(map(str, key)), of_one) for key, of_one in known.groupby(keys, sort=True))
@@ -125,21 +125,23 @@ def _curve(
 ) -> Curve:
     right, count = parts[0].sum(0), parts[1].sum(0)
     shown = _points(levels, right, count)
-    asked = count > 0
+    has_questions = count > 0
     along = np.log2(levels) if scale == "log" else levels
     least, span = along[0], along[-1] - along[0]
     place = (along - least) / span
     empty = Curve(*key, scale, system, chance, shown, *(None,) * 7)
-    if asked.sum() < MIN_LEVELS or len(parts[0]) < MIN_CLUSTERS:
+    if has_questions.sum() < MIN_LEVELS or len(parts[0]) < MIN_CLUSTERS:
         return empty
-    grid = CurveGrid(place[asked], chance)
-    best = grid.fit(right[asked], count[asked])
+    grid = CurveGrid(place[has_questions], chance)
+    best = grid.fit(right[has_questions], count[has_questions])
     flat = _flat(best, right, count)
     alpha, beta = least + best.alpha * span, best.beta / span
     fitted = (flat, float(alpha), float(beta), best.lapse)
     if flat > MAX_FLAT_P:
         return Curve(*key, scale, system, chance, shown, *fitted, None, None, None)
-    drawn = grid.thresholds(*(part[:, asked] for part in resample_sums(parts, ("curve", key, system), CURVE_DRAWS)))
+    drawn = grid.thresholds(
+        *(part[:, has_questions] for part in resample_sums(parts, ("curve", key, system), CURVE_DRAWS))
+    )
     low, high = (float(q) for q in np.quantile(drawn, [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2], method="nearest"))
 
     def back(share: float) -> float | None:

@@ -102,7 +102,7 @@ def entanglement(replies: Replies) -> tuple[Entanglement, ...]:
     """Return s-RE for each task, question, factor or nuisance with few levels, and system. Requires the dataset."""
     if replies.questions is None:
         return ()
-    asked = replies.asked
+    asked = replies.main_questions
     parts = asked.groupby(["task", "question_name"], sort=True)
     return tuple(e for (task, name), of_one in parts for e in _question(replies, str(task), str(name), of_one))
 

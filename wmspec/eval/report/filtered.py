@@ -55,14 +55,14 @@ def _task(replies: Replies, task: str) -> Iterator[FilteredAccuracy]:
     cluster = predictions["cluster"].to_numpy()
     for system in replies.systems:
         for by, perceived in ((OWN_PERCEPTION, seen[system]), (ALL_MODELS, everyone)):
-            told = scores[system].notna() & perceived.notna()
-            if told.any():
+            valid = scores[system].notna() & perceived.notna()
+            if valid.any():
                 key = (task, system, by)
                 yield _filtered_accuracy(
                     key,
-                    scores[system][told].to_numpy(dtype=float),
-                    np.asarray(perceived[told], dtype=np.float64),
-                    cluster[told.to_numpy()],
+                    scores[system][valid].to_numpy(dtype=float),
+                    np.asarray(perceived[valid], dtype=np.float64),
+                    cluster[valid.to_numpy()],
                 )
 
 

@@ -84,11 +84,11 @@ class Items:
 def items(replies: Replies) -> Items | None:
     """Return the analysis; None if fewer than LEAST_SYSTEMS systems, except baselines, answered the same questions."""
     systems = [s for s in replies.systems if s not in BASELINES and s != PEOPLE]
-    scores = replies.scores.loc[replies.asked.index, systems]
+    scores = replies.scores.loc[replies.main_questions.index, systems]
     scores = scores.loc[:, scores.notna().mean() > 0.5].dropna() if systems else scores
     if scores.shape[1] < MIN_SYSTEMS or len(scores) < 2:
         return None
-    about = replies.asked.loc[scores.index]
+    about = replies.main_questions.loc[scores.index]
     answers = scores.to_numpy()
     options = about["options"].to_numpy(dtype=float)
     guess = np.where(options > 0, 1 / np.maximum(options, 1), 0.0)
@@ -179,7 +179,7 @@ def item_rest_correlation(answers: Floats) -> Floats:
 
 def _weights(replies: Replies, scores: pd.DataFrame) -> Floats:
     """Return the weight of every item in the mean of the tables' averages: equal for kinds, dimensions and tasks."""
-    about = replies.asked.loc[scores.index]
+    about = replies.main_questions.loc[scores.index]
     task = about["task"]
     kind = about["dimension"].str.split(".").str[0]
     whole = (
@@ -220,5 +220,5 @@ def _rms(gaps: Floats) -> float:
 def stratified_sample(order: NDArray[np.intp], weights: Floats, size: int, where: Floats) -> NDArray[np.intp]:
     """Return one item from each of `size` strata of equal weight: the one at fraction `where` of the stratum."""
     reached = np.cumsum(weights[order])
-    wanted = (np.arange(size) + where) / size * reached[-1]
-    return np.asarray(order[np.minimum(np.searchsorted(reached, wanted), len(order) - 1)])
+    targets = (np.arange(size) + where) / size * reached[-1]
+    return np.asarray(order[np.minimum(np.searchsorted(reached, targets), len(order) - 1)])

@@ -33,7 +33,7 @@ def pairs(replies: Replies) -> tuple[Pair, ...]:
     """Return the pair accuracy of each task with pairs, and each system. Requires the dataset."""
     if replies.questions is None:
         return ()
-    return tuple(p for task in sorted(replies.asked["task"].unique()) for p in _task(replies, task))
+    return tuple(p for task in sorted(replies.main_questions["task"].unique()) for p in _task(replies, task))
 
 
 def _task(replies: Replies, task: str) -> list[Pair]:
@@ -64,14 +64,14 @@ def _task(replies: Replies, task: str) -> list[Pair]:
 def _members(replies: Replies, task: str) -> pd.DataFrame:
     """Return every question in every control group with differing answers: `id`, `options`, `truth` and `group`."""
     assert replies.questions is not None
-    asked = replies.asked[replies.asked["task"] == task]
-    known = replies.questions.table.loc[asked.index]
+    main_questions = replies.main_questions[replies.main_questions["task"] == task]
+    known = replies.questions.table.loc[main_questions.index]
     same = "/" + known["question"].astype(str) + "/" + known["engine"]
-    keys = replies.questions.groups[task].loc[asked.index]
+    keys = replies.questions.groups[task].loc[main_questions.index]
     parts = [
         pd.DataFrame({
-            "id": asked.index,
-            "options": asked["options"].to_numpy(),
+            "id": main_questions.index,
+            "options": main_questions["options"].to_numpy(),
             "truth": known["truth"].to_numpy(),
             "group": factor + "/" + keys[factor].astype(str) + same,
         })

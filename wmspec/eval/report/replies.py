@@ -84,7 +84,7 @@ class Replies:
         return self.table.drop_duplicates("id").set_index("id")[known].sort_index()
 
     @property
-    def asked(self) -> pd.DataFrame:
+    def main_questions(self) -> pd.DataFrame:
         """`about` without companion questions, as in the tables of results."""
         return self.about[~self.about["query"]]
 

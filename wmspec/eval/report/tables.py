@@ -64,7 +64,7 @@ class Table:
 
 def tables(replies: Replies) -> tuple[Table, ...]:
     """Return a table for each kind of task: perception, prediction, then others."""
-    kind = replies.asked["dimension"].str.split(".").str[0]
+    kind = replies.main_questions["dimension"].str.split(".").str[0]
     order = {"perception": 0, "prediction": 1}
     return tuple(_table(replies, k, kind == k) for k in sorted(kind.unique(), key=lambda k: (order.get(k, 2), k)))
 
@@ -79,16 +79,19 @@ def average(values: Mapping[str, float], dimension: Mapping[str, str]) -> float:
 
 
 def _table(replies: Replies, kind: str, chosen: pd.Series[bool]) -> Table:
-    asked = replies.asked[chosen]
+    main_questions = replies.main_questions[chosen]
     columns = tuple(
-        sorted({Column.of(t, d) for t, d in zip(asked["task"], asked["dimension"], strict=True)}, key=_sort_key)
+        sorted(
+            {Column.of(t, d) for t, d in zip(main_questions["task"], main_questions["dimension"], strict=True)},
+            key=_sort_key,
+        )
     )
     values: dict[str, tuple[Estimate, ...]] = {}
     draws: dict[str, Floats] = {}
     skipping: dict[str, Floats] = {}
     guessed: dict[str, float] = {}
     for column in columns:
-        of_task = asked[asked["task"] == column.task]
+        of_task = main_questions[main_questions["task"] == column.task]
         scores = replies.scores.loc[of_task.index].to_numpy()
         values[column.task], draws[column.task] = mean_estimates(scores, of_task["cluster"], column.task)
         parsed = replies.parsed_scores.reindex(of_task.index)

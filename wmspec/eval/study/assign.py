@@ -17,12 +17,14 @@ def slots(items: Sequence[Item], raters: int, most: int, every: int, seed: int) 
     questions within them, differs between rounds. Practice comes before a task's questions, and an attention check once
     among `every` questions (0: never).
     """
-    asked = [i for i, item in enumerate(items) if item.kind == "question"]
-    people = -(-len(asked) // most)
+    question_indices = [i for i, item in enumerate(items) if item.kind == "question"]
+    people = -(-len(question_indices) // most)
     made = []
     for round_ in range(raters):
         turned = _rotations(items, round_)
-        order = sorted(asked, key=lambda i: (bits(seed, "task", round_, items[i].task), bits(seed, "item", round_, i)))
+        order = sorted(
+            question_indices, key=lambda i: (bits(seed, "task", round_, items[i].task), bits(seed, "item", round_, i))
+        )
         for person in range(people):
             share = order[len(order) * person // people : len(order) * (person + 1) // people]
             made.append(tuple(_steps(items, share, turned, every, (seed, round_, person))))

@@ -90,9 +90,9 @@ def collect(folder: Path, files: Sequence[Path], output: Path, least_checks: flo
     rows = [row for rater in raters if rater.counted for row in _rows(study, named[rater.rater], rater.rater)]
     places = {item.id: place for place, item in enumerate(study.items)}
     rows.sort(key=lambda row: (places[row["id"]], row["model"]))
-    wanted = sum(item.kind == "question" for item in study.items) * study.raters
+    expected = sum(item.kind == "question" for item in study.items) * study.raters
     enough = sum(min(count, study.raters) for count in Counter(row["id"] for row in rows).values())
-    collected = StudyResult(raters, tuple(_agreement(rows)), len(rows), wanted - enough)
+    collected = StudyResult(raters, tuple(_agreement(rows)), len(rows), expected - enough)
     results.write(output, rows, _about(study, rows, collected))
     return collected
 

@@ -74,8 +74,8 @@ def _chosen_questions(dataset: DatasetReader, options: StudyOptions) -> Iterator
 
     Instances come in random order, with all their questions, each in one engine; engines alternate.
     """
-    for kind, wanted, known in (("task", options.tasks, dataset.tasks), ("engine", options.engines, dataset.engines)):
-        if lacking := sorted(set(wanted) - set(known)):
+    for kind, expected, known in (("task", options.tasks, dataset.tasks), ("engine", options.engines, dataset.engines)):
+        if lacking := sorted(set(expected) - set(known)):
             raise WmsError(f"the dataset has no {kind} `{lacking[0]}`, but {', '.join(known)}")
     for task in options.tasks or dataset.tasks:
         ids: dict[tuple[int, int], dict[str, str]] = {}

@@ -50,13 +50,13 @@ def entanglement(report: Report) -> Iterator[SvgFigure]:
         _heat(ax, grid, tasks, columns, top)
         ax.set_title(title)
     reading = (
-        "s-RE: by how much accuracy moves, on average and in relation to itself, when only this property of the "
-        f"things shown is otherwise; mean over {len(models)} {'model' if len(models) == 1 else 'models'}. The right "
-        "side is the same with the levels dealt out anew: what chance alone yields. Where the left square is no "
-        "darker than the right one, nothing is entangled. Where a task varies several such factors, the one with "
-        "most is shown; what a question is about is left out."
+        "s-RE: the mean relative change of accuracy when only this property of the objects changes; mean over "
+        f"{len(models)} {'model' if len(models) == 1 else 'models'}. The right side is the same with shuffled levels, "
+        "as expected by chance. Where the left square is no darker than the right one, nothing is entangled. If a "
+        "task varies several such factors, the one with the largest value is shown. Factors that the question is "
+        "about are excluded."
     )
-    yield to_svg(figure, "entanglement", "Does accuracy hang on what the question is not about?", reading)
+    yield to_svg(figure, "entanglement", "Does accuracy depend on irrelevant factors?", reading)
     yield from _by_model(mine, models, columns)
 
 
@@ -95,10 +95,8 @@ def _by_model(mine: list[Entanglement], models: list[str], columns: list[str]) -
     ])  # fmt: skip
     figure, (ax,) = panels(1, 1.8 + 0.85 * len(columns), 0.8 + 0.3 * len(models), 1)
     _heat(ax, np.maximum(grid, 0), models, columns, max(0.05, float(np.nanmax(grid))))
-    reading = (
-        "s-RE beyond what shuffling yields (points), mean over tasks and factors: 0 means that it does not hang on it."
-    )
-    yield to_svg(figure, "entanglement_models", "Which model hangs on what", reading)
+    reading = "s-RE beyond what shuffling yields (points), mean over tasks and factors: 0 means independence."
+    yield to_svg(figure, "entanglement_models", "Dependence of each model on irrelevant factors", reading)
 
 
 # ---------------------------------------------------------------- curves
@@ -116,11 +114,11 @@ def curves(report: Report) -> Iterator[SvgFigure]:
         _curves(ax, mine, report.systems)
     legend(figure, shown, report.systems)
     reading = (
-        "Accuracy against how different the things compared are. Dots are measured, lines are logistic fits where "
-        "accuracy hangs on the difference at all; small marks on the lower edge are thresholds, half-way from "
-        "guessing (dashed) to the best, with their 95 % intervals. A curve further left sees finer differences."
+        "Accuracy against the stimulus difference. Dots are measurements, lines are logistic fits where accuracy "
+        "depends on the difference. Marks on the lower edge are thresholds, half-way from guessing (dashed) to the "
+        "maximum, with their 95 % intervals. A curve further left means finer discrimination."
     )
-    yield to_svg(figure, "curves", "How small a difference is still seen?", reading)
+    yield to_svg(figure, "curves", "Thresholds of perceived differences", reading)
 
 
 def _curves(ax: Axes, mine: list[Curve], systems: tuple[str, ...]) -> None:
@@ -185,7 +183,7 @@ def filtered(report: Report) -> Iterator[SvgFigure]:
         "rightly (with its 95 % interval); at the right Δ in points, bold where its interval excludes 0. Where "
         "perceiving rightly does not help, it is not the eyes that fail but the foresight."
     )
-    yield to_svg(figure, "filtered", "Does it foresee better what it saw rightly?", reading)
+    yield to_svg(figure, "filtered", "Prediction given correct perception", reading)
 
 
 # ---------------------------------------------------------------- items
