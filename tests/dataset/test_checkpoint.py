@@ -44,7 +44,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
     def made_by(most: int = len(ALL), before: Iterable[Path] = ()) -> Listed:
         made: Listed = []
 
-        def by_units(
+        def map_batches(
             work: Any, units: Iterable[list[tuple[Any, str, tuple[int]]]], effort: PoolConfig, weight: Any
         ) -> Iterator[tuple[tuple[Any, str, tuple[int]], BatchResult]]:
             for _, task, (index,) in sorted(
