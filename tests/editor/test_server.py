@@ -284,7 +284,7 @@ def test_definitions_lead_into_libraries_and_names_change_everywhere(tmp_path: P
             ("observe fro", "ahead", "a library of wmspec"),
             ("factor   ti", "ball", "already"),
             ("factor   ti", "factor", "a word of the language"),
-            ("factor   ti", "no-name", "no name"),
+            ("factor   ti", "no-name", "not a name"),
         ):
             with pytest.raises(Exception, match=told):
                 await rename(after, name)

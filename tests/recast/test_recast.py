@@ -288,7 +288,7 @@ def test_a_mistake_is_told_with_row_column_and_remedy(folder: Path, line: str, c
 def test_all_mistakes_are_told_at_once(folder: Path) -> None:
     done = recast(folder, ",red.png,a;b,c", "Q,none.png,a;b,a", "Q,red.png,a;b,a", "Q,red.png,b;a,b")
     assert done.exit_code == 2
-    for told in (":2: column `question`", ":2: column `answer`", ":3: column `pictures`", ":5: the row asks the same"):
+    for told in (":2: column `question`", ":2: column `answer`", ":3: column `pictures`", ":5: the row repeats the question"):
         assert f"table.csv{told}" in done.output, done.output
 
 
@@ -332,5 +332,5 @@ def test_what_is_not_ours_is_not_overwritten_and_what_is_ours_is_made_again(fold
 
 def test_pictures_that_nobody_asks_about_and_missing_licences_are_told(folder: Path) -> None:
     done = recast(folder, "Q,red.png,a;b,a")
-    assert "1 rows state no licence" in done.output
+    assert "1 rows have no licence" in done.output
     assert "pictures without a question: blue.png, grows.gif, wide.jpg" in done.output
