@@ -112,7 +112,7 @@ def test_a_pool_that_is_closed_stops_its_work() -> None:
 
 INTERRUPTED = """
 import signal, threading, time
-from wmspec.runtime.workers.pool import Effort, by_units
+from wmspec.runtime.workers.pool import PoolConfig, map_batches
 
 notify = threading.Condition.notify
 
@@ -128,7 +128,7 @@ def interrupted(self, n=1):
 signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell has jobs in the background ignore
 on = []
 threading.Condition.notify = interrupted
-results = by_units(time.sleep, [[(30,)] * 2, [(0.2,)] * 20], Effort(workers=2, timeout=60))
+results = map_batches(time.sleep, [[(30,)] * 2, [(0.2,)] * 20], PoolConfig(workers=2, timeout=60))
 next(results)
 on.append(True)
 try:

@@ -63,8 +63,8 @@ def test_it_follows_the_file(served: Page) -> None:
     assert state.tasks == (("marbles", 90),)
     rows = state.rows
     assert len(rows) == 2
-    assert all(cell.png for row in rows for asked in row.asked for cell in asked.shown)
-    assert [sum(cell.true for cell in asked.options) for row in rows for asked in row.asked] == [1, 1]
+    assert all(cell.png for row in rows for each in row.questions for cell in each.context)
+    assert [sum(cell.true for cell in each.options) for row in rows for each in row.questions] == [1, 1]
 
     served.path.write_text(good.replace("size: if", "siez: if"))
     broken = served.settled(state.version)
@@ -112,7 +112,9 @@ def test_pictures_that_a_page_was_told_of_outlive_the_next_sheet(served: Page) -
         version = served.watch.state.version
         served.path.write_text(text + "\n")
         rows = served.settled(version).rows
-        sheets.append({picture_name(c.png) for row in rows for a in row.asked for c in (*a.shown, *a.options) if c.png})
+        sheets.append(
+            {picture_name(c.png) for row in rows for a in row.questions for c in (*a.context, *a.options) if c.png}
+        )
     assert sheets[0] - sheets[1]
     assert all(served.watch.png(name) for name in sheets[0] | sheets[1])
 

@@ -75,9 +75,9 @@ def test_a_run_has_failed_if_nothing_was_made_or_more_than_a_tenth_failed(
 ) -> None:
     tally = Tally("question was kept", made, "instances", tried, failed, "the cause")
     assert tally.passed == passed
-    assert ("no question was kept" in tally.told) == (made == 0)
-    assert ("the cause" in tally.told) == (failed > 0)
-    assert ("error: " in tally.told) == (not passed)
+    assert ("no question was kept" in tally.message) == (made == 0)
+    assert ("the cause" in tally.message) == (failed > 0)
+    assert ("error: " in tally.message) == (not passed)
 
 
 def test_generate_fails_if_every_instance_ends_in_an_internal_error(shell: Shell) -> None:

@@ -141,7 +141,7 @@ def crosscheck(
 
 def _tally(swept: Swept) -> Tally:
     compared = sum(bool(one.comparisons) for one in swept.checked)
-    cause = "" if swept.cause is None else swept.cause.crash.told() if swept.cause.crash else swept.cause.reason
+    cause = "" if swept.cause is None else swept.cause.crash.report() if swept.cause.crash else swept.cause.reason
     return Tally("instance was compared", compared, "instances", len(swept.checked), swept.failed, cause)
 
 

@@ -124,8 +124,8 @@ class Episode:
 
         Without requests, the initial view of every camera. Raises WmsError if there is no such camera.
         """
-        asked = [(o.camera, t) for o in self.scene.observations for t in o.times]
-        views = asked or [(c.name, 0.0) for c in self.scene.cameras]
+        requested = [(o.camera, t) for o in self.scene.observations for t in o.times]
+        views = requested or [(c.name, 0.0) for c in self.scene.cameras]
         if not camera:
             return views
         find_camera(self.scene, camera)
@@ -214,7 +214,7 @@ def open_stage(path: str | PathLike[str]) -> Usd.Stage:
     if not path.is_file():
         reason = "it is a folder, not a file" if path.is_dir() else "there is no such file"
         raise WmsError(reason, FilePlace(str(path)))
-    quiet = UsdUtils.CoalescingDiagnosticDelegate()  # what USD would print is told by us, here and by the reader
+    quiet = UsdUtils.CoalescingDiagnosticDelegate()  # wmspec reports the messages of USD, here and in the reader
     try:
         return open_stage_file(path, str(path))
     except WmsError as error:

@@ -121,8 +121,8 @@ def tell(text: str) -> None:
 
 def exit_if_failed(tally: Tally) -> None:
     """Print the failures of a run to standard error; exit with 1 if nothing was made or too much failed."""
-    if tally.told:
-        tell(tally.told)
+    if tally.message:
+        tell(tally.message)
     if not tally.passed:
         raise SystemExit(1)
 

@@ -46,7 +46,7 @@ def _tally(costs: Sequence[Cost]) -> Tally:
     """Return the counts of a dry run; rejections by gates are not failures."""
     tried, failed = sum(c.tried for c in costs), sum(c.failed for c in costs)
     crash = next((c.crash for c in costs if c.crash is not None), None)
-    return Tally("instance was tried", tried, "instances", tried, failed, crash.told() if crash else "")
+    return Tally("instance was tried", tried, "instances", tried, failed, crash.report() if crash else "")
 
 
 def _row(cost: Cost) -> dict[str, Any]:

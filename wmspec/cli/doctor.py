@@ -58,7 +58,7 @@ def _capabilities(as_json: bool) -> None:
     rows = capability_table({engine.name: engine.lacks for engine in engines})
     if as_json:
         nearly = [{e: why for e, why in row.items() if why.startswith(APPROXIMATE)} for _, row in rows]
-        told = [
+        records = [
             {
                 "capability": name,
                 "lacking": {e: why for e, why in _lacking(row).items() if e not in near},
@@ -66,7 +66,7 @@ def _capabilities(as_json: bool) -> None:
             }
             for (name, row), near in zip(rows, nearly, strict=True)
         ]
-        click.echo(json.dumps(told, indent=2))
+        click.echo(json.dumps(records, indent=2))
         return
     for name, row in rows:
         marks = "  ".join(map(_mark, row.values()))

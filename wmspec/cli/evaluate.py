@@ -164,8 +164,8 @@ def _tally(ended: RunResult) -> Tally:
     """Return the counts of a run: every failed request counts, since the same command retries it."""
     status = ended.counts.status
     failed = status.get("error", 0)
-    read, asked = status.get("ok", 0), ended.counts.replies
-    return Tally("reply could be read", read, "requests", asked, failed, ended.error, how="failed", most=0)
+    read, total = status.get("ok", 0), ended.counts.replies
+    return Tally("reply could be read", read, "requests", total, failed, ended.error, how="failed", most=0)
 
 
 def _so_far(right: int, count: int, cost: float) -> str:
@@ -185,9 +185,9 @@ def _print_counts(counted: Counts, path: Path, as_json: bool) -> None:
     read = counted.status.get("ok", 0)
     lost = {name: count for name, count in counted.status.items() if name != "ok"}
     if lost:
-        told = ", ".join(f"{count:,} {name}" for name, count in lost.items())
+        counts = ", ".join(f"{count:,} {name}" for name, count in lost.items())
         among = f"; of the readable replies {counted.right / read:.1%} are right" if read else ""
-        click.echo(f"counted as wrong: {told}{among}")
+        click.echo(f"counted as wrong: {counts}{among}")
     if counted.tokens_in or counted.tokens_out:
         cost = f"; cost {counted.cost:.4g}" if counted.cost is not None else ""
         click.echo(f"{counted.tokens_in:,} tokens sent, {counted.tokens_out:,} received{cost}")

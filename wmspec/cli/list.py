@@ -69,9 +69,9 @@ def _print(rows: Sequence[dict[str, Any]], sizes: bool) -> None:
         table.add_column(name, justify="right" if name in numbers else "left", overflow="fold")
     for row in rows:
         paper = f"{row['paper']['instances']:,}" if row["paper"] else "–"
-        asked = f" × {row['questions']}" if row["questions"] > 1 else ""
-        count, told = f"{row['instances']:,}{asked}", _sizes(row) if sizes else _factors(row)
-        table.add_row(row["task"], row["dimension"], count, f"{row['groups']:,}", paper, told)
+        per_instance = f" × {row['questions']}" if row["questions"] > 1 else ""
+        count, factors = f"{row['instances']:,}{per_instance}", _sizes(row) if sizes else _factors(row)
+        table.add_row(row["task"], row["dimension"], count, f"{row['groups']:,}", paper, factors)
     console = Console()
     if not console.is_terminal:  # one line per task for programs
         console.width = 10_000

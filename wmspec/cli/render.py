@@ -118,7 +118,7 @@ def _record_failure(causes: list[str]) -> Iterator[None]:
     except (WmsError, OSError):
         raise
     except Exception as error:  # noqa: BLE001  the other engines still draw
-        causes.append(Crash.of(error).told())
+        causes.append(Crash.of(error).report())
 
 
 @dataclass(frozen=True)

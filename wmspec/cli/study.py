@@ -60,9 +60,9 @@ def make_command(dataset: Path, output: Path, **flags: object) -> None:
     fields = {{"task": "tasks", "engine": "engines"}.get(name, name): value for name, value in flags.items()}
     options = StudyOptions(**fields)  # type: ignore[arg-type]
     study = make(DatasetReader.open(dataset), options, make_folder(output))
-    asked = sum(item.kind == "question" for item in study.items)
+    count = sum(item.kind == "question" for item in study.items)
     click.echo(
-        f"{output}: {asked:,} questions, {study.raters} raters each: {len(study.slots)} people, "
+        f"{output}: {count:,} questions, {study.raters} raters each: {len(study.slots)} people, "
         f"{max(map(len, study.slots))} pages at most"
     )
     for path in unfinished_texts(output):

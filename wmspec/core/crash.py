@@ -53,7 +53,7 @@ class Crash:
             traceback="".join(traceback.format_exception(error)),
         )
 
-    def told(self) -> str:
+    def report(self) -> str:
         """Return the text for a terminal: type and message, the file with the details, how to report it."""
         return f"{escape_controls(self.summary)}\n{self.advice(self.save())}"
 
@@ -114,7 +114,7 @@ def tell(error: BaseException) -> None:
     if os.environ.get(VARIABLE):
         traceback.print_exception(error)
     else:
-        print(f"error: {Crash.of(error).told()}", file=sys.stderr)
+        print(f"error: {Crash.of(error).report()}", file=sys.stderr)
 
 
 def _place(frame: object, line: int) -> str:

@@ -31,7 +31,7 @@ class Tally:
         return self.made > 0 and self.failed <= self.most * self.tried
 
     @property
-    def told(self) -> str:
+    def message(self) -> str:
         """The failures as text, with the first cause; empty if there are none."""
         lines = [] if self.made else [f"error: no {self.product}"]
         if self.failed:

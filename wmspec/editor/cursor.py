@@ -84,10 +84,10 @@ def _fed(text: str) -> LRParser:
         if machine.read(tokens[i]):
             i += 1
             continue
-        kept = _copy(machine)
+        parser = _copy(machine)
         i = recover(machine, tokens, i)
         if i >= len(tokens) - 1:
-            return kept
+            return parser
     return machine
 
 

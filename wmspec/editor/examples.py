@@ -35,7 +35,7 @@ class QuestionPreview:
     """A question with its context and options, or the reason for its rejection."""
 
     text: str
-    shown: tuple[Cell, ...] = ()
+    context: tuple[Cell, ...] = ()
     options: tuple[Cell, ...] = ()
     rejected: str = ""
 
@@ -47,7 +47,7 @@ class Row:
     task: str
     index: int
     factors: str
-    asked: tuple[QuestionPreview, ...]
+    questions: tuple[QuestionPreview, ...]
 
 
 def draw(text: str, path: Path, task: str, index: int, engine: str, size: int) -> Row:
@@ -57,10 +57,10 @@ def draw(text: str, path: Path, task: str, index: int, engine: str, size: int) -
     """
     instance = _tasks(text, path)[task][index]
     try:
-        asked = tuple(_asked(instance, engine, size))
+        questions = tuple(_questions(instance, engine, size))
     except WmsError as error:
-        asked = (QuestionPreview("", rejected=str(error)),)
-    return Row(task, index, str(instance), asked)
+        questions = (QuestionPreview("", rejected=str(error)),)
+    return Row(task, index, str(instance), questions)
 
 
 def picture(text: str, path: Path, task: str, index: int, engine: str, size: int) -> bytes:
@@ -83,7 +83,7 @@ def changed() -> None:
     _tasks.cache_clear()
 
 
-def _asked(instance: Instance, engine: str, size: int) -> Iterator[QuestionPreview]:
+def _questions(instance: Instance, engine: str, size: int) -> Iterator[QuestionPreview]:
     if not instance.task.questions:
         run = instance.run(engine)
         views = run.views()
@@ -97,12 +97,12 @@ def _asked(instance: Instance, engine: str, size: int) -> Iterator[QuestionPrevi
 
 
 def _question(row: QuestionRow) -> QuestionPreview:
-    shown = tuple(Cell(_when(p.camera, p.time), png=_png(p.rgb)) for p in row.context)
+    context = tuple(Cell(_when(p.camera, p.time), png=_png(p.rgb)) for p in row.context)
     options = [
         Cell(o.name if o.picture else "", o.text or "", _png(o.picture.rgb) if o.picture else b"", i == row.answer)
         for i, o in enumerate(row.options)
     ]
-    return QuestionPreview(row.text, shown, tuple(options) or (Cell("measured", row.value, true=True),))
+    return QuestionPreview(row.text, context, tuple(options) or (Cell("measured", row.value, true=True),))
 
 
 def _when(camera: str, time: float) -> str:

@@ -117,14 +117,14 @@ def _row(row: Row) -> dict[str, object]:
         "task": row.task,
         "index": row.index,
         "factors": row.factors,
-        "asked": [
+        "questions": [
             {
-                "text": asked.text,
-                "rejected": asked.rejected,
-                "shown": [_cell(c) for c in asked.shown],
-                "options": [_cell(c) for c in asked.options],
+                "text": each.text,
+                "rejected": each.rejected,
+                "context": [_cell(c) for c in each.context],
+                "options": [_cell(c) for c in each.options],
             }
-            for asked in row.asked
+            for each in row.questions
         ],
     }
 

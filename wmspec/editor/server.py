@@ -42,11 +42,11 @@ class Server(LanguageServer):
     def document(self, uri: str) -> tuple[Document, Positions]:
         """Return an open document in its current version."""
         text = self.workspace.get_text_document(uri)
-        kept = self._documents.get(uri)
-        if kept is None or kept[0] != text.version or kept[1].text != text.source:
-            kept = (text.version, Document(path_of(uri), text.source))
-            self._documents[uri] = kept
-        return kept[1], Positions(text)
+        cached = self._documents.get(uri)
+        if cached is None or cached[0] != text.version or cached[1].text != text.source:
+            cached = (text.version, Document(path_of(uri), text.source))
+            self._documents[uri] = cached
+        return cached[1], Positions(text)
 
     def around(self, document: Document, declared: Path) -> list[Document]:
         """Return the documents that may contain a name of this one, or of the library that declares it."""

@@ -156,8 +156,8 @@ def _chosen(tasks: tuple[Task, ...], count: int) -> Iterator[tuple[Task, int]]:
 
 def _cells(rows: tuple[examples.Row, ...]) -> Iterator[examples.Cell]:
     for row in rows:
-        for asked in row.asked:
-            yield from (*asked.shown, *asked.options)
+        for each in row.questions:
+            yield from (*each.context, *each.options)
 
 
 def _contents(paths: tuple[Path, ...]) -> dict[Path, bytes]:

@@ -88,7 +88,7 @@ def _chains(spec: TaskSpec, conditions: Sequence[Constraint]) -> tuple[Column, .
 
 
 def _tied_columns(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> Iterator[Column]:
-    """Yield the columns in the order of their first factors. Raises TooMuch."""
+    """Yield the columns in the order of their first factors. Raises TooManyCombinations."""
     placed: set[str] = set()
     for name in domains:
         members = _closure({name}, [frozenset(c.scope) for c in conditions])
@@ -149,7 +149,7 @@ def _is_satisfiable(domains: Mapping[str, tuple[Level, ...]], conditions: Sequen
 
 
 def _smallest_conflict(candidates: Sequence[int], satisfiable: Callable[[set[int]], bool]) -> tuple[int, ...]:
-    """Return the smallest unsatisfiable subset; a minimal one if there are more than MOST_SETS candidates."""
+    """Return the smallest unsatisfiable subset; a minimal one if there are more than MAX_SUBSETS candidates."""
     sets = chain.from_iterable(combinations(candidates, n) for n in range(1, len(candidates)))
     for some in islice(sets, MAX_SUBSETS):
         if not satisfiable(set(some)):

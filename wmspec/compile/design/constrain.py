@@ -139,7 +139,7 @@ def _require_discrete(scope: tuple[str, ...], domains: Mapping[str, Any], spec: 
         if name not in domains:
             factor: Factor = next(f for f in spec.factors if f.name == name)
             what = "the nuisance" if factor.nuisance else "the interval"
-            drawn = "a condition on what is drawn is an `ensure` of a question"
+            drawn = "write a condition on nuisances as an `ensure` of a question"
             remedy = drawn if factor.nuisance else "give that separate values, with `by STEP` or `in COUNT`"
             message = f"a condition on the design cannot depend on {what} `{name}`"
             raise SpecError(message, place, remedy, code="WMS407")

@@ -16,7 +16,7 @@ MAX_COUNTED = 300_000
 
 
 class TooManyCombinations(Exception):
-    """Counting needs `combinations` combinations of the factors `names`, more than MOST_COUNTED."""
+    """Counting needs `combinations` combinations of the factors `names`, more than MAX_COUNTED."""
 
     def __init__(self, names: tuple[str, ...], combinations: int) -> None:
         super().__init__(combinations)
@@ -112,7 +112,7 @@ def _scope(constraint: Constraint, names: tuple[str, ...]) -> frozenset[int]:
 
 
 def _order(sizes: tuple[int, ...], scopes: Sequence[frozenset[int]], names: tuple[str, ...]) -> tuple[int, ...]:
-    """Return the order in which factors are numbered: that of the spec, else a cheaper one. Raises TooMuch."""
+    """Return the order in which factors are numbered: that of the spec, else a cheaper one. Raises TooManyCombinations."""
     written = tuple(range(len(sizes)))
     if max(_costs(written, sizes, scopes), default=0) <= MAX_COUNTED:
         return written

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from wmspec.core.space import ORIGIN, Vector, add, scale
 
-#: Bends sharper than CORNER (rad) are corners; the turn happens within this share of the adjacent legs.
+#: Bends sharper than MIN_CORNER_ANGLE (rad) are corners; the turn happens within this share of the adjacent legs.
 MIN_CORNER_ANGLE, CORNER_SHARE = math.radians(30), 0.1
 
 #: Number of segments of a full circle; at a diameter of 40 cm the error is 0.1 mm.

@@ -29,7 +29,7 @@ from wmspec.core.diagnostics import Report
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.parse.load import with_source_text
 
-#: Maximum number of sampled instances. With up to THINGS entities all are built, a third with counterfactuals; else
+#: Maximum number of sampled instances. Up to ENTITY_BUDGET entities all are built, a third with counterfactuals; else
 #: fewer.
 SAMPLE_SIZE, ENTITY_BUDGET = 12, 100
 #: Minimum number of scenes built, half of them with counterfactuals.

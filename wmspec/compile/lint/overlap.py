@@ -100,7 +100,7 @@ def _joined_pairs(values: Evaluator) -> set[frozenset[str]]:
 
 
 def _depth(a: PlacedShape, b: PlacedShape) -> float:
-    """Return the diameter (m) of the largest ball within two convex pieces, or 0 if it is less than SLACK.
+    """Return the diameter (m) of the largest ball within two convex pieces, or 0 if it is less than MAX_OVERLAP.
 
     Two convex bodies are disjoint if they are separated along some direction. For boxes a few axes suffice. These are
     tried first, because the exact method is slow to import.

@@ -60,7 +60,7 @@ def camera_far_away(scene: LintScene) -> Iterator[Breach]:
     boxes = list(relevant_boxes(values))
     for camera in _fixed_cameras(values):
         if boxes and all(_covered_share(values, camera, box) < MIN_VISIBLE_SHARE for box in boxes):
-            what = f"all that is moved or asked about is too small to be seen from `{camera}` {scene.where}"
+            what = f"every object that is moved or asked about is too small to be seen from `{camera}` {scene.where}"
             place = next(o.place for o in values.spec.observations if o.camera == camera)
             yield Breach(what, place, "move the camera nearer, or narrow its `fov:`", about=camera)
 
@@ -80,7 +80,7 @@ def object_far_away(scene: LintScene) -> Iterator[Breach]:
             _covered_share(values, camera, box) < MIN_VISIBLE_SHARE for camera in cameras for box in boxes
         ):
             what = f"`{name}` is too small to be seen from `{cameras[0]}` {scene.where}"
-            yield Breach(what, values.source_location(name, "at"), "is this the unit that is meant?", about=name)
+            yield Breach(what, values.source_location(name, "at"), "check its unit", about=name)
 
 
 @rule("WMS606")
@@ -99,7 +99,7 @@ def too_fast(scene: LintScene) -> Iterator[Breach]:
                 target = values.reference(action.name, "object")
                 what = f"`{action.name}` gives `{target}` {units.format_quantity(speed, units.SPEED)}"
                 place = values.source_location(action.name, "speed")
-                yield Breach(f"{what} {scene.where}", place, "is this the unit that is meant?", about=action.name)
+                yield Breach(f"{what} {scene.where}", place, "check its unit", about=action.name)
 
 
 @rule("WMS606")
@@ -114,7 +114,7 @@ def out_of_proportion(scene: LintScene) -> Iterator[Breach]:
                 yield Breach(
                     what,
                     values.source_location(thing.name, "mass"),
-                    "is this the unit that is meant?",
+                    "check its unit",
                     about=thing.name,
                 )
 

@@ -72,7 +72,7 @@ def _set_of(values: Evaluator, first: str, second: str) -> str:
 def blind_camera(scene: LintScene) -> Iterator[Breach]:
     """Find cameras without any relevant object in view."""
     for camera in blind_cameras(scene.values):
-        what = f"`{camera}` has none of what is moved or asked about in its picture"
+        what = f"`{camera}` shows no object that is moved or asked about"
         place = next(o.place for o in scene.values.spec.observations if o.camera == camera)
         yield Breach(what, place, "turn it with `look_at:`, widen its `fov:`, or leave it out", about=camera)
 
@@ -88,7 +88,7 @@ def turned_camera(scene: LintScene) -> Iterator[Breach]:
     for observation in spec.observations:
         if camera_direction(scene.values, observation.camera) != way:
             what = f"`{observation.camera}` looks another way than `relation`, which goes by the world's front"
-            remedy = f"observe only from one side, or say from which it is meant: `seen_from: {observation.camera}`"
+            remedy = f"observe only from one side, or name the viewer: `seen_from: {observation.camera}`"
             yield Breach(what, observation.place, remedy, about=observation.camera)
 
 

@@ -233,7 +233,7 @@ def _joint_motion(made: Plan, action: Entity, joint: str, by: float) -> Callable
     model = made.values.spec.thing(joint).model
     if model not in ("hinge", "slider"):
         raise ImpossibleValue(
-            f"`{joint}` is a {model} joint, which nobody opens", action.place, "name a hinge or slider"
+            f"`{joint}` is a {model} joint, which cannot be opened", action.place, "name a hinge or slider"
         )
     axis = np.array(made.values.vector(joint, "axis"), float)
     axis /= np.linalg.norm(axis)

@@ -189,7 +189,7 @@ def _goal(values: Evaluator, action: Entity) -> str:
     """Return the object that a robot goes to. Raises WmsError with its location if it is absent."""
     goal = values.reference(action.name, "to")
     if not values.is_present(goal):
-        raise ImpossibleValue(f"`{goal}` is not there, so nobody can go to it", action.place)
+        raise ImpossibleValue(f"`{goal}` is absent, so no robot can go to it", action.place)
     return goal
 
 

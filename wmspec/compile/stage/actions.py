@@ -18,7 +18,7 @@ from wmspec.lang.check.ir.ir import Entity
 from wmspec.lang.check.tables.colors import rgb
 from wmspec.lang.check.tables.verbs import VERBS
 
-#: A round object lies if the upward component of its axis is below LYING; it slides along its axis above ALONG.
+#: Upper bounds on the cosine of a round object's axis with the vertical (lying), and with its path (rolling).
 MAX_LYING_COSINE, MIN_ALONG_COSINE = 0.5, 0.99
 
 

@@ -120,7 +120,7 @@ def _piece(doc: Document, path: str, piece: PlacedShape, part: str, name: str, v
             way = COLLISIONS[values.text(part, "collision")]
         if way == "none" and not values.flag(name, "fixed"):
             place = values.source_location(part, "collision")
-            raise ImpossibleValue("only what is fixed is touched as its surface", place, "make it `hull` or `pieces`")
+            raise ImpossibleValue("only fixed objects can collide as a surface", place, "make it `hull` or `pieces`")
         prim.set("physics:approximation", "token", way, form, uniform=True)
     return prim
 

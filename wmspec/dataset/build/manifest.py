@@ -78,7 +78,7 @@ class Summary:
     def _cause(self) -> str:
         """The first failure in full."""
         if self.crash is not None:
-            return self.crash.told()
+            return self.crash.report()
         return next((describe(t.examples[r]) for t in self.tasks for r in sorted(FAILED) if r in t.examples), "")
 
     @property

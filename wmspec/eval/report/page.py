@@ -22,10 +22,10 @@ Wide = dict[str, tuple[str, pd.DataFrame]]
 #: Titles of the sections.
 TITLES = {
     "results": "Results",
-    "compared": "Compared",
-    "choices": "How they choose",
-    "analyses": "What they see, and what they foresee",
-    "items": "The questions",
+    "compared": "Comparisons",
+    "choices": "Choices",
+    "analyses": "Perception and prediction",
+    "items": "Questions",
 }
 
 
@@ -98,20 +98,20 @@ def warnings(report: Report) -> list[str]:
     sentences = []
     failed = sum(a.failed for a in report.accounts)
     if failed:
-        sentences.append(f"{failed:,} requests never got a reply. They are left out; evaluate again to fill them in.")
+        sentences.append(f"{failed:,} requests have no reply and are excluded; evaluate again to retry them.")
     lost = [a for a in report.accounts if a.replies and (a.unparsed + a.refused) / a.replies > 0.05]
     if lost:
         names = ", ".join(f"{a.system} ({(a.unparsed + a.refused) / a.replies:.0%})" for a in lost)
-        sentences.append(f"Many replies have no answer in them, and are wrong here: {names}.")
+        sentences.append(f"Many replies are unparsed and count as wrong: {names}.")
     if report.narrow:
         names = ", ".join(report.narrow[:6]) + (f" and {len(report.narrow) - 6} more" if len(report.narrow) > 6 else "")
         sentences.append(
-            f"{names}: these tasks have fewer than five control groups, so their intervals are over instances, and "
-            "say nothing of other draws of what was the same in a group."
+            f"{names}: these tasks have fewer than five control groups, so their intervals are over instances and "
+            "do not cover variation between groups."
         )
     if not report.dataset:
         sentences.append(
             "Without --dataset there are no analyses of factors, differences, pairs and counterfactuals, and "
-            "questions about what is seen count among the predictions."
+            "companion questions count among the predictions."
         )
     return sentences

@@ -170,7 +170,7 @@ def _robots(document: Document) -> list[str]:
 
 
 def _require_independent_names(bodies: Sequence[Body], cameras: Sequence[Camera], document: Document) -> None:
-    """Raise _Whole if names depend on other parts."""
+    """Raise _ReadWhole if names depend on other parts."""
     robots = tuple(f"{path}/" for path in _robots(document))
     given = {body.path.rpartition("/")[2] for body in bodies if body.path.startswith(robots)}
     others = [body.name for body in bodies if not body.path.startswith(robots)]

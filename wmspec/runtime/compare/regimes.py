@@ -45,7 +45,7 @@ from wmspec.sim.shapes.cylinder import Cylinder
 ROW = "what strikes bodies that touch each other is answered by all of them at once"
 #: Maximum speed (m/s) of a body at rest.
 MAX_REST_SPEED = 0.05
-#: Slides shorter than FAR (m), or with a rotation faster than UPRIGHT (rad/s), are little affected.
+#: Slides shorter than MIN_SLIDE (m), or with a rotation faster than MAX_SLIDE_SPIN (rad/s), are little affected.
 MIN_SLIDE, MAX_SLIDE_SPIN = 0.05, 1.0
 
 

@@ -39,9 +39,9 @@ def averages(report: Report) -> Iterator[SvgFigure]:
         _averages(ax, table, report.systems)
     reading = (
         "A dot is a system's average, the mean over dimensions of the mean of their tasks; its line is the 95 % "
-        "interval. The dashed line is what guessing yields."
+        "interval. The dashed line is chance."
     )
-    yield to_svg(figure, "averages", "How much is right", reading)
+    yield to_svg(figure, "averages", "Average accuracy", reading)
 
 
 def _averages(ax: Axes, table: Table, systems: tuple[str, ...]) -> None:
@@ -89,10 +89,10 @@ def dimensions(report: Report) -> Iterator[SvgFigure]:
     reading = (
         "A bar is the accuracy in a dimension, its thin line the 95 % interval; the dotted mark is chance"
         f"{', the thick black mark people' if PEOPLE in report.systems else ''}. "
-        "Where the bars of perception are long and those of prediction short, a system sees and does not foresee."
+        "Long bars in perception and short ones in prediction mean that a system perceives but does not predict."
     )
     more = f" The {MAX_PANELS} best systems are shown." if len(report.systems) > MAX_PANELS + 1 else ""
-    yield to_svg(figure, "dimensions", "Perception beside prediction, dimension by dimension", reading + more)
+    yield to_svg(figure, "dimensions", "Perception and prediction by dimension", reading + more)
 
 
 def comparisons(report: Report) -> Iterator[SvgFigure]:
@@ -105,11 +105,11 @@ def comparisons(report: Report) -> Iterator[SvgFigure]:
     for ax, kind in zip(axes, kinds, strict=True):
         _comparisons(ax, kind, [c for c in report.comparisons if c.kind == kind], report.systems)
     reading = (
-        "A square tells by how many points the system of its row is better than that of its column, on the questions "
-        "that both answered: blue is better, red is worse. Bold numbers are more than luck (p < 0.05 after Holm, "
-        "errors robust to control groups); pale ones could be."
+        "A square is the difference in points between the systems of its row and column, on the questions that both "
+        "answered: blue is better, red is worse. Bold numbers are significant (p < 0.05 after Holm, errors robust to "
+        "control groups)."
     )
-    yield to_svg(figure, "comparisons", "Who is better than whom", reading)
+    yield to_svg(figure, "comparisons", "Pairwise comparisons", reading)
 
 
 def _comparisons(ax: Axes, kind: str, pairs: list[Comparison], systems: tuple[str, ...]) -> None:

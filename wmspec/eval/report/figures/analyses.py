@@ -180,8 +180,8 @@ def filtered(report: Report) -> Iterator[SvgFigure]:
         format_percent_axis(ax)
     reading = (
         "The empty dot is the accuracy on all predictions, the full one on those whose episode the system perceived "
-        "rightly (with its 95 % interval); at the right Δ in points, bold where its interval excludes 0. Where "
-        "perceiving rightly does not help, it is not the eyes that fail but the foresight."
+        "correctly (with its 95 % interval). At the right: Δ in points, bold if its interval excludes 0. Where correct "
+        "perception does not help, prediction fails, not perception."
     )
     yield to_svg(figure, "filtered", "Prediction given correct perception", reading)
 
@@ -215,11 +215,10 @@ def items(report: Report) -> Iterator[SvgFigure]:
     ax.spines["left"].set_visible(False)
     ax.set_xlabel("easier · weaker  ←  standard deviations of ability  →  harder · stronger")
     reading = (
-        "Below, how many questions are how difficult; above, how able systems are, on the same axis: a system is "
-        "right on half of the questions at its place, beyond what guessing gets. Where no questions lie near a "
-        "system, they tell little about it."
+        "Below: difficulty of questions; above: ability of systems, on the same axis. A system answers half of the "
+        "questions at its own position, beyond guessing. Without questions near a system, its ability is uncertain."
     )
-    yield to_svg(figure, "items", "How difficult the questions are", reading)
+    yield to_svg(figure, "items", "Difficulty and ability", reading)
     if len(report.items.forms) > 1:
         yield _forms(report)
 
@@ -237,6 +236,6 @@ def _forms(report: Report) -> SvgFigure:
     format_percent_axis(ax, "y", 0, 1.15 * max(max(f.error, f.at_random) for f in report.items.forms))
     ax.legend()
     reading = (
-        f"By how much the score on so few questions misses that on all {len(report.items.items):,} (root mean square)."
+        f"Error of the score on a short form, relative to all {len(report.items.items):,} questions (root mean square)."
     )
-    return to_svg(figure, "short_form", "How few questions would do?", reading)
+    return to_svg(figure, "short_form", "Size of a short form", reading)

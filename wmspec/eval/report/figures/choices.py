@@ -46,11 +46,11 @@ def pairs(report: Report) -> Iterator[SvgFigure]:
     format_percent_axis(ax)
     reading = (
         "Two instances that differ in one factor and have different answers count only if both are right. The empty "
-        "dot is the accuracy on single questions, the full one on pairs, the dotted mark what guessing yields on "
-        "pairs. A long way between the dots means answers that do not follow what differs. "
+        "dot is the accuracy on single questions, the full one on pairs, the dotted mark chance on pairs. "
+        "A large gap between the dots means that answers do not depend on the difference. "
         f"Mean over {len(tasks)} {'task' if len(tasks) == 1 else 'tasks'}."
     )
-    yield to_svg(figure, "pairs", "Right on both of a pair", reading)
+    yield to_svg(figure, "pairs", "Pair accuracy", reading)
 
 
 def flips(report: Report) -> Iterator[SvgFigure]:
@@ -73,9 +73,9 @@ def flips(report: Report) -> Iterator[SvgFigure]:
     format_percent_axis(ax)
     reading = (
         "The same question is asked with its options in several orders. A bar is the share of pairs of orders that get "
-        "different answers: whoever knows the answer has a short one."
+        "different answers, which is low for systems that know the answer."
     )
-    yield to_svg(figure, "flips", "The answer changes with the order of the options", reading)
+    yield to_svg(figure, "flips", "Dependence on option order", reading)
 
 
 def positions(report: Report) -> Iterator[SvgFigure]:
@@ -103,9 +103,9 @@ def positions(report: Report) -> Iterator[SvgFigure]:
     legend(figure, shown, report.systems)
     reading = (
         "Accuracy where the true option is shown first, second, and so on; dashed is chance. A level line means that "
-        "the place does not matter; a high beginning means a liking for the first option."
+        "position does not matter; a high start means a bias towards the first option."
     )
-    yield to_svg(figure, "positions", "Accuracy by the place of the truth", reading)
+    yield to_svg(figure, "positions", "Accuracy by position of the true option", reading)
 
 
 def _letter(place: int) -> str:
@@ -140,11 +140,11 @@ def mistakes(report: Report) -> Iterator[SvgFigure]:
     kept = [(h, n) for h, n in zip(handles, names, strict=True) if n in there]
     figure.legend([h for h, _ in kept], [n for _, n in kept], loc="outside upper left", ncols=4)
     reading = (
-        "Of wrong predictions: the share that took an outcome in which another action was done, or another state was "
-        "there. The black mark is where the border would be if the wrong options were drawn by lot. Orange beyond "
-        "the mark means that the system confuses what was done; blue beyond it, what was there."
+        "Wrong predictions by what differs in the chosen outcome: the action or the state. The black mark is the border "
+        "expected from random choices. Orange beyond the mark means that the system confuses actions; blue beyond it, "
+        "states."
     )
-    yield to_svg(figure, "mistakes", "Which wrong outcome is taken for the true one", reading)
+    yield to_svg(figure, "mistakes", "Choices among wrong outcomes", reading)
 
 
 def _share(report: Report, system: str) -> dict[str, tuple[float, float]]:
