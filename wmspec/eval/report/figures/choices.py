@@ -140,7 +140,7 @@ def mistakes(report: Report) -> Iterator[SvgFigure]:
     kept = [(h, n) for h, n in zip(handles, names, strict=True) if n in there]
     figure.legend([h for h, _ in kept], [n for _, n in kept], loc="outside upper left", ncols=4)
     reading = (
-        "Wrong predictions by what differs in the chosen outcome: the action or the state. The black mark is the border "
+        "Wrong predictions by the change in the chosen outcome: action or state. The black mark is the border "
         "expected from random choices. Orange beyond the mark means that the system confuses actions; blue beyond it, "
         "states."
     )
