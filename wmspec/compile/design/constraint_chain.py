@@ -112,7 +112,7 @@ def _scope(constraint: Constraint, names: tuple[str, ...]) -> frozenset[int]:
 
 
 def _order(sizes: tuple[int, ...], scopes: Sequence[frozenset[int]], names: tuple[str, ...]) -> tuple[int, ...]:
-    """Return the order in which factors are numbered: that of the spec, else a cheaper one. Raises TooManyCombinations."""
+    """Return the numbering order of factors: that of the spec, else a cheaper one. Raises TooManyCombinations."""
     written = tuple(range(len(sizes)))
     if max(_costs(written, sizes, scopes), default=0) <= MAX_COUNTED:
         return written
