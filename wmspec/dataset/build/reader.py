@@ -25,7 +25,7 @@ PICTURES = ("context", "option_image")
 CHANNELS = ("context_depth", "context_ids")
 
 #: Remedy for a damaged dataset.
-REPAIR_HINT = "give the command that made the dataset again (`wmspec generate ... -o FOLDER`), it is mended then"
+REPAIR_HINT = "run the command that made the dataset again (`wmspec generate ... -o FOLDER`) to repair it"
 
 
 @dataclass(frozen=True)

@@ -102,9 +102,9 @@ def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> RunRes
     with Journal(output.with_suffix(".journal.jsonl"), settings_record) as journal:
         have = _existing_replies(output, settings_record) | journal.replies
         _ask(run, model, chosen, have, journal, progress)
-        wanted = {ask.key for question in chosen for ask in run.asks(question)}
+        requested = {ask.key for question in chosen for ask in run.asks(question)}
         rows = list(_rows(run, have))
-        missing = sum(key not in have for key in wanted)
+        missing = sum(key not in have for key in requested)
         results.write(output, rows, _about(run, settings_record, rows, missing))
         journal.discard()
     return RunResult(
