@@ -159,7 +159,7 @@ ODD = [
     ("texture", "file", "box.usda", "no picture that can be read"),
     ("texture", "file", "../four.png", "is not found"),
     ("texture", "file", "../outside.png", "there is no picture `outside.png` below the spec's folder"),
-    ("reader", "varname", "other", "its image lies by the texture coordinates 'other'"),
+    ("reader", "varname", "other", "its image uses the texture coordinates 'other'"),
     ("surface", "opacity", 0.5, "transparency"),
 ]
 TYPES = {"sourceColorSpace": "Token", "varname": "String", "file": "Asset", "opacity": "Float"}

@@ -192,13 +192,13 @@ def leaning(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
 
 def test_a_place_that_goes_with_a_factor_fails(tmp_path: Path) -> None:
     found = balanced(make(tmp_path / "made", "race", leaning, 240))
-    assert any("place of the truth goes with tone" in f.what for f in found if f.verdict == "fails")
+    assert any("place of the truth depends on tone" in f.what for f in found if f.verdict == "fails")
 
 
 def test_a_favoured_place_fails_and_the_deciding_factor_is_told(audited: Audited) -> None:
     found = audited("race favoured")
     assert any("the place of the truth is not uniform" in f.what for f in failing(found, "balance"))
-    (decides,) = [f for f in found.findings if "answer goes with faster" in f.what]
+    (decides,) = [f for f in found.findings if "answer depends on faster" in f.what]
     assert decides.verdict == "told"
 
 
@@ -326,7 +326,7 @@ def cut(path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("damage", "said"),
-    [(flip, "was modified"), (cut, "was modified"), (Path.unlink, "missing")],
+    [(flip, "was modified"), (cut, "was modified"), (Path.unlink, "is missing")],
 )
 def test_every_damaged_file_is_named_and_what_is_whole_is_looked_at(
     damage: Callable[[Path], None], said: str, tmp_path: Path
@@ -338,7 +338,7 @@ def test_every_damaged_file_is_named_and_what_is_whole_is_looked_at(
     found = look(tmp_path)
     (files,) = failing(found, "files")
     assert files.task == "collide"
-    assert all(f"{path.relative_to(tmp_path)} is {said}" in files.what for path in wrong)
+    assert all(f"{path.relative_to(tmp_path)} {said}" in files.what for path in wrong)
     assert "wmspec generate" in files.what
     assert [f.check for f in found.findings if f.task == "collide"] == ["files"]
     assert any(f.task == "motion_speed" and f.check == "counts" for f in found.findings)

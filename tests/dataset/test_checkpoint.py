@@ -176,7 +176,7 @@ def fails(job: Job, task: str, indices: tuple[int]) -> BatchResult:
 
 
 def test_an_instance_that_fails_costs_no_other_and_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wmspec.dataset.build.generate.work", fails)
+    monkeypatch.setattr("wmspec.dataset.build.generate.make_instances", fails)
     with Dataset.open(tmp_path, PLAN) as dataset:
         generate(dataset, PoolConfig(0, 1), lambda task, count: None, PriorInstances((), PLAN))
         summary = dataset.finish()

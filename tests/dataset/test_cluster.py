@@ -86,7 +86,7 @@ def test_no_cluster_is_told(tmp_path: Path) -> None:
     command = ["generate", str(SPEC), "-o", str(tmp_path / "out"), "-b", "mujoco", "--per-task", "1"]
     told = CliRunner().invoke(main, [*command, "--address", "auto"])
     assert told.exit_code != 0
-    assert "give `executor` ray" in told.output
+    assert "set `executor` to ray" in told.output
     for address in ("127.0.0.1:1", "ray://127.0.0.1:10001", "somewhere"):
         told = CliRunner().invoke(main, [*command, "--executor", "ray", "--address", address])
         assert told.exit_code != 0
