@@ -288,13 +288,14 @@ def test_a_mistake_is_told_with_row_column_and_remedy(folder: Path, line: str, c
 def test_all_mistakes_are_told_at_once(folder: Path) -> None:
     done = recast(folder, ",red.png,a;b,c", "Q,none.png,a;b,a", "Q,red.png,a;b,a", "Q,red.png,b;a,b")
     assert done.exit_code == 2
-    for told in (
+    wrong = (
         ":2: column `question`",
         ":2: column `answer`",
         ":3: column `pictures`",
         ":5: the row repeats the question",
-    ):
-        assert f"table.csv{told}" in done.output, done.output
+    )
+    for place in wrong:
+        assert f"table.csv{place}" in done.output, done.output
 
 
 @pytest.mark.parametrize(
