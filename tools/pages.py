@@ -1,8 +1,9 @@
-"""What the site shows of the code: the commands, and a page for every diagnostic. MkDocs calls it, see `mkdocs.yml`."""
+"""Generate pages of the site: commands, one page for each diagnostic, changelog. `mkdocs.yml` names this hook."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import click
 from mkdocs.config.defaults import MkDocsConfig
@@ -12,6 +13,7 @@ from wmspec.cli import main
 from wmspec.lang.parse.codes import CODES
 from wmspec.lang.parse.pages import page
 
+CHANGELOG = Path(__file__).parent.parent / "CHANGELOG.md"
 WIDTH = 80  # characters of a line of help
 
 
@@ -19,6 +21,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pages."""
     made = {"commands": "\n".join(commands()), "diagnostics/index": "\n".join(diagnostics())}
     made |= {f"diagnostics/{code}": page(code).markdown for code in CODES}
+    made["changelog"] = CHANGELOG.read_text(encoding="utf-8")
     for name, text in made.items():
         files.append(File.generated(config, f"{name}.md", content=text + "\n"))
     return files
