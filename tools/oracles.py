@@ -1,4 +1,4 @@
-"""The tables of docs/oracles.md: every engine against analytic answers, measured anew. Takes a minute or two.
+"""The tables of docs/benchmarks/oracles.md: every engine against analytic answers, measured anew. Takes a minute or two.
 
 python -m tools.oracles
 """
@@ -13,7 +13,7 @@ from tests.physics.oracles.table import ORACLES, Oracle
 from tools.reference import table
 from wmspec.runtime.engines.registry import engine_version
 
-PAGE = Path(__file__).parent.parent / "docs/oracles.md"
+PAGE = Path(__file__).parent.parent / "docs/benchmarks/oracles.md"
 MARK = "<!-- measured -->\n"
 SPECS = "tests/physics/oracles"
 

@@ -1,4 +1,4 @@
-"""What each engine must reach. `docs/oracles.md` is written from this table, and the tests hold the engines to it."""
+"""What each engine must reach. `docs/benchmarks/oracles.md` is written from this table, and the tests hold the engines to it."""
 
 from __future__ import annotations
 
