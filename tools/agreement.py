@@ -1,4 +1,4 @@
-"""The table of docs/benchmarks/agreement.md, from what `wmspec crosscheck --json FILE` wrote, for all specs or for each.
+"""Write the table of docs/benchmarks/agreement.md from the files of `wmspec crosscheck --json FILE`.
 
 python -m tools.agreement FILE...
 """

@@ -1,4 +1,4 @@
-"""The tables of docs/benchmarks/oracles.md: every engine against analytic answers, measured anew. Takes a minute or two.
+"""Measure every engine against analytic answers and write docs/benchmarks/oracles.md. Takes a minute or two.
 
 python -m tools.oracles
 """

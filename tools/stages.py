@@ -1,4 +1,4 @@
-"""Public stages of others: fetched by repository, commit and path, run in every engine, and told in docs/benchmarks/public_stages.md.
+"""Fetch public stages of other projects, run them in every engine and write docs/benchmarks/public_stages.md.
 
 python -m tools.stages fetch FOLDER [--mirror M]   M/OWNER/NAME: repositories that are there, in place of the network
 python -m tools.stages robots FOLDER [--bin BIN]   with the converters that are in BIN, of an environment of their own

@@ -1,4 +1,4 @@
-"""What each engine must reach. `docs/benchmarks/oracles.md` is written from this table, and the tests hold the engines to it."""
+"""Error limits of each engine: `tools/oracles.py` writes them to docs/benchmarks/oracles.md, and the tests enforce them."""
 
 from __future__ import annotations
 
