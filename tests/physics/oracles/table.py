@@ -1,4 +1,4 @@
-"""Error limits of each engine: `tools/oracles.py` writes them to docs/benchmarks/oracles.md, and the tests enforce them."""
+"""Error limits of each engine, which the tests enforce. `tools/oracles.py` writes docs/benchmarks/oracles.md from them."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ class Tolerances:
     """What two engines may differ by, in SI units.
 
     The defaults come from measurements of wmspec's own engines, as it sets them up, against analytic answers
-    (docs/benchmarks/oracles.md). Their own errors were: free flight 0.02 mm in 1 s; the stop of a slid box 0.2 % of the way; the
+    (docs/benchmarks/oracles.md). Their errors: free flight 0.02 mm in 1 s; the stop of a slid box 0.2 % of the way; the
     speed after two balls collide 2.6 % of the speed before; the apex of a bounce 2.2 % of the drop; creep at rest
     0.3 mm; an impact spread over 3 ms. An off-centre push turns a box by up to 10 degrees more in one engine than in
     another.
