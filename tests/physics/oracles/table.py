@@ -1,4 +1,4 @@
-"""Error limits of each engine, which the tests enforce. `tools/oracles.py` writes docs/benchmarks/oracles.md from them."""
+"""Error limits of each engine, which the tests enforce and `tools/oracles.py` writes to docs/benchmarks/oracles.md."""
 
 from __future__ import annotations
 
