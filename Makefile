@@ -25,8 +25,8 @@ help:
 	@echo "make dist      wheels and source archives of the distributions, in dist"
 	@echo "make docs      the documentation as a site, in out/site"
 	@echo "make conformance every engine on the cases of usdphysics-conformance, into docs/benchmarks/conformance.md"
-	@echo "make oracles   every engine against analytic answers, into docs/oracles.md"
-	@echo "make agreement 200 instances of every task in every engine, into docs/crosscheck.md"
+	@echo "make oracles   every engine against analytic answers, into docs/benchmarks/oracles.md"
+	@echo "make agreement 200 instances of every task in every engine, into docs/benchmarks/agreement.md"
 	@echo "make clean     remove what was made, except .venv"
 
 setup:

@@ -55,7 +55,7 @@ def texts() -> tuple[str, ...]:
     """Return the source texts."""
     folders = (library_folder().parent, ROOT / "tests")
     found = [path.read_text(encoding="utf-8") for folder in folders for path in sorted(folder.rglob("*.wms"))]
-    tour = (ROOT / "docs/language.md").read_text(encoding="utf-8")
+    tour = "".join(path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs/guides").glob("*.md")))
     found += re.findall(r"^```wms(?: \w+)?\n(.*?)^```$", tour, re.MULTILINE | re.DOTALL)
     found += [example.text for code in CODES for example in (page(code).wrong, page(code).right)]
     return (*found, MESHES)

@@ -292,10 +292,10 @@ def _slip(word: str, rng: random.Random) -> str:
 
 @cache
 def texts() -> tuple[str, ...]:
-    """Return the mutated texts: the specs, and the examples of the tour."""
+    """Return the mutated texts: the specs, and the examples of the guides."""
     folder = library_folder()
     shipped = [p.read_text(encoding="utf-8") for p in sorted(folder.parent.rglob("*.wms")) if p.parent != folder]
-    tour = (ROOT / "docs/language.md").read_text(encoding="utf-8")
+    tour = "".join(path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs/guides").glob("*.md")))
     examples = re.findall(r"^```wms\n(.*?)^```$", tour, re.MULTILINE | re.DOTALL)
     return (*shipped, *(text for text in examples if not checked(text)))  # what is shipped has no mistakes
 

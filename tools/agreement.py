@@ -1,4 +1,4 @@
-"""Rewrite the last section of docs/crosscheck.md from the results of `wmspec crosscheck --json FILE`.
+"""Write the table of docs/benchmarks/agreement.md from the files of `wmspec crosscheck --json FILE`.
 
 python -m tools.agreement FILE...
 """
@@ -16,7 +16,7 @@ from tools.reference import table
 from wmspec.runtime.compare.model import Cause, Verdict
 from wmspec.runtime.compare.verbalize import dispute
 
-PAGE = Path(__file__).parent.parent / "docs/crosscheck.md"
+PAGE = Path(__file__).parent.parent / "docs/benchmarks/agreement.md"
 MARK = "<!-- measured -->\n"
 USAGE = "python -m tools.agreement FILE...: give the files that `wmspec crosscheck --json FILE` wrote"
 

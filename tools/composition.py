@@ -1,4 +1,4 @@
-"""Measure the size of named objects in pictures: the table of docs/perception.md.
+"""How large in the pictures is what a question names? A table of docs/benchmarks/pictures.md.
 
 python -m tools.composition [SPEC...] [--count 30] [--size 256]
 

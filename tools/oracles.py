@@ -1,4 +1,4 @@
-"""Measure the tables of docs/oracles.md: every engine against analytic answers. Takes about two minutes.
+"""Measure every engine against analytic answers and write docs/benchmarks/oracles.md. Takes a minute or two.
 
 python -m tools.oracles
 """
@@ -13,7 +13,7 @@ from tests.physics.oracles.table import ORACLES, Oracle
 from tools.reference import table
 from wmspec.runtime.engines.registry import engine_version
 
-PAGE = Path(__file__).parent.parent / "docs/oracles.md"
+PAGE = Path(__file__).parent.parent / "docs/benchmarks/oracles.md"
 MARK = "<!-- measured -->\n"
 SPECS = "tests/physics/oracles"
 

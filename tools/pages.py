@@ -1,24 +1,29 @@
-"""Generated pages of the site: the commands and the diagnostics. A hook of MkDocs, see `mkdocs.yml`."""
+"""Generate pages of the site: commands, one page for each diagnostic, changelog. `mkdocs.yml` names this hook."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import click
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
 
 from wmspec.cli import main
 from wmspec.lang.parse.codes import CODES
-from wmspec.lang.parse.pages import page
+from wmspec.lang.parse.pages import page as diagnostic_page
 
+CHANGELOG = Path(__file__).parent.parent / "CHANGELOG.md"
 WIDTH = 80  # characters of a line of help
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pages."""
-    made = {"commands": "\n".join(commands()), "diagnostics/index": "\n".join(diagnostics())}
-    made |= {f"diagnostics/{code}": page(code).markdown for code in CODES}
+    made = {"commands": "\n".join(commands())}
+    made |= {f"diagnostics/{code}": diagnostic_page(code).markdown for code in CODES}
+    made["changelog"] = CHANGELOG.read_text(encoding="utf-8")
     for name, text in made.items():
         files.append(File.generated(config, f"{name}.md", content=text + "\n"))
     return files
@@ -40,9 +45,8 @@ def commands() -> Iterator[str]:
             yield f"\n### wmspec {name} {sub}\n\n```text\n{part.get_help(inner)}\n```"
 
 
-def diagnostics() -> Iterator[str]:
-    """Yield every code with its explanation."""
-    yield "# Diagnostics\n"
-    yield "The diagnostics of `wmspec check` and their remedies; `wmspec explain CODE` prints the same pages.\n"
-    yield "| code | meaning |\n|---|---|"
-    yield from (f"| [{code}]({code}.md) | {meaning} |" for code, meaning in CODES.items())
+def on_page_markdown(markdown: str, page: Page, **_: object) -> str:
+    """Link the codes of the diagnostics page to their own pages."""
+    if page.file.src_uri != "reference/diagnostics.md":
+        return markdown
+    return re.sub(r"^\| `(WMS\d+)` \|", r"| [\1](../diagnostics/\1.md) |", markdown, flags=re.MULTILINE)

@@ -1,7 +1,7 @@
-"""Generate the reference tables of docs/language.md from the tables of the checker.
+"""Generate the pages of docs/reference from the tables of the checker.
 
-python tools/reference.py            rewrites them
-python tools/reference.py --check    exits with 1 if they are not current
+python tools/reference.py            writes the pages
+python tools/reference.py --check    exits with 1 if a page is not current
 """
 
 from __future__ import annotations
@@ -33,14 +33,31 @@ from wmspec.lang.check.types.units import EXAMPLES, UNITS
 from wmspec.lang.parse.codes import CODES
 from wmspec.sim.materials import MATERIALS
 
-PAGE = Path(__file__).parent.parent / "docs/language.md"
-MARK = "<!-- reference -->\n"
+FOLDER = Path(__file__).parent.parent / "docs/reference"
+#: File, title and sections of each page.
+PAGES = (
+    ("designs", "Domains and designs", ("Domains", "Designs")),
+    ("properties", "Properties", ("Properties", "Joints", "Materials")),
+    ("verbs", "Verbs", ("Verbs", "Robots")),
+    ("functions", "Functions", ("Functions",)),
+    ("units", "Units, words and tolerances", ("Units", "Words", "Settings", "Tolerances")),
+    ("diagnostics", "Diagnostics", ("Codes",)),
+)
 
 
-def current(page: str) -> str:
-    """Return the page with current tables."""
-    tour, mark, _ = page.partition(MARK)
-    return tour + mark + "\n" + "\n".join(reference())
+def pages() -> dict[Path, str]:
+    """Return the text of each page by its path."""
+    whole = "\n".join(reference()).removeprefix("### ")
+    sections = dict(section.split("\n", 1) for section in whole.split("\n### "))
+    made = {}
+    for name, title, parts in PAGES:
+        text = f"# {title}\n\n`make generate` writes this page from the implementation.\n"
+        for part in parts:
+            heading = f"\n## {part}\n" if len(parts) > 1 else ""
+            text += f"{heading}\n{sections.pop(part).strip()}\n"
+        made[FOLDER / f"{name}.md"] = text
+    assert not sections, f"on no page: {', '.join(sections)}"
+    return made
 
 
 def reference() -> Iterator[str]:
@@ -67,13 +84,13 @@ def reference() -> Iterator[str]:
             ),
         )
     yield "### Joints\n"
-    yield "Every engine executes all of them; what else there is about joints is in [the stage](stage.md).\n"
+    yield "Every engine executes all of them; what else there is about joints is in [the stage](../stage.md).\n"
     yield from table(("joint", "meaning", "counts in", "its own properties"), joints())
     yield "### Verbs\n"
     for name, verb in VERBS.items():
         yield from described(name, verb)
     yield "### Robots\n"
-    yield "What they do is planned when a stage is made: see [robots](robots.md).\n"
+    yield "What they do is planned when a stage is made: see [robots](../robots.md).\n"
     for verbs in {id(each): each for each in ROBOTS.values()}.values():
         models = [model for model, can in ROBOTS.items() if can is verbs]
         yield " or ".join(f"{'an' if model[0] in 'aeiou' else 'a'} `{model}`" for model in models).capitalize() + ":\n"
@@ -188,12 +205,13 @@ def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Iterator[st
 
 
 def main() -> None:
-    """Rewrite or check the page."""
-    page = PAGE.read_text(encoding="utf-8")
-    made = current(page)
+    """Write the pages, or exit with 1 if one is not current."""
+    made = pages()
     if "--check" in sys.argv:
-        sys.exit(made != page)
-    PAGE.write_text(made, encoding="utf-8")
+        sys.exit(any(not path.exists() or path.read_text(encoding="utf-8") != text for path, text in made.items()))
+    FOLDER.mkdir(exist_ok=True)
+    for path, text in made.items():
+        path.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Run public stages in every engine and report the results in docs/anyone.md.
+"""Fetch public stages of other projects, run them in every engine and write docs/benchmarks/public_stages.md.
 
 python -m tools.stages fetch FOLDER [--mirror M]   M/OWNER/NAME: local repositories instead of the network
 python -m tools.stages robots FOLDER [--bin BIN]   with the converters in BIN, a separate environment
@@ -25,7 +25,7 @@ from tools.reference import table
 from wmspec.core.diagnostics import WmsError
 
 ROOT = Path(__file__).parent.parent
-LIST, PAGE = ROOT / "tools/stages.toml", ROOT / "docs/anyone.md"
+LIST, PAGE = ROOT / "tools/stages.toml", ROOT / "docs/benchmarks/public_stages.md"
 START, STOP = "<!-- stages -->\n", "<!-- /stages -->\n"
 SECONDS, PATIENCE = 1.0, 90  # how long each stage lasts, and how much of the processor (s) an engine may take for it
 AGREE = 0.005  # m: what is nearer than this after that second counts as the same

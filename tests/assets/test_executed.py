@@ -78,7 +78,7 @@ def test_a_cabinet_is_opened(engine: str, tmp_path: Path) -> None:
 
 def test_the_cabinet_of_the_page_as_a_user_runs_it(tmp_path: Path) -> None:
     """Compiled with its counterfactuals, run in every engine, and all of them say where door and drawer end."""
-    page = CABINET.with_name("language.md").read_text()
+    page = CABINET.with_name("guides").joinpath("assets.md").read_text()
     spec_file = here(tmp_path) / "open.wms"
     spec_file.write_text(page.partition("```wms cabinet\n")[2].partition("```")[0])
     wmspec = [sys.executable, "-m", "wmspec"]

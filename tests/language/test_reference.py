@@ -1,4 +1,4 @@
-"""The language reference tells the truth: its examples are executed and its tables are those of the implementation."""
+"""The examples of the language pages are checked and formatted, and the reference pages are current."""
 
 import re
 import subprocess
@@ -13,6 +13,7 @@ from tests.language.test_format import without_places
 from wmspec.compile.lint.dry_run import dry_run
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source
+from wmspec.editor.start import first_spec
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.ir.record import plain
 from wmspec.lang.check.statements.dimensions import DIMENSIONS
@@ -35,7 +36,18 @@ from wmspec.lang.parse.syntax import Task
 ROOT = Path(__file__).parents[2]
 PAGE_PATH = ROOT / "docs/language.md"
 PAGE = PAGE_PATH.read_text()
-EXAMPLES = re.findall(r"^```wms(?: \w+)?\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+FIRST_TASK = (ROOT / "docs/get_started/first_task.md").read_text()
+IN_PYTHON = (ROOT / "docs/guides/specs_in_python.md").read_text()
+GUIDES = [path.read_text() for path in sorted((ROOT / "docs/guides").glob("*.md"))]
+
+
+def examples(page: str) -> list[str]:
+    return re.findall(r"^```wms(?: \w+)?\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+
+
+EXAMPLES = [
+    text for page in (PAGE, FIRST_TASK, (ROOT / "docs/index.md").read_text(), *GUIDES) for text in examples(page)
+]
 
 
 def test_every_dimension_of_the_catalogue_is_a_known_one() -> None:
@@ -103,11 +115,18 @@ def test_what_the_first_example_is_said_to_print() -> None:
     assert f"{task.name}: {count:,} instances, no mistakes\n" in PAGE
 
 
+def test_the_spec_of_the_tutorial_is_that_of_the_template() -> None:
+    (shown,) = examples(FIRST_TASK)
+    assert shown == first_spec("marbles", "prediction")
+    ((task, count),) = tasks_in(shown)
+    assert f"{task.name}: {count} instances, no mistakes\n" in FIRST_TASK
+
+
 def test_a_task_made_in_python_is_the_one_written_as_text() -> None:
-    (code,) = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+    (code,) = re.findall(r"^```python\n(.*?)^```$", IN_PYTHON, re.MULTILINE | re.DOTALL)
     names: dict[str, Any] = {}
     exec(code, names)
-    ((written, _),) = tasks_in(EXAMPLES[-1])
+    ((written, _),) = tasks_in(examples(IN_PYTHON)[-1])
     made = plain(names["roll"])
     assert without_places(made) == without_places(plain(written))
 

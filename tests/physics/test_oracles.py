@@ -9,7 +9,7 @@ import pytest
 from tests.engines import ENGINES, installed
 from tests.physics.oracles.table import ORACLES
 
-PAGE = Path(__file__).parents[2] / "docs/oracles.md"
+PAGE = Path(__file__).parents[2] / "docs/benchmarks/oracles.md"
 SPECS = tuple(dict.fromkeys(oracle.spec for oracle in ORACLES))
 LONG = ("bounce", "collide", "pusher", "stack")
 

@@ -1,4 +1,4 @@
-"""What each engine must reach. `docs/oracles.md` is written from this table, and the tests hold the engines to it."""
+"""Error limits of each engine, which the tests enforce and `tools/oracles.py` writes to docs/benchmarks/oracles.md."""
 
 from __future__ import annotations
 
