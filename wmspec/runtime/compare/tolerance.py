@@ -24,10 +24,10 @@ from wmspec.lang.check.types.units import (
 class Tolerances:
     """Permitted differences between two engines, in SI units.
 
-    The defaults are based on errors against analytic solutions (docs/benchmarks/oracles.md): free flight 0.02 mm in 1 s;
-    stopping distance of a slid box 0.2 %; speed after a collision of two balls 2.6 % of the speed before;
-    apex of a bounce 2.2 % of the drop; creep at rest 0.3 mm; duration of an impact 3 ms. An off-centre push rotates a
-    box by up to 10 degrees more in one engine than in another.
+    The defaults follow from errors against analytic solutions (docs/benchmarks/oracles.md): free flight 0.02 mm in 1 s;
+    stopping distance of a slid box 0.2 %; speed after a collision of two balls 2.6 % of the speed before; apex of a
+    bounce 2.2 % of the drop; creep at rest 0.3 mm; duration of an impact 3 ms. An off-centre push rotates a box by up
+    to 10 degrees more in one engine than in another.
     """
 
     #: Position of a body that has never moved, m.
