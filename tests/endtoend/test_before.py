@@ -59,7 +59,7 @@ def test_a_dry_run_tries_a_few_and_writes_nothing(tmp_path: Path) -> None:
     assert 0 < task["error"] < task["seconds"], "units differ"
     assert task["hours"] == pytest.approx(task["instances"] * task["seconds"] / 3600)
     assert 1_000 < task["size"] < 1_000_000
-    assert task["asked"] == task["tried"]
+    assert task["questions"] == task["tried"]
     assert 0 <= task["rejected"] <= task["tried"]
     assert sum(task["reasons"].values()) == task["rejected"]
     assert task["reasons"].keys() == task["examples"].keys()
@@ -80,7 +80,7 @@ def test_the_papers_tasks_are_as_large_as_the_papers_unless_all_is_asked_for() -
     ("args", "said"),
     [
         (["--full", "--per-task", 3, "-o", "out"], "give one of the two"),
-        ([], "give the folder of the dataset with -o, or --dry-run"),
+        ([], "missing option --output FOLDER, or --dry-run"),
         (["--dimension", "taste", "-o", "out"], "no task has the dimension `taste`"),
     ],
 )

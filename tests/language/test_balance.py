@@ -172,7 +172,7 @@ def test_sample_sizes_are_the_groups_in_which_something_is_compared() -> None:
         (spec(plan="cross: tone  balance: fat"), "there is no question `fat`; did you mean `far`?"),
         (spec(plan="cross: tone  balance: [far]"), "there is no question `[far]`"),
         (spec(plan="cross: tone  balnce: far"), "groups have no `balnce`; did you mean `balance`?"),
-        (spec(plan="balance: far"), "groups do not say what is crossed in them"),
+        (spec(plan="balance: far"), "groups need crossed factors"),
         (
             spec(question="answer position(block).x within 2 cm"),
             "`far` has no list of answers that could come equally often; balance a question that is answered with one",

@@ -193,7 +193,7 @@ def test_a_forged_library_executes_nothing(forged: object, tmp_path: Path, monke
 
 
 def test_old_entries_make_room(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(disk_cache, "MOST_ENTRIES", 8)
+    monkeypatch.setattr(disk_cache, "MAX_ENTRIES", 8)
     for i in range(30):
         disk_cache.write(f"entry-{i}", b"x")
     assert 4 <= len(list(folder.iterdir())) <= 8

@@ -63,7 +63,7 @@ def test_sarif_keeps_the_rules_of_its_schema(name: str) -> None:
 def test_colours_are_for_terminals_that_want_them(monkeypatch: pytest.MonkeyPatch) -> None:
     path = CORPUS / "three_mistakes.wms"
     assert "\x1b[" not in run(path, color=True).stderr
-    monkeypatch.setattr(common, "_in_colour", lambda: True)
+    monkeypatch.setattr(common, "_has_colour", lambda: True)
     assert "\x1b[31m\x1b[1merror[WMS203]\x1b[0m: " in run(path, color=True).stderr
 
 

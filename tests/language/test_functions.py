@@ -173,7 +173,7 @@ def test_the_least_of_none_has_no_value() -> None:
 
 def test_items_from_the_end() -> None:
     assert values().call("nth", (("a", "b", "c"), -1.0)) == "c"
-    with pytest.raises(WmsError, match="only 3 are there"):
+    with pytest.raises(WmsError, match="index -4 is out of range"):
         values().call("nth", (("a", "b", "c"), -4.0))
 
 

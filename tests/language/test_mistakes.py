@@ -50,7 +50,7 @@ MISTAKES = {
         "size: 14 cm  mass: 500 t  color: tone",
         "WMS606",
         8,
-        "is this the unit",
+        "check its unit",
     ),
     "inside a pipe that is no part": (
         "object crate {",
@@ -64,7 +64,7 @@ MISTAKES = {
         "size: 14 cm  mass: 0.001 mg  color: tone",
         "WMS606",
         8,
-        "is this the unit",
+        "check its unit",
     ),
     "the thing asked about is hidden": (
         "horizon",

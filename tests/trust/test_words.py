@@ -35,5 +35,5 @@ def test_more_instances_than_anyone_makes(tmp_path: Path) -> None:
     for more in ([], ["--full"]):
         result = wmspec("generate", tmp_path / "many.wms", "-b", "mujoco", "-o", tmp_path / "out", *more)
         assert result.exit_code == 2
-        assert "`many` has more than 10,000,000 instances; make some of them: give --per-task" in result.output
+        assert "`many` has more than 10,000,000 instances; generate fewer: use --per-task" in result.output
     assert not (tmp_path / "out").exists()

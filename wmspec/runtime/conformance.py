@@ -23,7 +23,7 @@ def score_engine(engine: str, cases: Iterable[Case], traces: Path | None = None)
         try:
             trace = execute_case(engine, case)
         except (WmsError, ConformanceError) as error:
-            reason = str(error).partition("\n")[0]
+            reason = str(error)
             if path:
                 write_refusal(path, reason)
             yield from refused_scores(engine, case, reason)
