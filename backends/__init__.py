@@ -1,1 +1,1 @@
-"""The engines: one package each, of equal shape. Each needs only `wmspec.sim.scene` and `wmspec.core.diagnostics`."""
+"""Engines, one package each with the same structure. They import only `wmspec.sim` and `wmspec.core`."""

@@ -1,7 +1,7 @@
-"""How exactly arms do what they are told: `python -m benchmarks.arms OUT.jsonl N [ENGINES]`, then `... OUT.jsonl`.
+"""Accuracy of robot arms: `python -m benchmarks.arms OUT.jsonl N [ENGINES]`, then `... OUT.jsonl`.
 
-N episodes of each kind, drawn by number: what is measured is where the thing is at the end against where it should be
-(mm, degrees), and the processor time that the episode took (s for a second of it). What OUT has is not made again.
+Runs N random episodes per kind. Measures the final error of the object (mm, degrees), and the processor time per second
+of the episode. Results in OUT are not repeated.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ WAYS = {"left": (-1, 0), "right": (1, 0), "away": (0, 1), "nearer": (0, -1)}
 
 
 def episode(kind: str, number: int) -> tuple[str, np.ndarray, float, int]:
-    """The spec of an episode, by how much the thing moves (3,) m, and by what angle (rad) about which axis it turns."""
+    """Return the spec of an episode, the intended displacement (3,) m, and the rotation angle (rad) and axis."""
     rng = np.random.default_rng([number, *kind.encode()])
     x, y = rng.integers(-80, 80), rng.integers(-60, 30)
     high, way = int(rng.integers(60, 140)), str(rng.choice(list(WAYS)))
@@ -85,7 +85,7 @@ KINDS = ("pick, rotate, place", "push", "push, pick", "lift, two arms", "push, t
 
 
 def measure(kind: str, number: int, engine: str) -> dict[str, object]:
-    """One episode in one engine."""
+    """Run one episode in one engine."""
     text, moved, turned, axis = episode(kind, number)
     row: dict[str, object] = {"kind": kind, "number": number, "engine": engine}
     try:
@@ -106,7 +106,7 @@ def measure(kind: str, number: int, engine: str) -> dict[str, object]:
 
 
 def table(rows: list[dict[str, object]]) -> None:
-    """Print what was measured."""
+    """Print the results."""
     groups = defaultdict(list)
     for row in rows:
         groups[str(row["kind"]), str(row["engine"])].append(row)
@@ -122,7 +122,7 @@ def table(rows: list[dict[str, object]]) -> None:
 
 
 def main() -> None:
-    """As the first line says."""
+    """Run and report."""
     path = Path(sys.argv[1])
     rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
     known = {(row["kind"], row["number"], row["engine"]) for row in rows}

@@ -1,13 +1,11 @@
-"""How long `wmspec check` takes, in seconds of processor time, beside what Python needs to import numpy.
+"""Processor time of `wmspec check`, relative to the import of numpy.
 
     python -m benchmarks.check [SPECS]
 
-For each spec (by default all that rebuild the paper): a whole process with an empty cache, one in which only the
-libraries are cached (the spec has just changed), one in which the result is cached, and a re-check in the language
-server after an edit (its libraries are in memory): until the mistakes of the text are known, and until the scenes have
-been tried as well. Then fifty specs in one call, and how many instances a second are built from their indices. Medians
-of five runs (of fifty specs at once one run unless cached); the first run of a process fills Python's own bytecode
-cache and does not count. The exit code is 1 if a bar is missed.
+For each spec (by default those of WM-ABench): a process with an empty cache, with cached libraries (the spec changed),
+and with a cached result; and a re-check in the language server after an edit, without and with scenes. Then fifty specs
+in one call, and the instances built per second. Medians of five runs (one uncached run for fifty specs). The first run
+of a process fills Python's bytecode cache and does not count. Exit code 1 if a limit is exceeded.
 """
 
 from __future__ import annotations
@@ -31,16 +29,16 @@ from wmspec.core.diagnostics import Report
 from wmspec.lang.check.statements.task import check
 from wmspec.lang.parse.files import catalogue_folders, read_source, spec_files
 
-#: The bars: a process whose result is cached; that as a multiple of importing numpy; fifty specs; a re-check.
+#: Limits: a process with a cached result; its multiple of the numpy import; fifty specs; a re-check.
 MOST_SECONDS, MOST_TIMES, MOST_FIFTY, MOST_RECHECK = 0.3, 2.0, 3.0, 0.1
 LEAST_RATE = 20_000
 RUNS = 5
-#: Scenes a second that Scenic was measured at. It draws scenes until one is allowed.
+#: Measured scenes per second of Scenic, which uses rejection sampling.
 SCENIC = 350
 
 
 class Processes:
-    """Runs Python with a bytecode cache and a cache of wmspec in a folder of its own."""
+    """Runs Python with its own bytecode cache and wmspec cache."""
 
     def __init__(self, folder: Path) -> None:
         self._cache = folder / "cache"
@@ -48,7 +46,7 @@ class Processes:
         self._environment |= {"PYTHONPYCACHEPREFIX": str(folder / "bytecode"), "WMSPEC_CACHE_DIR": str(self._cache)}
 
     def seconds(self, *command: str, before: Callable[[], None] = lambda: None, runs: int = RUNS) -> float:
-        """The median of what some runs of Python take; `before` is called before each."""
+        """Return the median time of several runs; `before` is called before each."""
         taken = []
         for _ in range(runs + 1):
             before()
@@ -58,7 +56,7 @@ class Processes:
         return median(taken[1:])
 
     def check(self, *paths: Path, before: Callable[[], None] = lambda: None, runs: int = RUNS) -> float:
-        """The same of `wmspec check`."""
+        """Return the median time of `wmspec check`."""
         return self.seconds("-m", "wmspec", "check", *map(str, paths), before=before, runs=runs)
 
     def forget(self) -> None:
@@ -66,7 +64,7 @@ class Processes:
         shutil.rmtree(self._cache, ignore_errors=True)
 
     def forget_results(self) -> None:
-        """Keep libraries only."""
+        """Empty the cache except for libraries."""
         for entry in self._cache.glob("check-*"):
             entry.unlink()
 
@@ -77,7 +75,7 @@ def _children() -> float:
 
 
 def rechecks(path: Path) -> tuple[float, float]:
-    """What a text takes in the language server after an edit: its own mistakes, and its scenes as well."""
+    """Return the time of a re-check after an edit, without and with scenes."""
     text, own, all_of_it = read_source(path).text, [], []
     for edit in range(RUNS + 1):
         began = time.process_time()
@@ -90,7 +88,7 @@ def rechecks(path: Path) -> tuple[float, float]:
 
 
 def instances_per_second(path: Path) -> float:
-    """How many instances of the task in a spec can be built from their indices in a second of processor time."""
+    """Return the instances of a spec's task that are built per second of processor time."""
     spec, *_ = check(path, Report())  # one of its variants
     design = Design(spec)
     return max(_rate(design) for _ in range(RUNS))
@@ -106,13 +104,13 @@ def _rate(design: Design) -> float:
 
 
 def specs() -> list[Path]:
-    """The specs named on the command line, those of folders too, or all that rebuild the paper."""
+    """Return the specs of the command line, or those of WM-ABench."""
     named = spec_files(map(Path, sys.argv[1:]))
     return named or spec_files(catalogue_folders())
 
 
 def rows(processes: Processes, paths: list[Path]) -> Iterator[tuple[float, ...]]:
-    """The figures of each spec, which are printed."""
+    """Print and yield the figures of each spec."""
     print(f"{'':<34} {'empty':>8} {'changed':>8} {'cached':>8} {'text':>8} {'scenes':>8} {'instances/s':>12}")
     for path in paths:
         empty = processes.check(path, before=processes.forget)
@@ -123,13 +121,13 @@ def rows(processes: Processes, paths: list[Path]) -> Iterator[tuple[float, ...]]
 
 
 def line(name: str, figures: tuple[float, ...]) -> str:
-    """A line of the table."""
+    """Return a line of the table."""
     *seconds, rate = figures
     return f"{name:<34} " + " ".join(f"{each:8.3f}" for each in seconds) + f" {rate:12,.0f}"
 
 
 def fifty(folder: Path, paths: list[Path]) -> list[Path]:
-    """Fifty different files: copies of the specs, of some more than one."""
+    """Return fifty different files: copies of the specs."""
     copies = []
     for number, path in enumerate(islice(cycle(paths), 50)):
         copies.append(folder / f"{path.stem}_{number}.wms")

@@ -1,8 +1,8 @@
-"""Files for the fuzzer: datasets, traces, stages, assets, meshes and pictures, whole ones that were damaged.
+"""Damaged files for the fuzzer: datasets, traces, stages, assets, meshes and pictures.
 
-A damaged file is cut off, has bits turned, parts swapped or doubled, says that something is longer than it is, or has
-numbers and words that mean something else. Most of these no longer can be read at all; so there are files too that are
-whole, and of which values and lines are others. Each is a pure function of its number.
+A damaged file is truncated, or has flipped bits, swapped or repeated parts, false lengths, or changed numbers and
+words. Most of these are unreadable, so there are also readable files with changed values and lines. Each file is a pure
+function of its number.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from wmspec.core.diagnostics import Report, WmsError
 from wmspec.core.places import Source
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.gallery.gallery import folder as gallery_folder
-from wmspec.eval.image_import.recast import recast
+from wmspec.eval.image_import.importer import import_images
 from wmspec.eval.models import results
 from wmspec.eval.report import replies
 from wmspec.lang.check.statements.task import check_program
@@ -80,7 +80,7 @@ ODD = (
 
 @cache
 def originals() -> Path:
-    """A folder with a whole file of every kind."""
+    """Return a folder with a valid file of every kind."""
     made = Path(tempfile.mkdtemp(prefix="whole"))
     make(made / "dataset", plan(count=2), size=24)
     assets = ROOT / "tests/assets"
@@ -109,7 +109,7 @@ def originals() -> Path:
 
 
 def _trace(path: Path) -> None:
-    """A trace in which nothing happens."""
+    """Write a trace without motion."""
     stage = open_stage(originals_stage())
     scene = read(stage)
     t, n = round(scene.duration * scene.rate) + 1, len(scene.bodies)
@@ -122,7 +122,7 @@ def _trace(path: Path) -> None:
 
 
 def originals_stage() -> Path:
-    """The stage that traces are of."""
+    """Return the stage of the traces."""
     return ROOT / "tests/stage/data/collide.usda"
 
 
@@ -130,7 +130,7 @@ def originals_stage() -> Path:
 
 
 def damaged(content: bytes, random_: random.Random) -> bytes:
-    """The same with one to three damages."""
+    """Return the content with one to three damages."""
     for _ in range(random_.choice((1, 1, 1, 1, 2, 3))):
         content = random_.choices(_DAMAGES, _OFTEN)[0](content, random_)
     return content
@@ -159,7 +159,7 @@ def _doubled(content: bytes, r: random.Random) -> bytes:
 
 
 def _lying(content: bytes, r: random.Random) -> bytes:
-    """Somewhere it says a large number, as a length would be: 4 or 8 bytes of either order."""
+    """Insert a large number like a length: 4 or 8 bytes of either order."""
     form, most = r.choice((("<I", 2**32), (">I", 2**32), ("<Q", 2**64), (">Q", 2**64)))
     number = struct.pack(form, r.choice((most - 1, most // 2, 2**31 - 1, 2**20, 0)))
     at = r.choice((r.randrange(len(content) + 1), r.randrange(min(200, len(content)) + 1)))
@@ -167,7 +167,7 @@ def _lying(content: bytes, r: random.Random) -> bytes:
 
 
 def _reworded(content: bytes, r: random.Random) -> bytes:
-    """A word or number of a text is another."""
+    """Replace a word or number of a text."""
     words = [m for m in _words(content) if m[1] > m[0]]
     if not words:
         return _flipped(content, r)
@@ -185,7 +185,7 @@ _OFTEN = (1, 4, 1, 1, 4, 5)
 
 
 def changed(content: bytes, random_: random.Random) -> bytes:
-    """A text whose syntax stays: one to three of its numbers, words in quotes or lines are others, or are gone."""
+    """Return a text with valid syntax and one to three changed values or lines."""
     for _ in range(random_.choice((1, 1, 2, 3))):
         content = random_.choices((_revalued, _relined), (4, 1))[0](content, random_)
     return content
@@ -196,7 +196,7 @@ _NUMBERS = (b"nan", b"inf", b"-1", b"0", b"1e308", b"1e-308", b"1e-9", b"1e12", 
 
 
 def _revalued(content: bytes, r: random.Random) -> bytes:
-    """Another value, most often of the same kind: a number for a number, several for several."""
+    """Replace a value, mostly by one of the same kind."""
     values = [m.span() for m in _VALUE.finditer(content)]
     if not values:
         return content
@@ -210,7 +210,7 @@ def _revalued(content: bytes, r: random.Random) -> bytes:
 
 
 def _relined(content: bytes, r: random.Random) -> bytes:
-    """A line is gone, is there twice, or stands elsewhere."""
+    """Remove, repeat or move a line."""
     lines = content.split(b"\n")
     line = lines.pop(r.randrange(len(lines)))
     for _ in range(r.randrange(3)):
@@ -222,15 +222,15 @@ def _relined(content: bytes, r: random.Random) -> bytes:
 
 
 def attempt_file(number: int) -> str:
-    """Damage a file and read it as wmspec would; returns how far it came, or raises whatever is a defect of ours.
+    """Damage a file and read it as wmspec would; return how far that came. Raises defects of wmspec.
 
-    Its folder has others around it, so that what is written outside is seen.
+    Its folder is nested, so that writes outside of it are detected.
     """
     return _attempt(KINDS[number % len(KINDS)], random.Random(f"file {number}"), damaged)  # noqa: S311
 
 
 def attempt_changed(number: int) -> str:
-    """The same for a file that is whole and says something else."""
+    """Like `attempt_file`, for a readable file with changed values."""
     return _attempt(CHANGED[number % len(CHANGED)], random.Random(f"changed {number}"), changed)  # noqa: S311
 
 
@@ -282,7 +282,7 @@ def _rows(home: Path, r: random.Random, _: Damage) -> None:
 
 
 def _other(row: dict[str, Any], r: random.Random) -> None:
-    """A row has another value, of the same type."""
+    """Replace a value of a row by another of the same type."""
     name = r.choice(sorted(row))
     row[name] = _instead(row[name], r)
 
@@ -309,7 +309,7 @@ def _instead(value: Any, r: random.Random) -> Any:
 
 
 def _arrays(home: Path, r: random.Random, _: Damage) -> None:
-    """A trace of which an array holds other numbers, or others as many."""
+    """Change numbers of an array of a trace."""
     path = home / "trace.npz"
     shutil.copy(originals() / "trace.npz", path)
     with np.load(path) as file:
@@ -325,7 +325,7 @@ def _arrays(home: Path, r: random.Random, _: Damage) -> None:
 
 def _results(home: Path, r: random.Random, _: Damage) -> None:
     rows, about = results.read(originals() / "results.parquet")
-    for _ in range(r.choice((1, 2))):
+    for _time in range(r.choice((1, 2))):
         _other(r.choice(rows), r)
     results.write(home / "r.parquet", rows, about)
     replies.read([home / "r.parquet"], None)
@@ -335,7 +335,7 @@ def _results(home: Path, r: random.Random, _: Damage) -> None:
 def _table(home: Path, r: random.Random, damage: Damage) -> None:
     shutil.copytree(originals() / "photos", home / "photos")
     (home / "t.csv").write_bytes(damage(TABLE, r))
-    recast(home / "t.csv", home / "photos", home / "out", 32)
+    import_images(home / "t.csv", home / "photos", home / "out", 32)
 
 
 def _of_trace(home: Path, r: random.Random, damage: Damage) -> None:

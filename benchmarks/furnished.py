@@ -1,11 +1,11 @@
-"""What a frame of a furnished place costs, next to one of the bare place of an earlier commit, drawn by its code.
+"""Render cost of furnished places, compared with the bare places of an earlier commit and its code.
 
     python -m benchmarks.furnished CHECKOUT [--size 256] [--frames 16] [--engines mujoco,pybullet,sapien]
 
-CHECKOUT is a clone at that commit, such as 69255fb. The same three things stand in its `room` and on its `tabletop`,
-and in each place of `grounds` and of `tables` here; both look through their own camera `front`. A renderer is made for
-each, and from frame to frame all things move. Two processes, one for either code, take turns frame by frame, so what
-else the machine does is shared; the processor time of a frame, with ids and depth, is the median.
+CHECKOUT is a clone at that commit, such as 69255fb. The same three objects are in its `room` and on its `tabletop`, and
+in each place of `grounds` and `tables` here, seen by the camera `front`. All objects move from frame to frame. Two
+processes, one per version, alternate frame by frame and so share other load. Reports the median processor time of a
+frame with ids and depth.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def main() -> None:
 
 
 class Side:
-    """A process that draws frames of stages by the code of a checkout."""
+    """A process that renders frames of stages with the code of a checkout."""
 
     def __init__(self, code: Path, engine: str, size: int, stages: list[Path]) -> None:
         environment = {**os.environ, "PYTHONPATH": str(code)}
@@ -135,13 +135,13 @@ class Side:
         self._answer()
 
     def draw(self, which: int, frame: int) -> float:
-        """The processor time of a frame (ms)."""
+        """Return the processor time of a frame (ms)."""
         assert self._process.stdin is not None
         print(which, frame, file=self._process.stdin, flush=True)
         return 1000 * float(self._answer())
 
     def close(self) -> None:
-        """End it."""
+        """Stop the process."""
         self._process.communicate()
 
     def _answer(self) -> str:
@@ -153,7 +153,7 @@ class Side:
 
 
 def taken(sides: list[Side], frames: int) -> list[list[float]]:
-    """Of either side, the median of each stage's frames (ms), which take turns; the first two don't count."""
+    """Return the median time (ms) of each stage per side, alternating frames; the first two do not count."""
     spent: list[list[list[float]]] = [[[] for _ in range(side.count)] for side in sides]
     for frame in range(frames + 2):
         for which in range(max(side.count for side in sides)):
@@ -165,7 +165,7 @@ def taken(sides: list[Side], frames: int) -> list[list[float]]:
 
 
 def _before(code: Path, folder: Path) -> Iterator[tuple[str, str, Path]]:
-    """Stages of the bare places: what stands for them now, their name, and the file."""
+    """Yield stages of the bare places: the current library, the name, and the file."""
     for where, (library, ground) in zip(NOW, BEFORE.items(), strict=True):
         spec, stage = folder / f"in_{library}.wms", folder / f"{library}.usda"
         spec.write_text(THINGS.format(library=library, called="", ground=ground, camera="front"), "utf-8")
@@ -175,7 +175,7 @@ def _before(code: Path, folder: Path) -> Iterator[tuple[str, str, Path]]:
 
 
 def _now(folder: Path) -> Iterator[tuple[str, str, Path]]:
-    """Stages of the furnished places: their library, their name, and the file."""
+    """Yield stages of the furnished places: library, name, and file."""
     for where, places in NOW.items():
         text = THINGS.format(library=where, called=" as here", ground="here.ground", camera="here.front")
         left, drawn = dict(places), wmspec.load(text=text)

@@ -1,13 +1,13 @@
-"""Random specs and damaged files, many of them: none may end in a traceback, or take much time or memory.
+"""Fuzz the checker and readers: no input may cause a traceback, or take much time or memory.
 
     python -m benchmarks.fuzz --count 100000 --workers 2
     python -m benchmarks.fuzz --of files --count 20000 --workers 2
     python -m benchmarks.fuzz --of changed --count 20000 --workers 2
 
 A spec may take 2 s and 512 MB, a file 10 s and 1 GB (`benchmarks/damaged.py`: damaged, or whole and changed), and
-nothing may be written but where it was asked for. An input is a pure function of its number and of the texts in the
-repository, which it is made from. A spec is checked, tried out and, if it can be parsed, formatted twice. What fails is
-written to `--output`; the exit code is 1 then.
+nothing may be written outside the output folder. An input is a pure function of its number and of the texts in the
+repository. A spec is checked, dry-run and, if it parses, formatted twice. Failures are written to `--output`; the exit
+code is then 1.
 """
 
 from __future__ import annotations
@@ -36,21 +36,21 @@ from wmspec.core.places import Source
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.format import format_spec
 from wmspec.lang.parse.load import load_source
-from wmspec.runtime.workers.pool import Effort, Lost, in_order
+from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_ordered
 
-#: Processor seconds that an input may take.
+#: Time limit of an input, in processor seconds.
 MOST_SECONDS = 2.0
-#: Bytes of memory that the process may come to hold.
+#: Memory limit of the process, in bytes.
 MOST_MEMORY = 512 * 2**20
 
 
 class TooSlow(BaseException):
-    """The time is up; a BaseException, so that nothing takes it for a mistake of the user."""
+    """The time limit is exceeded; a BaseException, so that no handler catches it."""
 
 
 @cache
 def folder() -> Path:
-    """Where the inputs are said to be: with meshes, a picture, and assets beside them."""
+    """Return the folder of the inputs, with meshes, a picture and assets."""
     import trimesh
     from PIL import Image
 
@@ -92,9 +92,9 @@ def survive_formatting(source: Source) -> None:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of an input: how far it came, what went wrong, and its process's memory.
+    """The result of an input: how far it came, its failure, and the memory of the process.
 
-    The seconds are those of the processor, of checking or of formatting, whichever takes longer.
+    The seconds are processor time of checking or formatting, the larger one.
     """
 
     number: int
@@ -138,13 +138,13 @@ def _start() -> None:
 
 
 def run(numbers: range, workers: int) -> Iterator[Outcome]:
-    """The outcomes of all inputs, in any order. Workers are renewed, so that memory is that of few inputs."""
+    """Yield the outcomes of all inputs, in any order. Workers are renewed, so that memory is that of few inputs."""
     with get_context("spawn").Pool(workers, _start, maxtasksperchild=40) as pool:
         yield from pool.imap_unordered(attempt, numbers, chunksize=50)
 
 
 class Tally:
-    """What is told of all outcomes."""
+    """Statistics of outcomes."""
 
     def __init__(self) -> None:
         self.came = Counter[str]()
@@ -152,7 +152,7 @@ class Tally:
         self.memory = self.failed = 0
 
     def add(self, outcome: Outcome) -> None:
-        """Take in another one."""
+        """Add an outcome."""
         self.came[outcome.came] += 1
         self.slowest, self.seconds = max(self.slowest, outcome.seconds), self.seconds + outcome.seconds
         self.memory, self.failed = max(self.memory, outcome.memory), self.failed + bool(outcome.failure)
@@ -169,14 +169,14 @@ class Tally:
 
 # ---------------------------------------------------------------- files
 
-#: Processor seconds and bytes of memory that a damaged file may take.
+#: Limits of a damaged file: processor seconds and bytes of memory.
 FILE_SECONDS, FILE_MEMORY = 10.0, 2**30
-#: Files that a worker reads at a time.
+#: Files per batch of a worker.
 TOGETHER = 20
 
 
 def attempt_files(kind: str, first: int, last: int) -> list[Outcome]:
-    """Damage, or change, and read the files of these numbers."""
+    """Damage or change the files of these numbers, and read them."""
     return [_attempt_file(kind, number) for number in range(first, last)]
 
 
@@ -195,17 +195,19 @@ def _attempt_file(kind: str, number: int) -> Outcome:
 
 
 def run_files(kind: str, numbers: range, workers: int) -> Iterator[Outcome]:
-    """The outcomes of all files, in order; a worker that dies or hangs is a failure of the files that it had."""
+    """Yield the outcomes of all files, in order; a crash or hang of a worker is a failure of its files."""
     pieces = [(kind, first, min(first + TOGETHER, numbers.stop)) for first in numbers[::TOGETHER]]
-    for (_, first, last), outcomes in zip(pieces, in_order(attempt_files, pieces, Effort(workers, 300)), strict=True):
-        if isinstance(outcomes, Lost):
+    for (_, first, last), outcomes in zip(
+        pieces, map_ordered(attempt_files, pieces, PoolConfig(workers, 300)), strict=True
+    ):
+        if isinstance(outcomes, JobFailure):
             yield from (Outcome(n, "", "failed", 0.0, 0, f"{outcomes.reason}: {first} to {last}") for n in (first,))
         else:
             yield from outcomes
 
 
 def keep(outcome: Outcome, output: Path) -> None:
-    """Write what failed, and say so."""
+    """Write and print a failure."""
     output.mkdir(parents=True, exist_ok=True)
     (output / f"{outcome.number}.wms").write_text(outcome.text, encoding="utf-8", errors="replace")
     (output / f"{outcome.number}.txt").write_text(outcome.failure, encoding="utf-8", errors="replace")

@@ -1,6 +1,6 @@
-"""Inputs for the fuzzer: words at random, sentences of the grammar, specs that are damaged, and specs that are crossed.
+"""Inputs for the fuzzer: random words, sentences of the grammar, damaged specs, and crossed specs.
 
-All that is in the repository takes part: the specs and libraries, the corpus, every example of the documentation.
+Sources are the specs and libraries, the corpus, and every example of the documentation.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.codes import CODES
 from wmspec.lang.parse.files import library_folder
 from wmspec.lang.parse.pages import page
-from wmspec.lang.parse.parser import parse, words
+from wmspec.lang.parse.parser import parse, tokens_and_comments
 from wmspec.lang.parse.tables import grammar, lark_parser
 
 ROOT = Path(__file__).parent.parent
@@ -43,7 +43,7 @@ task meshes : custom {
 
 
 def text_of(number: int) -> str:
-    """Input `number`, a pure function of it."""
+    """Return input `number`, a pure function of it."""
     rng = random.Random(number)  # noqa: S311
     make = rng.choices((_words, _grown, _damaged, _crossed), (1, 2, 3, 10))[0]
     text: str = make(rng)
@@ -52,7 +52,7 @@ def text_of(number: int) -> str:
 
 @cache
 def texts() -> tuple[str, ...]:
-    """What inputs are made from."""
+    """Return the source texts."""
     folders = (library_folder().parent, ROOT / "tests")
     found = [path.read_text(encoding="utf-8") for folder in folders for path in sorted(folder.rglob("*.wms"))]
     tour = "".join(path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs/guides").glob("*.md")))
@@ -63,10 +63,10 @@ def texts() -> tuple[str, ...]:
 
 @cache
 def _vocabulary() -> dict[str, tuple[str, ...]]:
-    """The words of all texts by terminal, each as often as it is there."""
+    """Return the words of all texts by terminal, with repetition."""
     found: dict[str, list[str]] = defaultdict(list)
     for text in texts():
-        for token in words(text):
+        for token in tokens_and_comments(text):
             found[token.type].append(token.text)
     return {kind: tuple(said) for kind, said in found.items()}
 
@@ -114,7 +114,7 @@ def _hit(text: str, rng: random.Random) -> str:
 
 
 def _crossed(rng: random.Random) -> str:
-    """A spec in which some nodes of the tree are those of this or another spec, doubled, gone, or extreme numbers."""
+    """Return a spec with some nodes replaced by those of another, repeated, removed, or extreme numbers."""
     text = rng.choice(texts())
     own = _nodes(text)
     edits: list[tuple[Span, str]] = []
@@ -137,7 +137,7 @@ def _instead(kind: str, span: Span, rng: random.Random, donor: dict[str, list[Sp
 
 @cache
 def _nodes(text: str) -> dict[str, list[Span]]:
-    """Where the nodes of a text's tree are, by kind. Expressions but bare names are together as well."""
+    """Return the spans of a text's syntax nodes by kind. Expressions other than names share one kind."""
     found: dict[str, list[Span]] = defaultdict(list)
     for node in _walk(parse(Source("text", text), Report())):
         if not isinstance(node, s.File | s.Task):
@@ -161,14 +161,14 @@ def _walk(node: Any) -> Iterator[Any]:
 
 
 def _grown(rng: random.Random) -> str:
-    """A task of random statements, as the grammar has them, in the words of all texts."""
+    """Return a task of random statements of the grammar with words of all texts."""
     body = [_sentence("_statement", rng) for _ in range(rng.randint(1, 12))]
     return "use tabletop\ntask grown : custom {\n" + "\n".join(body) + "\n}\n"
 
 
 @cache
 def _grammar() -> tuple[dict[str, list[Rule]], dict[str, int], dict[str, str]]:
-    """The rules of each symbol, the least depth of its trees, and the fixed words of terminals."""
+    """Return the rules of each symbol, the minimal depth of its trees, and the fixed words of terminals."""
     lark = lark_parser(grammar())
     rules: dict[str, list[Rule]] = defaultdict(list)
     for rule in lark.rules:

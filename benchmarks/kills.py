@@ -1,15 +1,14 @@
-"""Runs that are killed at random moments, begun again until they end, and held against one that was left alone.
+"""Kill runs at random moments, resume them until they finish, and compare with an undisturbed run.
 
     python -m benchmarks.kills --of generate --kills 100
     python -m benchmarks.kills --of generate --executor ray --kills 100
     python -m benchmarks.kills --of evaluate --kills 100
     python -m benchmarks.kills --of study --kills 100
 
-What happens to a run is drawn at random: all its processes are killed at once (SIGKILL), as when a machine goes down;
-the run alone, which leaves its workers behind; one worker, as where memory runs out; or it is told to end, by SIGTERM
-or by Ctrl-C (SIGINT to all its processes), once or again before it has ended. The server of a study is killed. Nothing
-that was kept may be lost, no byte of what comes out may differ, no process may stay, and whoever is told to end may not
-answer with a traceback; the exit code is 1 if it does.
+The kind of interruption is random: SIGKILL to all processes, as when a machine goes down; to the main process only,
+which orphans its workers; to one worker, as when memory runs out; SIGTERM; or Ctrl-C (SIGINT to all processes), once or
+repeatedly. The server of a study is killed. No stored result may be lost, no byte of the output may differ, no process
+may stay, and no signal may cause a traceback; otherwise the exit code is 1.
 """
 
 from __future__ import annotations
@@ -41,23 +40,23 @@ from tests.study.visitor import Process, letter, post
 from wmspec.core.crash import EXIT_CODE
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.study import store
-from wmspec.eval.study.make import Options, make
+from wmspec.eval.study.make import StudyOptions, make
 from wmspec.eval.study.model import load
-from wmspec.eval.study.store import Store
+from wmspec.eval.study.store import AnswerStore
 
 ROOT = Path(__file__).parent.parent
 SPEC = ROOT / "tests/endtoend/specs/speed_tabletop.wms"
 INSTANCES = 80
 #: Seconds.
 SOON = 1.5
-#: Seconds that processes may take to see that the run they worked for is gone.
+#: Seconds in which orphaned processes must end.
 LINGER = 30.0
-#: Ray's processes that do no work.
+#: Processes of Ray that do no work.
 AGENTS = (b"ray::DashboardAgent", b"ray::RuntimeEnvAgent")
 
 
 class Failed(Exception):
-    """A run lost something, or came to something else."""
+    """A run lost something, or gave another result."""
 
 
 class Victim:
@@ -70,11 +69,11 @@ class Victim:
 
     @property
     def alive(self) -> bool:
-        """Whether it is still going on."""
+        """Whether it is still running."""
         return self.run.poll() is None
 
     def end(self) -> int:
-        """Wait until it has ended, with every process that it began; returns its exit code."""
+        """Wait for the end of it and its processes; return its exit code."""
         code = self.run.wait()
         until = time.monotonic() + LINGER
         while self._left():
@@ -89,7 +88,7 @@ class Victim:
         return code
 
     def _left(self) -> bool:
-        """Whether processes of it are there, but for Ray's agents, which see a minute later that they are alone."""
+        """Whether processes of it remain, except Ray's agents, which end a minute later."""
         for entry in Path("/proc").glob("[0-9]*"):
             pid = int(entry.name)
             with suppress(ProcessLookupError):
@@ -98,7 +97,7 @@ class Victim:
         return False
 
     def workers(self) -> list[int]:
-        """The processes that do its work."""
+        """Return its worker processes."""
         below, waiting = [], [self.run.pid]
         while waiting:
             for children in Path(f"/proc/{waiting.pop()}/task").glob("*/children"):
@@ -144,7 +143,7 @@ def _interrupted_again(victim: Victim) -> None:
         _interrupted(victim)
 
 
-#: What can happen to a run, and how it may end then; None: it goes on.
+#: Interruptions with their allowed exit codes; None if the run continues.
 BLOWS: dict[str, tuple[Callable[[Victim], None], set[int] | None]] = {
     "all": (_all, {-signal.SIGKILL}),
     "run": (_alone, {-signal.SIGKILL}),
@@ -156,7 +155,7 @@ BLOWS: dict[str, tuple[Callable[[Victim], None], set[int] | None]] = {
 
 
 class Rounds:
-    """A command that is killed over and over, from nothing to its end, again and again."""
+    """A command that is killed repeatedly until it finishes, several times."""
 
     def __init__(
         self,
@@ -172,7 +171,7 @@ class Rounds:
         self.early = self.rounds = 0
 
     def run(self, kills: int, chance: random.Random) -> None:
-        """Kill it so often. Raises Failed if something was lost or differs."""
+        """Kill it `kills` times. Raises Failed if something was lost or differs."""
         began = time.monotonic()
         self._done(Victim(self.arguments))
         whole, longest = self.made(), time.monotonic() - began
@@ -195,7 +194,7 @@ class Rounds:
                 self.rounds, before, under_way = self.rounds + 1, set(), False
 
     def _ended(self, victim: Victim, before: set[str], chance: random.Random, longest: float) -> bool:
-        """Strike at a random moment; returns whether that ended it before it was done."""
+        """Interrupt at a random moment; return whether that ended the run."""
         blow = chance.choice(self.blows)
         self._wait(victim, before, chance, longest)
         if not victim.alive:
@@ -211,7 +210,7 @@ class Rounds:
         return code != 0
 
     def _wait(self, victim: Victim, before: set[str], chance: random.Random, longest: float) -> None:
-        """Wait for a random moment: three times of four, for one soon after something new was kept."""
+        """Wait for a random moment, in three of four cases soon after a new result."""
         until = time.monotonic() + chance.uniform(0.0, longest)
         if chance.random() < 0.75:
             while victim.alive and self.progress() == before:
@@ -226,7 +225,7 @@ class Rounds:
 
 
 def _differing(result: object, whole: object) -> str:
-    """In which files or rows two results differ."""
+    """Return the files or rows in which two results differ."""
     here, there = (dict(enumerate(r)) if isinstance(r, list) else r for r in (result, whole))
     if not isinstance(here, dict) or not isinstance(there, dict):
         return "they are of different kinds"
@@ -234,7 +233,7 @@ def _differing(result: object, whole: object) -> str:
 
 
 def generate(home: Path, executor: str) -> Rounds:
-    """`INSTANCES` instances of one task in one engine, by two workers."""
+    """Set up `INSTANCES` instances of one task in one engine with two workers."""
     out = home / "out"
     arguments = ["generate", str(SPEC), "-o", str(out), "-b", "mujoco", "--per-task", str(INSTANCES), "--size", "48"]
 
@@ -251,7 +250,7 @@ def generate(home: Path, executor: str) -> Rounds:
 
 
 def evaluate(home: Path, address: str) -> Rounds:
-    """Questions put to a server, which is slow to answer."""
+    """Set up an evaluation with a slow server."""
     dataset, out = in_words(home / "dataset"), home / "results" / "r.parquet"
     journal = out.with_suffix(".journal.jsonl")
     arguments = ["evaluate", str(dataset), "-m", "openai:first+slow", "--base-url", address, "-o", str(out)]
@@ -302,7 +301,7 @@ def main() -> None:
 
 
 def _killed(server: Process, path: str, body: dict[str, object], delay: float) -> dict[str, object]:
-    """Send an answer to a server that is killed meanwhile and begun again; then send it once more, as a page does."""
+    """Send an answer to a server that is killed meanwhile and restarted; then send it again, as a page does."""
     sending = threading.Thread(target=_tried, args=(server.port, path, body))
     sending.start()
     time.sleep(delay)
@@ -325,12 +324,12 @@ def _said(port: int, path: str, body: dict[str, object]) -> dict[str, object]:
 
 
 def study(home: Path, kills: int, chance: random.Random) -> str:
-    """Visitors answer a study and try again what is not heard, while its server is killed."""
+    """Let participants answer a study with retries, while its server is killed."""
     make_dataset(home / "dataset", plan(count=20, shard=8))
     killed = rounds = 0
     while killed < kills:
         folder = home / f"study-{rounds}"
-        make(DatasetReader.open(home / "dataset"), Options(per_task=6, raters=3, check_every=6), folder)
+        make(DatasetReader.open(home / "dataset"), StudyOptions(per_task=6, raters=3, check_every=6), folder)
         made, server = load(folder), Process(folder)
         heard: list[tuple[str, int]] = []
         for visitor in range(3):
@@ -346,7 +345,9 @@ def study(home: Path, kills: int, chance: random.Random) -> str:
                 heard.append((session, step))
         server.kill()
         rounds += 1
-        if [(v.session, a.step) for v in Store(folder / store.FILE, made).visits() for a in v.answers] != heard:
+        if [
+            (v.session, a.step) for v in AnswerStore(folder / store.ANSWERS_FILE, made).visits() for a in v.answers
+        ] != heard:
             raise Failed("other answers than were given")
     return f"study: {killed} kills in {rounds} studies: every answer kept once"
 

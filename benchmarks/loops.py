@@ -1,8 +1,7 @@
-"""Episodes and their pictures in bare engines, as one would write it by hand: nothing is shared, asked or checked.
+"""Hand-written loops in bare engines: episodes and pictures without sharing, questions or checks.
 
-Physics is each engine's own, stepped at the same rate by the loop that native scripts have. Pictures are drawn by what
-the engine draws with if nothing is said, encoded as wmspec does; of the state at the beginning or the end, which costs
-what any other does. No contact shadows, no masks; in PyBullet and SAPIEN no images on things.
+Each engine steps at the same rate, as in native scripts. The engine's default renderer draws the initial or final
+state, encoded as in wmspec. No contact shadows, no masks; in PyBullet and SAPIEN no textures.
 """
 
 from __future__ import annotations
@@ -20,24 +19,24 @@ from wmspec.backends.mujoco import physics as in_mujoco
 from wmspec.backends.mujoco.mjcf import mjcf
 from wmspec.backends.mujoco.world import World as MuJoCo
 from wmspec.backends.pybullet import physics as in_pybullet
-from wmspec.backends.pybullet.lists import lists
+from wmspec.backends.pybullet.shared_lists import shared_lists
 from wmspec.backends.pybullet.world import World as PyBullet
 from wmspec.backends.sapien import physics as in_sapien
 from wmspec.backends.sapien.render import bodies, eye
 from wmspec.backends.sapien.world import World as Sapien
-from wmspec.dataset.build.rows import encoded
+from wmspec.dataset.build.rows import encode_picture
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.scene.model.transform import compose
-from wmspec.sim.scene.physics.episode import play, told
+from wmspec.sim.scene.physics.episode import kinematic_recording, play
 from wmspec.sim.scene.render.camera import projection_matrix, view_matrix
 from wmspec.sim.scene.render.texcoords import texcoords
 
-#: Executes episodes, and draws as many pictures of each, of this size.
+#: Executes episodes, and draws this many pictures of each, with this size.
 Loop = Callable[[list[tuple[Scene, int]], int], None]
 
 
 def _mujoco(every: list[tuple[Scene, int]], size: int) -> None:
-    """One model an episode, but for nudges, which have that of the truth; one renderer an episode."""
+    """One model and one renderer per episode; perturbed episodes reuse the model."""
     last: mujoco.MjModel | None = None
     last_kind: object = None  # what moves freely and what will be held is in the model
     for scene, pictures in every:
@@ -46,7 +45,7 @@ def _mujoco(every: list[tuple[Scene, int]], size: int) -> None:
         if pictures or last is None or kind != last_kind:
             last_kind, last = kind, mujoco.MjModel.from_xml_string(mjcf(scene, timeline, whole))
         world = MuJoCo(last, whole)
-        if told(timeline) is None:
+        if kinematic_recording(timeline) is None:
             play(world, timeline)
         if pictures:
             data = mujoco.MjData(last)
@@ -54,14 +53,14 @@ def _mujoco(every: list[tuple[Scene, int]], size: int) -> None:
             with mujoco.Renderer(last, size, size) as renderer:
                 for camera in _cameras(scene, pictures):
                     renderer.update_scene(data, camera=camera.name)
-                    encoded(renderer.render())
+                    encode_picture(renderer.render())
 
 
 def _pybullet(every: list[tuple[Scene, int]], size: int) -> None:
-    """One world and one client to draw with an episode; TinyRenderer with its own shadows."""
+    """One world and one rendering client per episode; TinyRenderer with its own shadows."""
     for scene, pictures in every:
         whole, timeline = in_pybullet.prepare(scene)
-        if told(timeline) is None:
+        if kinematic_recording(timeline) is None:
             world = PyBullet(whole)
             play(world, timeline)
             world.close()
@@ -78,16 +77,16 @@ def _pybullet(every: list[tuple[Scene, int]], size: int) -> None:
                     renderer=pybullet.ER_TINY_RENDERER,
                     physicsClientId=client,
                 )
-                encoded(np.asarray(image[2], np.uint8).reshape(size, size, 4)[..., :3])
+                encode_picture(np.asarray(image[2], np.uint8).reshape(size, size, 4)[..., :3])
             pybullet.disconnect(client)
 
 
 def _shown(scene: Scene) -> int:
-    """A client that has everything that is visible, where it begins."""
+    """Return a client with all visible objects in their initial poses."""
     client: int = pybullet.connect(pybullet.DIRECT)
     for body in scene.bodies:
         for geom in (geom for geom in body.geoms if geom.visible):
-            with lists(texcoords(geom)) as mesh:
+            with shared_lists(texcoords(geom)) as mesh:
                 color = [*geom.surface.color, 1.0]
                 shape = pybullet.createVisualShape(pybullet.GEOM_MESH, rgbaColor=color, physicsClientId=client, **mesh)
             pose = compose(body.pose, geom.pose)
@@ -98,12 +97,12 @@ def _shown(scene: Scene) -> int:
 
 
 def _sapien(every: list[tuple[Scene, int]], size: int) -> None:
-    """One world and one scene to draw an episode; SAPIEN's own shaders, compiled before."""
+    """One world and one rendering scene per episode; SAPIEN's own shaders, compiled in advance."""
     _compiled()
     for scene, pictures in every:
         whole, timeline = in_sapien.prepare(scene)
-        if told(timeline) is None:
-            play(Sapien(whole, in_sapien.landing(scene)), timeline)
+        if kinematic_recording(timeline) is None:
+            play(Sapien(whole, in_sapien.landing_bodies(scene)), timeline)
         if pictures:
             world = sapien.Scene([sapien.render.RenderSystem()])
             for entity, body in zip(bodies(world, scene, linear=True), scene.bodies, strict=True):
@@ -115,12 +114,12 @@ def _sapien(every: list[tuple[Scene, int]], size: int) -> None:
                 world.update_render()
                 eyes[camera.name].take_picture()
                 seen = eyes[camera.name].get_picture("Color")[..., :3]
-                encoded((255 * seen.clip(0, 1)).astype(np.uint8))
+                encode_picture((255 * seen.clip(0, 1)).astype(np.uint8))
 
 
 @cache
 def _compiled() -> Any:
-    """A scene that stays: while it does, SAPIEN keeps its compiled shaders."""
+    """Return a scene that keeps SAPIEN's compiled shaders alive."""
     world = sapien.Scene([sapien.render.RenderSystem()])
     world.add_directional_light([0, 0, -1], [1, 1, 1], shadow=True)
     camera = world.add_camera("eye", 16, 16, 1.0, 0.1, 10.0)
@@ -130,7 +129,7 @@ def _compiled() -> Any:
 
 
 def _cameras(scene: Scene, pictures: int) -> Iterator[Any]:
-    """The camera of each picture, in turns."""
+    """Yield the camera of each picture, in turn."""
     return (scene.cameras[number % len(scene.cameras)] for number in range(pictures))
 
 

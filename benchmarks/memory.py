@@ -1,4 +1,4 @@
-"""How much memory drawing keeps: thousands of frames of one renderer, hundreds of renderers.
+"""Memory growth of rendering: thousands of frames of one renderer, hundreds of renderers.
 
 python benchmarks/memory.py [--engines A,B,...] [--frames 5000] [--rebuilds 500]
 """
@@ -37,7 +37,7 @@ def main() -> None:
 
 
 def frames(engine: str, count: int) -> float:
-    """How much the process grows (MB) while a renderer draws, everything in motion."""
+    """Return the growth of the process (MB) while a renderer draws moving objects."""
     scene = still()
     renderer = backend(engine).renderer(scene, SIZE, SIZE)
     before = 0.0
@@ -52,7 +52,7 @@ def frames(engine: str, count: int) -> float:
 
 
 def rebuilds(engine: str, count: int) -> float:
-    """How much the process grows (MB) while renderers are made, draw and are closed."""
+    """Return the growth of the process (MB) while renderers are created, used and closed."""
     scene, before = still(), 0.0
     for i in range(WARM + count):
         if i == WARM:
@@ -64,7 +64,7 @@ def rebuilds(engine: str, count: int) -> float:
 
 
 def still() -> Scene:
-    """Four things, one of them in motion while it is drawn."""
+    """Return a scene of four objects."""
     shapes = (Box((2.0, 2.0, 0.05)), Sphere(0.06), Cylinder(0.05, 0.12), Box((0.05,) * 3))
     places = ((0, 0, -0.05), (-0.2, 0, 0.06), (0, 0.1, 0.06), (0.2, 0, 0.05))
     bodies = tuple(
@@ -86,7 +86,7 @@ def still() -> Scene:
 
 
 def resident() -> float:
-    """Memory of this process in MB, without what its allocator could give back."""
+    """Return the memory of this process in MB, after the allocator is trimmed."""
     gc.collect()
     ctypes.CDLL(None).malloc_trim(0)
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 1e6

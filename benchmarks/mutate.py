@@ -1,12 +1,11 @@
-"""One mistake, one message: every spec with one word broken, and what `wmspec check` says of it.
+"""Quality of diagnostics: specs with one broken word, and the messages of `wmspec check`.
 
     python -m benchmarks.mutate --count 2500
 
-It knows what it broke. A mutant is told well if there is exactly one error, on the right line (that of the broken word,
-or of a word next to it, or where the message points further), and, for a misspelling, with the word that mends it.
-A mutant is a pure function of its number and of the texts in the repository: the specs and the examples of the
-documentation. A mutant that is itself a right spec, such as one in which nobody uses a name that is misspelled where it
-is declared, is counted apart.
+A mutant passes if there is exactly one error, on the right line (of the broken word, a neighbouring word, or a note),
+and, for a misspelling, with the correct word. A mutant is a pure function of its number and of the specs and examples
+in the repository. Mutants that are valid specs, such as a misspelled declaration of an unused name, are counted
+separately.
 """
 
 from __future__ import annotations
@@ -31,18 +30,18 @@ from wmspec.lang.check.types.units import UNITS
 from wmspec.lang.parse.files import library_folder
 from wmspec.lang.parse.lexer import Token
 from wmspec.lang.parse.load import load_source
-from wmspec.lang.parse.parser import words
+from wmspec.lang.parse.parser import tokens_and_comments
 from wmspec.lang.parse.tables import tables
 
 ROOT = Path(__file__).parent.parent
 OPENING, CLOSING = {"LPAR": "(", "LSQB": "[", "LBRACE": "{"}, {"RPAR": ")", "RSQB": "]", "RBRACE": "}"}
-#: Kinds of mutants that are misspellings: what is right must be suggested.
+#: Kinds of misspellings: the correct word must be suggested.
 SPELLED = ("keyword", "name", "declaration", "property", "argument", "verb or function", "word", "library", "unit")
 
 
 @dataclass(frozen=True)
 class Mutant:
-    """A text with one mistake: of which kind, on which lines it may be told, and what would mend it."""
+    """A text with one mistake: its kind, the accepted lines, and the corrections."""
 
     kind: str
     text: str
@@ -53,7 +52,7 @@ class Mutant:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a mutant: how many errors, whether on the right line, whether mended, in how many seconds."""
+    """The errors of a mutant, whether one is on the right line, whether it is corrected, and the seconds."""
 
     mutant: Mutant
     errors: tuple[Diagnostic, ...]
@@ -67,13 +66,13 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Spec:
-    """A text without mistakes, with its words."""
+    """A valid text with its tokens."""
 
     text: str
     tokens: tuple[Token, ...]
 
     def mutant(self, kind: str, i: int, put: str, mend: str = "", start: int = 0, end: int | None = None) -> Mutant:
-        """The text with other characters in place of those from `start` to `end` of word `i`."""
+        """Return the text with characters `start` to `end` of word `i` replaced."""
         token = self.tokens[i]
         a, b = token.start + start, token.end if end is None else token.start + end
         text = self.text[:a] + put + self.text[b:]
@@ -90,7 +89,7 @@ Maker = Callable[[Spec, random.Random], Iterator[Mutant]]
 
 
 def misspelled(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
-    """A word with a slip of the hand."""
+    """Misspell a word."""
     known = {t.text for t in spec.tokens} | {w for group in WORDS.values() for w in group} | set(tables().keywords)
     i = rng.choice([i for i, t in enumerate(spec.tokens) if t.text.isidentifier() and len(t.text) > 2])
     kind, slip = _role(spec.tokens, i), _slip(spec.tokens[i].text, rng)
@@ -99,14 +98,14 @@ def misspelled(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
 
 
 def capital(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
-    """A keyword with a capital."""
+    """Capitalize a keyword."""
     i = rng.choice([i for i, t in enumerate(spec.tokens) if t.text in tables().keywords])
     if _role(spec.tokens, i) == "keyword":
         yield spec.mutant("keyword", i, spec.tokens[i].text.capitalize(), spec.tokens[i].text)
 
 
 def other_kind(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
-    """A word of another kind where a name or word stands."""
+    """Replace a name or word by one of another kind."""
     at = [i for i, t in enumerate(spec.tokens) if t.type == "NAME" and _role(spec.tokens, i) in ("name", "word")]
     if at:
         i = rng.choice(at)
@@ -117,14 +116,14 @@ def other_kind(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
 
 
 def dropped_keyword(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
-    """A keyword that is missing."""
+    """Remove a keyword."""
     i = rng.choice([i for i, t in enumerate(spec.tokens) if t.text in tables().keywords])
     if _role(spec.tokens, i) == "keyword" and spec.tokens[i].text not in ("not", "if"):
         yield spec.mutant("keyword dropped", i, "")
 
 
 def unit(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
-    """A unit that is missing, of another dimension, or misspelled."""
+    """Remove or misspell a unit, or change its dimension."""
     at = [i for i, t in enumerate(spec.tokens) if t.type == "QUANTITY" and "%" not in t.text]
     if not at:
         return
@@ -144,7 +143,7 @@ def unit(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
 
 
 def bracket(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
-    """A bracket that is missing, twice there, or another."""
+    """Remove, repeat or replace a bracket."""
     i = rng.choice([i for i, t in enumerate(spec.tokens) if t.type in OPENING or t.type in CLOSING])
     token = spec.tokens[i]
     others = [b for b in (OPENING if token.type in OPENING else CLOSING).values() if b != token.text]
@@ -154,7 +153,7 @@ def bracket(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
 
 
 def quote(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
-    """A quote that is missing, or one that an editor made pretty."""
+    """Remove a quote, or replace it by a typographic one."""
     at = [i for i, t in enumerate(spec.tokens) if t.type == "STRING"]
     if at:
         i = rng.choice(at)
@@ -170,7 +169,7 @@ def quote(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
 
 
 def sign(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
-    """A colon, comma or equals sign that is missing or another; a minus or comparison of another sort."""
+    """Remove or replace a colon, comma, equals sign, minus or comparison."""
     puts = {
         "COLON": ["", "="],
         "COMMA": ["", ";"],
@@ -189,7 +188,7 @@ def sign(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
 
 
 def number(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
-    """A number with a letter in it, or with two points."""
+    """Put a letter or a second point into a number."""
     i = rng.choice([i for i, t in enumerate(spec.tokens) if t.type in ("NUMBER", "QUANTITY")] or [0])
     digits = re.match(r"[\d.]+", spec.tokens[i].text)
     if digits:
@@ -198,7 +197,7 @@ def number(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
 
 
 def hyphen(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
-    """A name with a hyphen, wherever it stands."""
+    """Put a hyphen into all occurrences of a name."""
     at = [i for i, t in enumerate(spec.tokens) if t.type == "NAME" and _role(spec.tokens, i) == "declaration"]
     if at:
         i = rng.choice(at)
@@ -212,7 +211,7 @@ def hyphen(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
 
 
 def extra(spec: Spec, rng: random.Random) -> Iterator[Mutant]:
-    """A comment, a semicolon or a word that belongs to another language or to none."""
+    """Insert a comment, a semicolon or a word of another language."""
     i = rng.randrange(len(spec.tokens) - 1)
     put = rng.choice(["// note", ";", "/* note */", "§", "???"[:1]])
     if spec.tokens[i].end_line < spec.tokens[i + 1].line:
@@ -235,7 +234,7 @@ MAKERS: tuple[tuple[Maker, int], ...] = (
 
 
 def _role(tokens: tuple[Token, ...], i: int) -> str:
-    """What a word is; empty if nothing depends on how it is spelled."""
+    """Return the role of a word; "" if its spelling does not matter."""
     before, token = tokens[i - 1] if i else Token("", "", 0, 0), tokens[i]
     after = tokens[i + 1] if i + 1 < len(tokens) else Token("", "", 0, 0)
     if before.type in ("TASK", "QUESTION", "COUNTERFACTUAL", "TOLERANCE", "VARIANT", "AS") or before.type == "DOT":
@@ -261,7 +260,7 @@ def _role(tokens: tuple[Token, ...], i: int) -> str:
 
 
 def _depth(tokens: tuple[Token, ...], i: int) -> str:
-    """The bracket that a word stands in."""
+    """Return the bracket around a word."""
     deep = 0
     for token in reversed(tokens[:i]):
         deep += (token.type in CLOSING) - (token.type in OPENING)
@@ -275,7 +274,7 @@ def _trailing(tokens: tuple[Token, ...], i: int) -> bool:
 
 
 def _slip(word: str, rng: random.Random) -> str:
-    """A letter left out, put in, changed, or swapped with the next."""
+    """Omit, insert, change or swap a letter."""
     i = rng.randrange(len(word) - 1) if len(word) > 1 else 0
     letter = rng.choice(string.ascii_lowercase)
     return rng.choice(
@@ -293,7 +292,7 @@ def _slip(word: str, rng: random.Random) -> str:
 
 @cache
 def texts() -> tuple[str, ...]:
-    """What is mutated: the specs, and the examples of the guides."""
+    """Return the mutated texts: the specs, and the examples of the guides."""
     folder = library_folder()
     shipped = [p.read_text(encoding="utf-8") for p in sorted(folder.parent.rglob("*.wms")) if p.parent != folder]
     tour = "".join(path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs/guides").glob("*.md")))
@@ -303,12 +302,12 @@ def texts() -> tuple[str, ...]:
 
 @cache
 def specs() -> tuple[Spec, ...]:
-    """The texts with their words."""
-    return tuple(Spec(text, tuple(t for t in words(text) if t.type != "COMMENT")) for text in texts())
+    """Return the texts with their tokens."""
+    return tuple(Spec(text, tuple(t for t in tokens_and_comments(text) if t.type != "COMMENT")) for text in texts())
 
 
 def checked(text: str) -> tuple[Diagnostic, ...]:
-    """The errors of a spec, without building any of its scenes."""
+    """Return the errors of a spec, without scenes."""
     report = Report()
     try:
         check_program(load_source(Source("mutant.wms", text), ROOT / "docs", report), report)
@@ -318,7 +317,7 @@ def checked(text: str) -> tuple[Diagnostic, ...]:
 
 
 def tried(text: str) -> tuple[Diagnostic, ...]:
-    """The errors of a spec whose names, units and types are right: those of its scenes."""
+    """Return the errors of the scenes of a checked spec."""
     report = Report()
     try:
         for spec in check_program(load_source(Source("mutant.wms", text), ROOT / "docs", report), report):
@@ -329,7 +328,7 @@ def tried(text: str) -> tuple[Diagnostic, ...]:
 
 
 def mutant(number: int) -> Mutant:
-    """Mutant `number`, a pure function of it."""
+    """Return mutant `number`, a pure function of it."""
     rng = random.Random(number)  # noqa: S311
     makers, weights = zip(*MAKERS, strict=True)
     while True:
@@ -341,7 +340,7 @@ def mutant(number: int) -> Mutant:
 
 
 def outcome(made: Mutant) -> Outcome:
-    """What is told of a mutant."""
+    """Check a mutant."""
     began = time.process_time()
     errors = checked(made.text) or tried(made.text)
     seconds = time.process_time() - began
@@ -362,7 +361,7 @@ def _mends(made: Mutant) -> frozenset[str]:
 
 @dataclass
 class Tally:
-    """Of how many mutants what was right."""
+    """Counts of mutants and of passed criteria."""
 
     count: int = 0
     right: int = 0
@@ -372,7 +371,7 @@ class Tally:
     slowest: float = 0.0
 
     def add(self, o: Outcome) -> None:
-        """Take in another one."""
+        """Add an outcome."""
         self.count += 1
         self.slowest = max(self.slowest, o.seconds)
         self.right += not o.errors
@@ -381,7 +380,7 @@ class Tally:
         self.mended += o.mended
 
     def row(self, kind: str) -> str:
-        """A row of the table."""
+        """Return a row of the table."""
         told = max(1, self.count - self.right)
         shares = [f"{100 * n / told:6.1f} %" for n in (self.one, self.located)]
         shares.append(f"{100 * self.mended / told:6.1f} %" if kind in SPELLED else " " * 8)
@@ -389,7 +388,7 @@ class Tally:
 
 
 def measured(numbers: range) -> Iterator[Outcome]:
-    """The outcomes of these mutants."""
+    """Yield the outcomes of these mutants."""
     return (outcome(mutant(number)) for number in numbers)
 
 
@@ -398,7 +397,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=2500)
     parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--show", type=int, default=0, help="Print so many of each kind that were not told well.")
+    parser.add_argument("--show", type=int, default=0, help="Print this many failures of each kind.")
     options = parser.parse_args()
     tallies: dict[str, Tally] = defaultdict(Tally)
     spelled, everything, shown = Tally(), Tally(), defaultdict[str, int](int)

@@ -1,10 +1,10 @@
-"""What an instance of each task costs, next to loops in a bare engine that share nothing (`benchmarks.loops`).
+"""Cost per instance of each task, compared with loops in a bare engine (`benchmarks.loops`).
 
     python -m benchmarks.native specs/perception specs/prediction [--backend mujoco] [--tried 8] [--size 384]
 
-The loop executes the same episodes (the truth, the counterfactuals, the nudges) of every instance for itself, and draws
-as many pictures of each. It makes no stages and no questions, measures nothing and checks nothing. wmspec makes whole
-units, as `generate` does. All times are of the processor, in turns.
+The loop executes the same episodes (truth, counterfactuals, perturbations) of every instance separately, and draws as
+many pictures. It creates no stages or questions and checks nothing. wmspec generates whole units, as `generate` does.
+Processor times, measured alternately.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ os.environ.setdefault("MUJOCO_GL", "egl")
 
 from benchmarks.cost import cost
 from benchmarks.loops import LOOPS
-from wmspec.api.making import planned
+from wmspec.api.generating import plan_dataset
 from wmspec.compile.design.design import Design
 from wmspec.dataset.build.generate import job_of
 from wmspec.runtime.caches.cache_keys import look_key, physics_key, shot_key
@@ -27,38 +27,38 @@ from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.questions.ask import ask
 from wmspec.runtime.questions.runs import EnginePair
-from wmspec.runtime.workers.pool import Effort
+from wmspec.runtime.workers.pool import PoolConfig
 from wmspec.sim.scene.model import Frame, Scene, Shot, Trace
 
 
 class Traces(TraceCache):
-    """Executes, and notes what it was asked for: each physics once for an instance, as a loop by hand would."""
+    """An executor that records each physics once per instance, as a hand-written loop would run it."""
 
     def __init__(self, engine: str) -> None:
         super().__init__(engine)
         self.noted: dict[bytes, Scene] = {}
 
     def trace(self, scene: Scene) -> Trace:
-        """The trace of a scene."""
+        """Return the trace of a scene."""
         self.noted.setdefault(physics_key(scene), scene)
         return super().trace(scene)
 
 
 class Pictures(RenderCache):
-    """Draws, and notes which pictures were drawn of which physics."""
+    """A renderer that records which pictures belong to which physics."""
 
     def __init__(self, engine: str, size: int) -> None:
         super().__init__(engine, size, size)
         self.noted: dict[bytes, set[tuple[bytes, bytes]]] = {}
 
     def draw(self, scene: Scene, shot: Shot, *, depth: bool = False) -> Frame:
-        """The picture of a scene from a camera."""
+        """Return the picture of a scene from a camera."""
         self.noted.setdefault(physics_key(scene), set()).add((look_key(scene), shot_key(shot)))
         return super().draw(scene, shot, depth=depth)
 
 
 def episodes(design: Design, index: int, engine: str, size: int) -> list[tuple[Scene, int]]:
-    """The episodes of an instance, each with how many pictures are drawn of it."""
+    """Return the episodes of an instance with their numbers of pictures."""
     traces, pictures = Traces(engine), Pictures(engine, size)
     ask(design, index, EnginePair(traces, pictures))
     pictures.close()
@@ -66,7 +66,7 @@ def episodes(design: Design, index: int, engine: str, size: int) -> list[tuple[S
 
 
 def main() -> None:
-    """Print, of each task, both times and their ratio."""
+    """Print both times and their ratio for each task."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("specs", nargs="+", type=Path)
     parser.add_argument("--backend", choices=LOOPS, default="mujoco")
@@ -74,8 +74,8 @@ def main() -> None:
     parser.add_argument("--native", type=int, default=3, help="of these by the loop")
     parser.add_argument("--size", type=int, default=384)
     options = parser.parse_args()
-    plan = planned(options.specs, lambda _: None, backend=options.backend, size=options.size)
-    job = job_of(plan, Effort(1, 300))
+    plan = plan_dataset(options.specs, lambda _: None, backend=options.backend, size=options.size)
+    job = job_of(plan, PoolConfig(1, 300))
     for task in plan.tasks:
         seconds, made, _ = cost(job, task, plan.seed, options.tried)
         design, bare, drawn = Design(task.spec, plan.seed), 0.0, 0

@@ -1,11 +1,10 @@
-"""How fast the renderers are, next to a plain loop in the bare engine.
+"""Speed of the renderers, compared with a plain loop in the bare engine.
 
     python benchmarks/render.py [--size 256] [--frames 24] [--engines mujoco,pybullet,sapien]
 
-"bare" has the engine draw its own boxes, balls and cylinders in the same places, from the same camera, at the same
-size, with its own shadows and settings: RGB, body ids and depth. "wmspec" draws the parity look: the
-same triangles in every engine, shadows and anti-aliasing, RGB and ids (and depth). All times are of one process, in
-rounds that take turns, so that whatever else the machine does is shared; the median is shown.
+"bare" draws the engine's own boxes, balls and cylinders with its own shadows and settings: RGB, body ids and depth.
+"wmspec" draws the same view in the look `parity`: the same triangles in every engine, with shadows and anti-aliasing.
+Both alternate in one process and so share other load; the median is reported.
 """
 
 from __future__ import annotations
@@ -50,7 +49,7 @@ def main() -> None:
 
 
 def row(engine: str, scene: Scene, size: int, frames: int) -> str:
-    """One line of the table: milliseconds a frame, and wmspec's as a multiple of the bare engine's."""
+    """Return a row of the table: milliseconds per frame, and the ratio of wmspec to the bare engine."""
     backend = importlib.import_module(f"wmspec.backends.{engine}")
     begin = time.perf_counter()
     renderer = backend.renderer(scene, size, size)
@@ -71,7 +70,7 @@ def row(engine: str, scene: Scene, size: int, frames: int) -> str:
 
 
 def median(draws: list[Draw], scene: Scene, frames: int) -> list[float]:
-    """Milliseconds of every way to draw, which take turns."""
+    """Return the milliseconds per frame of each renderer, measured alternately."""
     spent: list[list[float]] = [[] for _ in draws]
     for i in range(frames + 2):
         for draw, times in zip(draws, spent, strict=True):
@@ -82,7 +81,7 @@ def median(draws: list[Draw], scene: Scene, frames: int) -> list[float]:
 
 
 def five() -> Scene:
-    """Five things on a floor."""
+    """Return a scene of five objects on a floor."""
     things = [
         body(f"thing{i}", "dynamic", (0.2 * i - 0.4, 0.1 * (i % 2), 0.05), SHAPES[i % 3], color)
         for i, color in enumerate(COLORS)
@@ -99,7 +98,7 @@ def body(name: str, motion: Motion, at: Any, shape: Shape, color: tuple[float, f
 
 
 def poses(scene: Scene, i: int) -> list[Pose]:
-    """Where everything is in frame `i`: what can move, moves."""
+    """Return all poses in frame `i`; movable bodies move."""
     step = np.array([0.0, 0.002 * i, 0.0])
     return [Pose(b.pose.position + step * (b.motion != "static"), b.pose.orientation) for b in scene.bodies]
 
@@ -215,7 +214,7 @@ def sapien(scene: Scene, size: int) -> Draw:
 
 
 def row_of(numbers: Any) -> str:
-    """Numbers as XML wants them."""
+    """Return numbers separated by spaces, for XML."""
     return " ".join(map(str, np.asarray(numbers).tolist()))
 
 

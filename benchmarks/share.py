@@ -1,12 +1,11 @@
-"""How fast a task of 96 instances with 8 physics is made, next to a loop in bare MuJoCo that shares nothing.
+"""Speed of a task of 96 instances with 8 physics, compared with a loop in bare MuJoCo without sharing.
 
     python -m benchmarks.share [--size 256] [--native 12]
 
-The loop executes the same episodes (the truth, the counterfactuals, the nudge) of the same models, and draws the same
-pictures (those shown and the options), of every instance for itself: MuJoCo's own `mj_step`, at the same rate, and
-`Renderer`, one renderer an episode, PNGs of the same compression. It makes no questions, measures nothing and checks
-nothing. Of it only some instances are made. All times are CPU time of one process, in turns, so that what else the
-machine does is shared.
+The loop executes the same episodes (truth, counterfactuals, perturbation) of the same models, and draws the same
+pictures, for some instances separately. It uses MuJoCo's `mj_step` at the same rate, one `Renderer` per episode, and
+PNGs of the same compression. It creates no questions and checks nothing. Both alternate in one process, measured in
+processor time.
 """
 
 from __future__ import annotations
@@ -26,15 +25,15 @@ from wmspec.backends.mujoco.physics import prepare
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source
+from wmspec.dataset.build.batching import batches
 from wmspec.dataset.build.rows import png
-from wmspec.dataset.build.units import units
-from wmspec.dataset.build.worker import Job, Sharing, work
+from wmspec.dataset.build.worker import CacheStats, Job, make_instances
 from wmspec.lang.check.ir.record import to_json
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.load import load_source
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.caches.trace_cache import TraceCache
-from wmspec.runtime.questions.robustness import NUDGE
+from wmspec.runtime.questions.robustness import DEFAULT_NUDGE
 from wmspec.runtime.questions.runs import EnginePair, Run, execute, nudged
 from wmspec.sim.scene.model import Scene
 
@@ -74,12 +73,12 @@ def main() -> None:
     report.stop_if_failed()
     job = Job((("strike", to_json(spec)),), 0, ("mujoco",), (chosen.size, chosen.size), "none")
     design, pair = Design(spec), EnginePair(TraceCache("mujoco"), RenderCache("mujoco", 8, 8))
-    order = [piece for unit in units(spec, 0, range(len(design))) for piece in unit]
+    order = [piece for unit in batches(spec, 0, range(len(design))) for piece in unit]
     ours = bare = 0.0
-    rows, shared = 0, Sharing()
+    rows, shared = 0, CacheStats()
     for number, piece in enumerate(order):
         began = time.process_time()
-        made = work(job, "strike", piece)
+        made = make_instances(job, "strike", piece)
         ours += time.process_time() - began
         rows, shared = rows + len(made.outcomes[0].rows), shared + made.shared
         if number * chosen.native // len(order) != (number - 1) * chosen.native // len(order):
@@ -94,17 +93,17 @@ def main() -> None:
 
 
 def _episodes(design: Design, index: int, pair: EnginePair) -> list[tuple[Scene, tuple[float, ...]]]:
-    """The scenes of an instance, each with the times of its pictures."""
+    """Return the scenes of an instance, each with the times of its pictures."""
     instance, (question,) = design[index], design.spec.questions
     truth = execute(design, instance, None, pair)
     others: list[Run] = [execute(design, instance, c, pair) for c in question.alternatives(instance.factors)]
     end = truth.scene.duration
-    aside = nudged(truth, NUDGE, instance.key, pair)
+    aside = nudged(truth, DEFAULT_NUDGE, instance.key, pair)
     return [(truth.scene, (0.0, 0.17, 0.24, end)), *((run.scene, (end,)) for run in others), (aside.scene, ())]
 
 
 def native(scene: Scene, times: tuple[float, ...], size: int) -> None:
-    """Execute an episode and draw its pictures as one would by hand."""
+    """Execute an episode and draw its pictures with MuJoCo's API only."""
     whole, timeline = prepare(scene)
     text = mjcf(scene, timeline, whole)
     model = mujoco.MjModel.from_xml_string(text)

@@ -24,7 +24,7 @@ Record = dict[str, Any]
 
 
 def measured(records: Sequence[Record]) -> Iterator[str]:
-    """The lines of the section. The records are of the same engines and the same seed."""
+    """Yield the lines of the section; all records have the same engines and seed."""
     engines = ", ".join(f"{name} {version}" for name, version in records[0]["engines"].items())
     lines = sorted((line for record in records for line in record["summary"]), key=lambda line: line["task"])
     rows = {task: list(of_task) for task, of_task in groupby(lines, key=lambda line: line["task"])}
@@ -42,19 +42,19 @@ def measured(records: Sequence[Record]) -> Iterator[str]:
 
 
 def row(task: str, lines: Sequence[Record]) -> tuple[str, ...]:
-    """A task: its shares in each pair of engines, and what they have in common."""
+    """Return the row of a task: its shares per pair of engines."""
     shares = (f"{line[k]['good']}/{line[k]['all']}" for k in ("answers", "before_gates") for line in lines)
     good, total = total_of(lines, "episodes")
     return f"`{task}`", *shares, f"{good / total:.0%}", f"{max(line['largest'] for line in lines) * 100:.2f} cm"
 
 
 def total_of(lines: Sequence[Record], share: str) -> tuple[int, int]:
-    """A share of all the lines together: how many of how many."""
+    """Return a share over all lines as (count, total)."""
     return sum(line[share]["good"] for line in lines), sum(line[share]["all"] for line in lines)
 
 
 def disagreements(instances: Sequence[Record]) -> Iterator[str]:
-    """A line for each answer that differs, asked or not, and for each instance that was not executed."""
+    """Yield a line for each answer that differs and each instance that was not executed."""
     differing = [(i, v) for i in instances for v in i["verdicts"] if not v["agree"]]
     yield f"Answers that differ: {len(differing) or 'none'}.\n"
     for instance, verdict in differing:
@@ -65,7 +65,7 @@ def disagreements(instances: Sequence[Record]) -> Iterator[str]:
 
 
 def verdict_of(record: Record) -> Verdict:
-    """The verdict that was written as JSON."""
+    """Return the verdict of a JSON record."""
     cause = record["cause"] and Cause(**record["cause"])
     return Verdict(**{k: v for k, v in record.items() if k not in ("asked", "cause")}, cause=cause)
 

@@ -1,4 +1,4 @@
-"""The table of docs/stage.md that says which engine can do what, made from what refuses it.
+"""Write the capability matrix in docs/stage.md from the capabilities that engines declare.
 
 python tools/capabilities.py            rewrites it
 python tools/capabilities.py --check    exits with 1 if it is not current
@@ -10,14 +10,14 @@ import sys
 from pathlib import Path
 
 from wmspec.runtime.engines.registry import info, names
-from wmspec.sim.scene.capability import NEARLY, table
+from wmspec.sim.scene.capability import APPROXIMATE, capability_table
 
 PAGE = Path(__file__).parent.parent / "docs/stage.md"
 START, STOP = "<!-- capabilities -->\n", "<!-- /capabilities -->\n"
 
 
 def current(page: str) -> str:
-    """The page with its table as it should be."""
+    """Return the page with the current table."""
     before, start, rest = page.partition(START)
     _, stop, after = rest.partition(STOP)
     assert start
@@ -26,17 +26,17 @@ def current(page: str) -> str:
 
 
 def lines() -> list[str]:
-    """The table in Markdown."""
+    """Return the table in Markdown."""
     engines = [info(name) for name in names()]
     head = f"| | {' | '.join(engine.title for engine in engines)} | otherwise |"
-    rows = table({engine.name: engine.lacks for engine in engines})
+    rows = capability_table({engine.name: engine.lacks for engine in engines})
     shown = [f"| {name} | {' | '.join(cells(row))} |" for name, row in rows]
     return [head, "|---|" + "---|" * (len(engines) + 1), *shown]
 
 
 def cells(row: dict[str, str]) -> list[str]:
-    """A mark for each engine, and the reasons."""
-    marks = ["≈" if reason.startswith(NEARLY) else "—" if reason else "✓" for reason in row.values()]
+    """Return a mark for each engine, and the reasons."""
+    marks = ["≈" if reason.startswith(APPROXIMATE) else "—" if reason else "✓" for reason in row.values()]
     return [*marks, "; ".join(dict.fromkeys(filter(None, row.values())))]
 
 

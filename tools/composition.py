@@ -2,10 +2,9 @@
 
 python -m tools.composition [SPEC...] [--count 30] [--size 256]
 
-Instances spread over each task, MuJoCo. `together` is the share of a picture that shows what the first question names,
-all of it (where it names nothing, what can move); `wide` the part of the frame's width that each of it takes, where it
-is seen; medians, and of the widths the quarters beside. `cut` are the things of which an edge of the frame cuts off a
-part, in percent.
+Instances are spread over each task and executed in MuJoCo. `together` is the share of a picture covered by all objects
+of the first question, or by movable objects if it names none. `wide` is the share of the frame width that each
+visible object covers: median and quartiles. `cut` is the percentage of objects cut off by an edge of the frame.
 """
 
 from __future__ import annotations
@@ -18,10 +17,10 @@ import numpy as np
 
 import wmspec
 from tools.reference import table
-from wmspec.api.drawing import renderer_of
 from wmspec.api.episode import executor
+from wmspec.api.rendering import renderer_of
 from wmspec.api.task import Task
-from wmspec.compile.design.about import named
+from wmspec.compile.design.about import referenced_objects
 from wmspec.runtime.questions.model import Reject
 from wmspec.runtime.questions.runs import EnginePair, execute
 from wmspec.runtime.questions.views import views_of
@@ -42,7 +41,7 @@ def main() -> None:
 
 
 def row(task: Task, count: int, size: int) -> tuple[str, ...]:
-    """A task's line of the table."""
+    """Return the row of a task."""
     together, wide, cut = (np.concatenate(part) for part in zip(*_measured(task, count, size), strict=True))
     low, middle, high = 100 * np.percentile(wide, (25, 50, 75))
     return (
@@ -55,14 +54,14 @@ def row(task: Task, count: int, size: int) -> tuple[str, ...]:
 
 
 def _measured(task: Task, count: int, size: int) -> Iterator[tuple[Array, Array, Array]]:
-    """Of each instance: how much of each picture is named, and how wide and whether cut off each thing is."""
+    """Yield per instance: covered share of each picture, and width and cut-off flag of each object."""
     pair = EnginePair(executor("mujoco"), renderer_of("mujoco", size=size))
     for instance in task.sample(count):
         try:
             run = execute(task.design, instance.drawn, None, pair)
         except Reject:
             continue
-        asked = named(task.spec.questions[0], run.values)
+        asked = referenced_objects(task.spec.questions[0], run.values)
         bodies = list(enumerate(run.scene.bodies))
         numbers = [i for i, b in bodies if b.name in asked] or [i for i, b in bodies if b.motion != "static"]
         pictures = [run.draw(camera, time, pair).ids for camera, time in views_of(task.spec, run.values)]

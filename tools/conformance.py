@@ -1,8 +1,8 @@
-"""Writes docs/benchmarks/conformance.md from what `wmspec conformance --json` printed.
+"""Write docs/benchmarks/conformance.md from the output of `wmspec conformance --json`.
 
 python -m tools.conformance SCORES.json... [ENGINE=VERSION]...
 
-Versions are given for engines that are no backends of wmspec, and were scored by `usdphysics-conformance score --json`.
+Give versions for engines without a backend in wmspec, scored by `usdphysics-conformance score --json`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What colours specs in editors, made from the words of the language.
+"""Generate the grammars for syntax highlighting in editors from the words of the language.
 
 python tools/grammars.py            rewrites the files in editors/
 python tools/grammars.py --check    exits with 1 if they are not current
@@ -18,7 +18,7 @@ NUMBER = r"(?<![\w.])\d+(\.\d+)?([eE][+-]?\d+)?"
 
 
 def files() -> dict[Path, str]:
-    """Every file, with its text as it should be."""
+    """Return the current text of every generated file."""
     grammar = json.dumps(textmate(), indent=2) + "\n"
     return {
         EDITORS / "vscode/syntaxes/wms.tmLanguage.json": grammar,
@@ -29,7 +29,7 @@ def files() -> dict[Path, str]:
 
 
 def textmate() -> dict[str, object]:
-    """The TextMate grammar, which VS Code, Sublime Text, TextMate and others read."""
+    """Return the TextMate grammar for VS Code, Sublime Text, TextMate and others."""
     units = "|".join(sorted((unit for unit in UNITS if unit.isalpha()), key=len, reverse=True))
     unit = rf"(?:{units})(?:\^-?\d+)?"
     hole = {"begin": r"(?<!\\)\{", "end": r"\}", "name": "meta.interpolation.wms", "patterns": [{"include": "$self"}]}
@@ -56,7 +56,7 @@ def textmate() -> dict[str, object]:
 
 
 def vim() -> str:
-    """The syntax file of Vim and Neovim."""
+    """Return the syntax file of Vim and Neovim."""
     alternatives = r"\|".join(functions())
     lines = [
         '" Made by tools/grammars.py from the tables of the language.',
@@ -90,7 +90,7 @@ def vim() -> str:
 
 
 def main() -> None:
-    """Rewrite the files, or tell whether they are current."""
+    """Rewrite or check the files."""
     stale = [path for path, text in files().items() if not path.is_file() or path.read_text(encoding="utf-8") != text]
     if "--check" in sys.argv:
         sys.exit(bool(stale))

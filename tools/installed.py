@@ -1,7 +1,7 @@
-"""Makes an environment that has wmspec and usdphysics-conformance from wheels: python -m tools.installed [FOLDER].
+"""Create an environment with wmspec and usdphysics-conformance from wheels: python -m tools.installed [FOLDER].
 
-What wmspec depends on is seen in the environment that runs this. Of the checkout only the packages that are never
-shipped can be imported: `wmspec` and `backends` of the checkout cannot, so a test fails if the wheel lacks something.
+Dependencies are those of the running environment. From the checkout, only packages that are never shipped can be
+imported. `wmspec` and `backends` come from the wheel, so a test fails if the wheel lacks a file.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "build/installed"
-#: The packages of a checkout that tests import and no wheel has.
+#: Packages that tests import and no wheel contains.
 UNSHIPPED = ("tests", "tools", "benchmarks")
 
 
 def main(folder: Path = FOLDER) -> None:
-    """Builds the wheels of this checkout and makes the environment in a folder, which is replaced."""
+    """Build the wheels of this checkout and create the environment in a folder, which is replaced."""
     wheels = [
         build(ROOT, "wheel", folder.with_name(f"{folder.name}-wheel")),
         build(ROOT / "conformance", "wheel", folder.with_name(f"{folder.name}-conformance-wheel")),
@@ -35,19 +35,19 @@ def main(folder: Path = FOLDER) -> None:
 
 
 def build(source: Path, target: str, into: Path) -> Path:
-    """The archive ("wheel" or "sdist") of a source tree, built into a folder, which is replaced."""
+    """Build a "wheel" or "sdist" of a source tree into a folder, which is replaced; return the archive."""
     shutil.rmtree(into, ignore_errors=True)
-    hatchling = [sys.executable, "-m", "hatchling", "build", "-t", target, "-d", into]
+    hatchling = [sys.executable, "-m", "hatchling", "build", "-t", target, "-d", str(into)]
     subprocess.run(hatchling, cwd=source, check=True, stdout=subprocess.DEVNULL)
     (archive,) = into.glob("*.tar.gz" if target == "sdist" else "*.whl")
     return archive
 
 
 def environment(folder: Path, *wheels: Path) -> Path:
-    """Makes an environment with wheels and nothing else. Returns its site-packages."""
+    """Create an environment with these wheels only; return its site-packages."""
     venv.create(folder, clear=True, symlinks=True)
-    pip = [sys.executable, "-m", "pip", "--python", folder / "bin/python"]
-    subprocess.run([*pip, "install", "--quiet", "--no-deps", "--no-index", *wheels], check=True)
+    pip = [sys.executable, "-m", "pip", "--python", str(folder / "bin/python")]
+    subprocess.run([*pip, "install", "--quiet", "--no-deps", "--no-index", *map(str, wheels)], check=True)
     return next(folder.glob("lib/python*/site-packages"))
 
 

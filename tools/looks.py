@@ -1,9 +1,9 @@
-"""The images of the materials, in `wmspec/looks/textures`: grey, so that the colour of an object can tint them.
+"""Generate the textures of materials in `wmspec/looks/textures`: grey, to be tinted by the colour of an object.
 
 python tools/looks.py            writes them
-python tools/looks.py --check    exits with 1 if one is not as it would be written
+python tools/looks.py --check    exits with 1 if one is not current
 
-All repeat without seams: noise is made of waves that fit the image a whole number of times.
+All textures tile without seams: noise consists of waves with a whole number of periods per image.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from wmspec.sim.materials import SIZE, TEXTURES
+from wmspec.sim.materials import TEXTURE_SIZE, TEXTURES
 
 Grey = NDArray[np.float64]
 """(SIZE, SIZE) sRGB values 0..1, or any field of this shape."""
 
-Y, X = np.mgrid[0:SIZE, 0:SIZE] / SIZE
+Y, X = np.mgrid[0:TEXTURE_SIZE, 0:TEXTURE_SIZE] / TEXTURE_SIZE
 TOLERANCE = 1
-"""By how many of 255 a texel may differ, since libraries of mathematics round differently."""
+"""Accepted difference of a texel (of 255), since mathematics libraries round differently."""
 
 
 def noise(seed: int, slope: float, across: float = 1.0, along: float = 1.0, least: float = 1.0) -> Grey:
@@ -31,8 +31,8 @@ def noise(seed: int, slope: float, across: float = 1.0, along: float = 1.0, leas
     Frequencies count `across` times in x and `along` times in y (so `across` > 1 draws the noise out in y); those below
     `least` waves an image are left out.
     """
-    draws = np.random.default_rng(seed).standard_normal((SIZE, SIZE))
-    wave = np.fft.fftfreq(SIZE, 1 / SIZE)
+    draws = np.random.default_rng(seed).standard_normal((TEXTURE_SIZE, TEXTURE_SIZE))
+    wave = np.fft.fftfreq(TEXTURE_SIZE, 1 / TEXTURE_SIZE)
     frequency = np.hypot(across * wave[None, :], along * wave[:, None])
     weight = np.where(frequency >= least, np.maximum(frequency, 1e-9) ** -slope, 0)
     field: Grey = np.fft.ifft2(np.fft.fft2(draws) * weight).real
@@ -40,13 +40,13 @@ def noise(seed: int, slope: float, across: float = 1.0, along: float = 1.0, leas
 
 
 def level(field: Grey, dark: float, light: float) -> Grey:
-    """The field from its 1st to its 99th percentile between two greys."""
+    """Map the 1st to 99th percentile of a field to the range between two greys."""
     low, high = np.percentile(field, (1, 99))
     return dark + (light - dark) * np.clip((field - low) / (high - low), 0, 1)
 
 
 def soft(edge: Grey, width: float) -> Grey:
-    """1 where `edge` > 0, 0 where it is < 0, and smooth in between over `width`."""
+    """Return a smooth step over `width`: 0 for `edge` < 0, 1 for `edge` > 0."""
     t = np.clip(edge / width + 0.5, 0, 1)
     return t * t * (3 - 2 * t)
 
@@ -188,7 +188,7 @@ def weave() -> Grey:
 def leaf() -> Grey:
     """Foliage: leaves over leaves, each of one tone with a light rib."""
     dice = np.random.default_rng(131)
-    grey = np.full((SIZE, SIZE), 0.35)
+    grey = np.full((TEXTURE_SIZE, TEXTURE_SIZE), 0.35)
     for place, turn, tone in zip(dice.random((260, 2)), dice.uniform(0, np.pi, 260), dice.random(260), strict=True):
         dx, dy = ((X - place[0] + 0.5) % 1 - 0.5), ((Y - place[1] + 0.5) % 1 - 0.5)
         along, across = dx * np.cos(turn) + dy * np.sin(turn), dy * np.cos(turn) - dx * np.sin(turn)
@@ -223,20 +223,20 @@ IMAGES: dict[str, Callable[[], Grey]] = {
 
 
 def image(name: str) -> NDArray[np.uint8]:
-    """The texels of an image."""
+    """Return the texels of an image."""
     return np.rint(255 * np.clip(IMAGES[name](), 0, 1)).astype(np.uint8)
 
 
 def current(name: str) -> bool:
-    """Whether the file is as it would be written."""
+    """Whether the file is current."""
     if not (TEXTURES / name).is_file():
         return False
     there = np.asarray(Image.open(TEXTURES / name)).astype(int)
-    return there.shape == (SIZE, SIZE) and int(np.abs(there - image(name)).max()) <= TOLERANCE
+    return there.shape == (TEXTURE_SIZE, TEXTURE_SIZE) and int(np.abs(there - image(name)).max()) <= TOLERANCE
 
 
 def main(*arguments: str) -> int:
-    """Write the images, or tell which are stale."""
+    """Write or check the images."""
     stale = [name for name in IMAGES if not current(name)]
     for name in stale:
         print(TEXTURES / name)

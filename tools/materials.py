@@ -1,4 +1,4 @@
-"""The picture of the materials in docs/pixels.md: each on a ball, a cube and a cylinder, in its own colour and in blue.
+"""Draw the materials of docs/pixels.md: each on a ball, a cube and a cylinder, in its own colour and in blue.
 
 python tools/materials.py [OUTPUT]
 """
@@ -47,7 +47,7 @@ task one : custom {{
 
 
 def picture(name: str, color: str, look: Look) -> Image.Image:
-    """Three things of a material."""
+    """Return a picture of three objects of a material."""
     with tempfile.TemporaryDirectory() as folder:
         spec = Path(folder) / "one.wms"
         spec.write_text(SPEC.format(name=name, color=color))
@@ -62,15 +62,15 @@ def picture(name: str, color: str, look: Look) -> Image.Image:
 
 
 def sheet() -> Image.Image:
-    """Rows of seven materials beside one another."""
+    """Return rows of seven materials."""
     label, name, wide = Style(18, bold=True), Style(15), 110
     parts, names = [], list(MATERIALS)
     for row in (names[i : i + 7] for i in range(0, len(names), 7)):
-        parts.append(typeset.beside([typeset.blank(wide, 1), *(typeset.paragraph(one, label, SIDE) for one in row)], 6))
+        parts.append(typeset.hstack([typeset.blank(wide, 1), *(typeset.paragraph(one, label, SIDE) for one in row)], 6))
         for title, color, look in ROWS:
             pictures = [picture(one, color, look) for one in row]
-            parts.append(typeset.beside([typeset.paragraph(title, name, wide), *pictures], 6, middle=True))
-    return typeset.padded(typeset.above(parts, 6), 14)
+            parts.append(typeset.hstack([typeset.paragraph(title, name, wide), *pictures], 6, middle=True))
+    return typeset.pad(typeset.vstack(parts, 6), 14)
 
 
 def main(output: str = str(OUTPUT)) -> int:

@@ -19,18 +19,18 @@ SPECS = "tests/physics/oracles"
 
 
 def measured() -> Iterator[str]:
-    """The lines of the tables."""
+    """Yield the lines of the tables."""
     engines = [f"{name} {engine_version(name)}" for name in ENGINES]
     yield from table(("scene", "what", "analytic", "unit", *engines), (row(oracle) for oracle in ORACLES))
 
 
 def row(oracle: Oracle) -> tuple[str, ...]:
-    """An oracle and how each engine does."""
+    """Return an oracle with the errors of each engine."""
     return f"`{oracle.spec}`", oracle.what, oracle.answer, oracle.unit, *(cell(oracle, engine) for engine in ENGINES)
 
 
 def cell(oracle: Oracle, engine: str) -> str:
-    """The error, with a digit more than its bar, and the bar; in bold where the engine is above it."""
+    """Return the error and its bound; bold if the engine exceeds it."""
     error, bar = oracle.measure(engine), oracle.bar(engine)
     text = f"{error:.{len(bar.partition('.')[2]) + 1}f}"
     return f"{text if oracle.meets(engine, error) else f'**{text}**'} / {bar}"

@@ -30,8 +30,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def commands() -> Iterator[str]:
-    """Every command as its `--help` tells it."""
-    yield "# Commands\n\nAs `wmspec COMMAND --help` tells them. Most are functions of [the API](api.md) too."
+    """Yield the help text of every command."""
+    yield "# Commands\n\nMost commands are also functions of [the API](api.md)."
     whole = click.Context(main, info_name="wmspec", max_content_width=WIDTH, terminal_width=WIDTH)
     for name in main.list_commands(whole):
         command = main.get_command(whole, name)

@@ -1,8 +1,8 @@
-"""Makes `wmspec/compile/robots/panda/panda.usdc` from PyBullet's meshes of the Franka Panda (Apache-2.0).
+"""Create `wmspec/compile/robots/panda/panda.usdc` from PyBullet's meshes of the Franka Panda (Apache-2.0).
 
-Run it from the root: `python -m tools.panda`; it needs `pybullet` and `fast-simplification`. The meshes are joined by
-colour and decimated; the last link and the hand are one body. The joints are disabled: the links move as actions say,
-and whoever enables the joints has an articulation.
+Run `python -m tools.panda` in the root of the checkout; it needs `pybullet` and `fast-simplification`. The meshes are
+joined by colour and decimated; the last link and the hand are one body. The joints are disabled, since actions move the
+links kinematically; with enabled joints, the arm is an articulation.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import pybullet_data
 import trimesh
 from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade
 
-from wmspec.compile.robots.arm import Array, shift
+from wmspec.compile.robots.arm import Array, translation
 from wmspec.compile.robots.franka import PANDA
 from wmspec.compile.robots.links import articulate, body, finger, material, mesh_prim, pad
 
@@ -24,9 +24,9 @@ SOURCE = Path(pybullet_data.getDataPath()) / "franka_panda"
 TARGET = Path("wmspec/compile/robots/panda")
 KEPT = 0.12  # of the triangles
 ROUGH = 300  # triangles: below that nothing is taken away
-#: Of each joint, N m/rad and N m s/rad; of the fingers N/m and N s/m.
+#: Stiffness and damping of each joint, N m/rad and N m s/rad; of the fingers N/m and N s/m.
 DRIVES = (*[(600.0, 50.0)] * 4, *[(60.0, 3.0)] * 3, *[(100.0, 8.0)] * 2)
-#: What the links weigh (kg) and where the middle of that is (m), by panda.urdf; the hand is one with the last link.
+#: Mass (kg) and centre of mass (m) of each link, from panda.urdf; the hand is part of the last link.
 MASSES = {
     "link1": (2.7, (0.0, -0.04, -0.05)),
     "link2": (2.73, (0.0, -0.04, 0.06)),
@@ -62,7 +62,9 @@ def main() -> None:
     hull(stage, "/panda/hand/hull", "hand", rubber)
     for side, turn in (("left", 0.0), ("right", np.pi)):
         frame = finger(PANDA, turn)
-        link = body(stage, f"/panda/{side}_finger", frames[-1] @ frame @ shift(0.0, PANDA.opening / 2, 0.0), moves=True)
+        link = body(
+            stage, f"/panda/{side}_finger", frames[-1] @ frame @ translation(0.0, PANDA.opening / 2, 0.0), moves=True
+        )
         meshes(stage, link, [("finger", np.eye(4))])
         pad(stage, f"{link}/pad", PANDA, rubber)
     articulate(stage, "/panda", PANDA)
@@ -73,7 +75,7 @@ def main() -> None:
 
 
 def motion(stage: Usd.Stage) -> None:
-    """Two variants of `motion`: links that follow a plan, and a mechanism with masses and drives that hold it still."""
+    """Add the variants of `motion`: kinematic links, and an articulation with masses and drives that hold it still."""
     root = stage.GetPrimAtPath("/panda")
     variants = root.GetVariantSets().AddVariantSet("motion")
     for variant in ("articulated", "planned"):  # the last one is chosen
@@ -90,7 +92,7 @@ def motion(stage: Usd.Stage) -> None:
 
 
 def articulated(stage: Usd.Stage, root: Usd.Prim) -> None:
-    """What a mechanism has that nobody plans for: masses, drives, and that it is one."""
+    """Add the masses, drives and articulation root of the second variant."""
     UsdPhysics.ArticulationRootAPI.Apply(root)
     for name, (mass, center) in MASSES.items():
         link = stage.GetPrimAtPath(f"/panda/{name}")
@@ -110,7 +112,7 @@ def articulated(stage: Usd.Stage, root: Usd.Prim) -> None:
 
 
 def moments(link: Usd.Prim, mass: float) -> list[float]:
-    """The moments (kg m²) of a solid box around what is drawn of a link: what is known is its mass alone."""
+    """Return the moments (kg m²) of a solid box around the visible shape of a link; only its mass is known."""
     corners = [
         np.array(UsdGeom.Mesh(mesh).GetExtentAttr().Get()) for mesh in link.GetChildren() if mesh.IsA(UsdGeom.Mesh)
     ]
@@ -119,7 +121,7 @@ def moments(link: Usd.Prim, mass: float) -> list[float]:
 
 
 def meshes(stage: Usd.Stage, link: str, names: list[tuple[str, Array]]) -> None:
-    """The visible meshes of a link, one for each colour, in its frame."""
+    """Write the visible meshes of a link, one per colour, in its frame."""
     by_color: dict[tuple[float, ...], list[trimesh.Trimesh]] = {}
     for name, frame in names:
         file = next(f for way in ("visual", "collision") if (f := SOURCE / f"meshes/{way}/{name}.obj").exists())
@@ -141,12 +143,12 @@ def meshes(stage: Usd.Stage, link: str, names: list[tuple[str, Array]]) -> None:
 
 
 def color_name(color: tuple[float, ...]) -> str:
-    """A colour as part of a name."""
+    """Return a colour as part of a name."""
     return "".join(f"_{round(100 * c)}" for c in color)
 
 
 def hull(stage: Usd.Stage, path: str, name: str, look: UsdShade.Material) -> None:
-    """What touches of the hand: the convex hull of its collision mesh, out of sight."""
+    """Write the invisible convex hull of the hand's collision mesh."""
     whole = trimesh.load(SOURCE / f"meshes/collision/{name}.obj", force="mesh").convex_hull
     mesh = mesh_prim(stage, path, whole.vertices, whole.faces, look)
     mesh.CreateVisibilityAttr(UsdGeom.Tokens.invisible)

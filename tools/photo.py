@@ -1,6 +1,6 @@
-"""The pictures of docs/photo.md: one per kind of task, as its questions show it, in the photo look.
+"""Draw the pictures of docs/photo.md: one per kind of task, in the look `photo`.
 
-python tools/photo.py [NAME ...]      docs/images/photo/*.jpg; prints the processor time that each took
+python tools/photo.py [NAME ...]      docs/images/photo/*.jpg; prints the processor time of each
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ SIDE, SAMPLES = 512, 8
 
 @dataclass(frozen=True)
 class View:
-    """An instance of a spec's last task, from one of its cameras (by the end of its name) at a time (s)."""
+    """A view of an instance of a spec's last task: camera (by the end of its name) and time (s)."""
 
     spec: str
     instance: int
@@ -43,7 +43,7 @@ VIEWS = {
 
 
 def draw(name: str, view: View) -> float:
-    """Write a picture; the processor time (s) that drawing it took."""
+    """Write a picture; return the processor time (s)."""
     task = wmspec.load_all(Path("specs") / f"{view.spec}.wms")[-1]
     episode = task[view.instance % len(task)].run("mujoco")
     camera = next(camera for camera, _ in episode.views() if camera.endswith(view.camera))

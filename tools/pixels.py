@@ -1,4 +1,4 @@
-"""The picture of docs/pixels.md: every environment, in every look, by every engine.
+"""Draw the picture of docs/pixels.md: every environment in every look and engine.
 
 python tools/pixels.py [OUTPUT]
 """
@@ -33,7 +33,7 @@ PLACES = {
     "room_dark": "floor",
     "floor": "floor",
 }
-"""The environments, and what things stand on in each."""
+"""Environment -> the object that carries others there."""
 
 LOOKS: tuple[tuple[str, Look], ...] = (*((name, "parity") for name in names() if info(name).draws), ("mujoco", "photo"))
 CAMERA, SIDE = "oblique", 256
@@ -58,7 +58,7 @@ task still : custom {{
 
 
 def still(place: str) -> Scene:
-    """Six things in an environment."""
+    """Return a scene of six objects in an environment."""
     with tempfile.TemporaryDirectory() as folder:
         spec = Path(folder) / "still.wms"
         spec.write_text(STILL.format(place=place, ground=PLACES[place], camera=CAMERA))
@@ -69,7 +69,7 @@ def still(place: str) -> Scene:
 
 
 def picture(scene: Scene, engine: str, look: Look) -> Image.Image:
-    """The scene as it begins."""
+    """Return a picture of the initial scene."""
     studio = RenderCache(engine, SIDE, SIDE, look)
     frame = studio.draw(scene, Shot(CAMERA, tuple(body.pose for body in scene.bodies)))
     studio.close()
@@ -77,16 +77,16 @@ def picture(scene: Scene, engine: str, look: Look) -> Image.Image:
 
 
 def sheet() -> Image.Image:
-    """A row for each environment, a column for each engine and look."""
+    """Return a sheet with a row per environment and a column per engine and look."""
     label, name, wide = Style(20, bold=True), Style(17), 150
     heads = [typeset.paragraph(f"{engine}, {look}", label, SIDE) for engine, look in LOOKS]
-    rows = [typeset.beside([typeset.blank(wide, 1), *heads], 8)]
+    rows = [typeset.hstack([typeset.blank(wide, 1), *heads], 8)]
     for place in PLACES:
         scene = still(place)
         pictures = [picture(scene, *look) for look in LOOKS]
-        rows.append(typeset.beside([typeset.paragraph(place, name, wide), *pictures], 8, middle=True))
+        rows.append(typeset.hstack([typeset.paragraph(place, name, wide), *pictures], 8, middle=True))
         print(place, flush=True)
-    return typeset.padded(typeset.above(rows, 8), 16)
+    return typeset.pad(typeset.vstack(rows, 8), 16)
 
 
 def main(output: str = str(OUTPUT)) -> int:

@@ -20,7 +20,7 @@ PICTURE = ROOT / "docs/images/questions.jpg"
 ENGINE = "mujoco"
 WIDTH, MARGIN, GAP = 1600, 40, 16  # px
 INK, PALE = (25, 25, 25), (110, 116, 128)
-#: The part of a picture of `collide` that shows what happens, from top to bottom.
+#: The vertical part of a picture of `collide` that shows the motion.
 BAND = 0.27, 0.65
 FONTS = Path(get_data_path()) / "fonts/ttf"
 
@@ -53,7 +53,7 @@ class Page:
         self.y += height + 4 + GAP
 
     def saved(self, path: Path) -> None:
-        """Write the part of the page that is filled."""
+        """Write the filled part of the page."""
         self.image.crop((0, 0, WIDTH, self.y + MARGIN - GAP)).save(path, quality=88, optimize=True)
 
 

@@ -12,21 +12,21 @@ from pathlib import Path
 
 from wmspec.lang.check.expressions.calls import signature
 from wmspec.lang.check.tables.functions import FUNCTIONS
-from wmspec.lang.check.tables.property_schema import LOOKS, slots, thing_type
+from wmspec.lang.check.tables.property_schema import APPEARANCE, allowed_properties, entity_type
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
 from wmspec.lang.check.tables.vocabulary import (
-    CONDITIONAL,
+    CONDITIONAL_DOMAINS,
+    CONTINUOUS_DOMAINS,
+    DESIGNS,
+    FACTOR_DOMAINS,
     JOINTS,
-    PLANS,
     PROPERTIES,
     SETTINGS,
-    SPREADS,
-    STUDIED,
     TOLERANCES,
-    WEIGHTED,
+    WEIGHTED_DOMAINS,
     WORDS,
-    Form,
-    Slot,
+    PropertySpec,
+    SyntaxForm,
 )
 from wmspec.lang.check.types.types import either
 from wmspec.lang.check.types.units import EXAMPLES, UNITS
@@ -61,25 +61,25 @@ def pages() -> dict[Path, str]:
 
 
 def reference() -> Iterator[str]:
-    """The lines of the reference."""
+    """Yield the lines of the reference."""
     yield "### Domains\n"
     yield "Of a `factor` or a `nuisance`, constants:\n"
-    yield from forms("domain", STUDIED)
+    yield from forms("domain", FACTOR_DOMAINS)
     yield "Of a `nuisance`, or of a `factor` of a Latin hypercube:\n"
-    yield from forms("domain", SPREADS)
+    yield from forms("domain", CONTINUOUS_DOMAINS)
     yield "Of a `nuisance` alone:\n"
-    yield from forms("domain", WEIGHTED)
+    yield from forms("domain", WEIGHTED_DOMAINS)
     yield "Of a `factor` alone:\n"
-    yield from forms("domain", CONDITIONAL)
+    yield from forms("domain", CONDITIONAL_DOMAINS)
     yield "### Designs\n"
-    yield from forms("design", PLANS.values())
+    yield from forms("design", DESIGNS.values())
     yield "### Properties\n"
     for kind, properties in PROPERTIES.items():
         yield f"Of {'the world' if kind == 'world' else f'{article(kind)} {kind}'}:\n"
         yield from table(
             ("property", "takes", "left out", "meaning"),
             (
-                row(name, slot, "its object's" if kind == "part" and name in LOOKS else "")
+                row(name, slot, "its object's" if kind == "part" and name in APPEARANCE else "")
                 for name, slot in properties.items()
             ),
         )
@@ -138,14 +138,14 @@ def reference() -> Iterator[str]:
     yield from table(("code", "meaning"), ((f"`{code}`", meaning) for code, meaning in CODES.items()))
 
 
-def forms(head: str, written: Iterable[Form]) -> Iterator[str]:
-    """A table of ways to write something."""
+def forms(head: str, written: Iterable[SyntaxForm]) -> Iterator[str]:
+    """Yield a table of syntax forms."""
     yield from table((head, "meaning"), ((f"`{form.written}`", form.meaning) for form in written))
 
 
 def joints() -> Iterator[tuple[str, ...]]:
-    """Each kind of joint: what it does, the kind of its coordinate, and what others do not have."""
-    has = {kind: slots(thing_type("joint", (), kind)) for kind in JOINTS}
+    """Yield each kind of joint: its motion, its coordinate, and its own properties."""
+    has = {kind: allowed_properties(entity_type("joint", (), kind)) for kind in JOINTS}
     for kind, meaning in JOINTS.items():
         own = [name for name in has[kind] if not all(name in other for other in has.values())]
         counts = either([str(k) for k in has[kind]["low"].types]) if "low" in has[kind] else "—"
@@ -153,34 +153,34 @@ def joints() -> Iterator[tuple[str, ...]]:
 
 
 def described(name: str, verb: Verb) -> Iterator[str]:
-    """A verb with a table of its arguments."""
+    """Yield a verb with a table of its arguments."""
     yield f"`{call(name, verb)}` {verb.meaning}.\n"
     slots = verb.arguments.items()
     yield from table(("argument", "takes", "left out", "meaning"), (row(n, slot) for n, slot in slots))
 
 
 def call(name: str, verb: Verb) -> str:
-    """How a verb is written."""
+    """Return the signature of a verb."""
     return f"{name}({', '.join(verb.arguments)}){' for TIME' if verb.lasts else ''}"
 
 
 def arguments(verb: Verb) -> Iterator[str]:
-    """The arguments of a verb in a line."""
+    """Yield the arguments of a verb, one line each."""
     for name, slot in verb.arguments.items():
         _, takes, left_out, _ = row(name, slot)
         yield f"`{name}`: {takes}" + (f" ({left_out})" if slot.default is not None else "")
 
 
-def row(name: str, slot: Slot, default: str = "") -> tuple[str, ...]:
-    """A property or argument as a row of its table."""
+def row(name: str, slot: PropertySpec, default: str = "") -> tuple[str, ...]:
+    """Return a property or argument as a table row."""
     kinds = either([str(kind) for kind in slot.types])
     left_out = f"`{slot.default}`" if slot.default is not None else "—" if slot.optional else "must be given"
     left_out = default or left_out
     return f"`{name}`", kinds + bounds(slot), left_out, slot.meaning
 
 
-def bounds(slot: Slot) -> str:
-    """What a slot's values are limited to, as it is said after their kind."""
+def bounds(slot: PropertySpec) -> str:
+    """Return the limits of a slot's values, as text after its type."""
     if slot.among:
         return f", {either([f'`{word}`' for word in slot.among])}"
     if slot.least is not None and slot.most is not None:
@@ -191,7 +191,7 @@ def bounds(slot: Slot) -> str:
 
 
 def article(noun: str) -> str:
-    """A or an."""
+    """Return the noun with its article."""
     return "an" if noun[0] in "aeio" else "a"
 
 

@@ -1,9 +1,9 @@
-"""The film of README: somebody writes a spec, and the page of `wmspec watch` follows.
+"""Record the film of the README: an edited spec next to the page of `wmspec watch`.
 
 python tools/screencast.py docs/images/watch.gif
 
-The page is the real one, in a real browser (Chromium, by playwright), and what it shows is executed and drawn while the
-film is made. How long a picture stays is written here, so the film is the same on a slow machine.
+The page is the real one, in Chromium (by playwright), with instances executed during the recording. Durations of frames
+are constants, so the film is independent of the speed of the machine.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from pygments.formatters import HtmlFormatter
 
 from wmspec.editor.page import PageServer
 from wmspec.editor.pygments import WmsLexer
-from wmspec.editor.watch import Drawing, Watch
+from wmspec.editor.watch import PreviewOptions, Watch
 
 WIDE, LEFT, HIGH = 1160, 470, 640  # px: of the film, of the text, and their height
 CARET, COLORS = "\ue000", 192
@@ -63,7 +63,7 @@ task bump : custom {
 }
 """
 
-#: What is written, and what in its place; how long (ms) what comes of it is looked at.
+#: Replaced text, its replacement, and the time (ms) that the result is shown.
 EDITS = (
     ("size: 14 cm\n    color: yellow", "size: 24 cm\n    color: yellow", LOOKED),
     ("color: yellow", "color: green", LOOKED),
@@ -85,13 +85,13 @@ i.caret {{ border-left: 2px solid #d33; margin-left: -1px; }}"""
 
 @dataclass
 class Film:
-    """The pictures so far, and how long (ms) each stays."""
+    """Frames and their durations (ms)."""
 
     frames: list[Image.Image] = field(default_factory=list)
     lasting: list[int] = field(default_factory=list)
 
     def add(self, frame: Image.Image, milliseconds: int) -> None:
-        """One more; what looks like the last one makes that longer."""
+        """Append a frame; one equal to the last extends its duration."""
         if self.frames and self.frames[-1].tobytes() == frame.tobytes():
             self.lasting[-1] += milliseconds
         else:
@@ -99,7 +99,7 @@ class Film:
             self.lasting.append(milliseconds)
 
     def save(self, path: Path) -> None:
-        """Write it, all in one palette, so that what stands still takes no room."""
+        """Write the film with one palette."""
         every = max(1, len(self.frames) // 16)
         sheet = Image.new("RGB", (WIDE, HIGH * len(self.frames[::every])))
         for i, frame in enumerate(self.frames[::every]):
@@ -110,7 +110,7 @@ class Film:
 
 
 def typed(before: str, after: str) -> Iterator[tuple[str, int]]:
-    """What is on the screen while `before` becomes `after`, letter by letter, and where the caret is."""
+    """Yield the text and the caret while `before` becomes `after`, letter by letter."""
     start = next(i for i, (a, b) in enumerate(zip(before, after, strict=False)) if a != b)
     end = next(i for i, (a, b) in enumerate(zip(before[::-1], after[::-1], strict=False)) if a != b)
     end = min(end, len(before) - start, len(after) - start)
@@ -132,7 +132,7 @@ class Studio:
         self._version = -1
 
     def picture(self, text: str, caret: int) -> Image.Image:
-        """Both as they are."""
+        """Return a screenshot of both."""
         marked = text[:caret] + CARET + text[caret:]
         colored = highlight(marked, WmsLexer(), HtmlFormatter(nowrap=True, style="friendly"))
         colors = HtmlFormatter(style="friendly").get_style_defs("pre")
@@ -144,7 +144,7 @@ class Studio:
         return whole
 
     def saved(self, text: str) -> None:
-        """Save the text, and wait until the page has followed."""
+        """Save the text and wait until the page is updated."""
         self._watch.path.write_text(text)
         while True:
             state = self._watch.after(self._version, 300)
@@ -157,7 +157,7 @@ class Studio:
 
 
 def play(studio: Studio, film: Film) -> None:
-    """All edits, one after the other."""
+    """Record all edits."""
     text = SPEC
     studio.saved(text)
     film.add(studio.picture(text, 0), LOOKED)
@@ -173,7 +173,7 @@ def play(studio: Studio, film: Film) -> None:
 
 
 def main(path: Path) -> None:
-    """Make the film."""
+    """Record the film."""
     from playwright.sync_api import sync_playwright
 
     chromium = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -181,7 +181,7 @@ def main(path: Path) -> None:
     with TemporaryDirectory() as folder, chdir(folder), sync_playwright() as started:
         spec = Path("bump.wms")  # so that messages name it so
         spec.write_text(SPEC)
-        watch = Watch(spec, Drawing("mujoco", instances=2, size=160))
+        watch = Watch(spec, PreviewOptions("mujoco", instances=2, size=160))
         server = PageServer(watch, 0)
         threads = [threading.Thread(target=watch.run), threading.Thread(target=server.serve_forever, args=(0.05,))]
         for thread in threads:

@@ -1,9 +1,9 @@
 """Fetch public stages of other projects, run them in every engine and write docs/benchmarks/public_stages.md.
 
-python -m tools.stages fetch FOLDER [--mirror M]   M/OWNER/NAME: repositories that are there, in place of the network
-python -m tools.stages robots FOLDER [--bin BIN]   with the converters that are in BIN, of an environment of their own
-python -m tools.stages run FOLDER                  a second in each engine; a stage that was run is not run again
-python -m tools.stages table FOLDER                rewrites the page from what ran
+python -m tools.stages fetch FOLDER [--mirror M]   M/OWNER/NAME: local repositories instead of the network
+python -m tools.stages robots FOLDER [--bin BIN]   with the converters in BIN, a separate environment
+python -m tools.stages run FOLDER                  a second in each engine; finished stages are skipped
+python -m tools.stages table FOLDER                rewrites the page from the results
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ SOFT = ("Deformable", "Particle", "Tendon", "Gear", "Vehicle")
 
 
 def fetch(folder: Path, mirror: Path | None) -> None:
-    """Lay the listed paths of each repository, at its commit, into a folder of its name."""
+    """Extract the listed paths of each repository, at its commit, into a folder of its name."""
     for entry in tomllib.loads(LIST.read_text())["repository"]:
         target = folder / entry["name"].replace("/", "+")
         target.mkdir(parents=True, exist_ok=True)
@@ -55,7 +55,7 @@ def git(*arguments: str) -> None:
 
 
 def robots(folder: Path, bin_: Path) -> None:
-    """Convert the robots of PyBullet's wheel; a converter that gives up on one says so and goes on."""
+    """Convert the robots of PyBullet's wheel; failures of a converter are printed."""
     listed = tomllib.loads(LIST.read_text())["robots"]
     spec = find_spec("pybullet_data")
     assert spec is not None
@@ -69,7 +69,7 @@ def robots(folder: Path, bin_: Path) -> None:
 
 
 def stages(folder: Path) -> list[Path]:
-    """The stages, without what is only a part of others."""
+    """Return the stages that are not only parts of others."""
     entries = tomllib.loads(LIST.read_text())["repository"]
     chosen = []
     for entry in entries:
@@ -79,7 +79,7 @@ def stages(folder: Path) -> list[Path]:
 
 
 def outcomes(path: Path) -> dict[str, Any]:
-    """How a stage does in every engine, in processes of their own, which may die of it."""
+    """Return the result of a stage in every engine, each in its own process, which may crash."""
     results: dict[str, Any] = {}
     while waiting := [engine for engine in ENGINES if engine not in results]:
         command = [sys.executable, "-m", "tools.stages", "try", str(path), *waiting]
@@ -92,7 +92,7 @@ def outcomes(path: Path) -> dict[str, Any]:
 
 
 def attempt(path: Path, engine: str) -> dict[str, Any]:
-    """How a stage does in an engine, in at most `PATIENCE` seconds of the processor."""
+    """Return the result of a stage in an engine, within `PATIENCE` seconds of processor time."""
     spent = resource.getrusage(resource.RUSAGE_SELF)
     most = int(spent.ru_utime + spent.ru_stime) + PATIENCE
     resource.setrlimit(resource.RLIMIT_CPU, (most, resource.RLIM_INFINITY))
@@ -100,12 +100,12 @@ def attempt(path: Path, engine: str) -> dict[str, Any]:
         episode = wmspec.run(path, engine, SECONDS)
     except WmsError as error:
         return {"refused": str(error)}
-    ends = {name: episode[name].middle[-1].tolist() for name in episode.movable}
+    ends = {name: episode[name].center[-1].tolist() for name in episode.movable}
     return {"bodies": ends, "notes": [str(note) for note in episode.notes]}
 
 
 def run(folder: Path) -> None:
-    """Run every stage in every engine, small ones first; results are kept beside the stages, one file a stage."""
+    """Run every stage in every engine, small ones first; one result file per stage."""
     for path in sorted(stages(folder), key=lambda path: path.stat().st_size):
         kept = folder / "results" / f"{'+'.join(path.relative_to(folder).with_suffix('').parts)}.json"
         if kept.exists():
@@ -117,7 +117,7 @@ def run(folder: Path) -> None:
 
 
 def spread(results: dict[str, Any]) -> float | None:
-    """How far apart (m) the engines' ends of a body are at most; None if fewer than two ran."""
+    """Return the largest distance (m) between final positions in two engines; None for fewer than two engines."""
     ran = [one["bodies"] for one in results.values() if "bodies" in one]
     pairs = [(a[name], b[name]) for a, b in combinations(ran, 2) for name in a]
     if len(ran) < 2:
@@ -126,7 +126,7 @@ def spread(results: dict[str, Any]) -> float | None:
 
 
 def rigid(path: Path) -> bool:
-    """Whether a stage holds rigid bodies and nothing that is soft, or a tendon, gear or vehicle."""
+    """Whether a stage contains only rigid bodies, no deformables, tendons, gears or vehicles."""
     from pxr import Usd
 
     stage = Usd.Stage.Open(str(path))
@@ -137,7 +137,7 @@ def rigid(path: Path) -> bool:
 
 
 def rows(folder: Path) -> tuple[list[tuple[str, ...]], dict[str, int]]:
-    """The rows of the table, and how many stages there are of a kind."""
+    """Return the rows of the table, and the counts of stages."""
     made, counts = [], dict.fromkeys(("listed", "all", "rigid", "two", "three", "agree"), 0)
     for path in stages(folder):
         kept = folder / "results" / f"{'+'.join(path.relative_to(folder).with_suffix('').parts)}.json"
@@ -162,7 +162,7 @@ def rows(folder: Path) -> tuple[list[tuple[str, ...]], dict[str, int]]:
 
 
 def page(folder: Path) -> str:
-    """The page with its table as it should be."""
+    """Return the page with a current table."""
     made, n = rows(folder)
     head = ("stage", "rigid only", *ENGINES, "warnings", "apart, mm", "refused because")
     share = 100 * n["two"] / n["rigid"]
@@ -176,7 +176,7 @@ def page(folder: Path) -> str:
 
 
 def main() -> None:
-    """Do what is asked."""
+    """Run the selected step."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=("fetch", "robots", "run", "table", "try"))
     parser.add_argument("folder", type=Path)

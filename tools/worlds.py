@@ -1,11 +1,11 @@
-"""The pictures of docs/worlds.md: every thing of the libraries, with its name and without, and every room.
+"""Draw the pictures of docs/worlds.md: every object of the libraries, with and without its name, and every room.
 
-python tools/worlds.py things [NAME ...]    named; smaller, by each engine: docs/images/things*.jpg
+python tools/worlds.py things [NAME ...]    with names; smaller, by each engine: docs/images/things*.jpg
 python tools/worlds.py rooms [NAME ...]     from each camera: docs/images/rooms.jpg
 python tools/worlds.py town                 the town and the flat, as tasks show them: docs/images/town.jpg
-python tools/worlds.py nameless FOLDER KEY [LOOK]   one a picture and shuffled, to be named; what they are is in KEY
-python tools/worlds.py parity [all]         what the pictures of the engines differ by: lines of a table, for every
-                                            sixth thing and every room, or for all from each camera; and the worst
+python tools/worlds.py nameless FOLDER KEY [LOOK]   one per picture, shuffled; KEY has the names
+python tools/worlds.py parity [all]         differences between engines, as table rows, for every sixth object and
+                                            every room, or for all from each camera; and the worst
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from wmspec.lang.parse.syntax import Template
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.engines.registry import default, names
 from wmspec.sim.scene.model import Frame, Look, Scene, Shot
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.usd import read
 
 IMAGES = Path(__file__).parent.parent / "docs/images"
@@ -86,7 +86,7 @@ PLACES = {
 
 
 def scene(text: str) -> Scene:
-    """The first instance of a spec."""
+    """Return the first instance of a spec."""
     with tempfile.TemporaryDirectory() as folder:
         spec = Path(folder) / "one.wms"
         spec.write_text(text)
@@ -97,25 +97,25 @@ def scene(text: str) -> Scene:
 
 
 def templates(library: str) -> list[str]:
-    """The templates that a library declares, in their order."""
+    """Return the templates of a library, in order."""
     file = parse(read_source(library_folder() / f"{library}.wms"), Report())
     return [item.name.id for item in file.items if isinstance(item, Template)]
 
 
 def things() -> dict[str, str]:
-    """The library of every thing."""
+    """Return object name -> library."""
     return {name: library for library in LIBRARIES for name in templates(library)}
 
 
 def thing(name: str, library: str, more: str = "") -> Scene:
-    """A thing on a floor, and a camera that it fills the picture of."""
+    """Return a scene with an object on a floor, and a camera that it fills."""
 
     def placed(*camera: float) -> Scene:
         return scene(THING.format(*camera, name=name, library=library, more=more))
 
     still = placed(9, 0, -1, 1, 0, 0, 0)
     it = next(body for body in still.bodies if body.name == "it")
-    low, high = upright([geom for geom in it.geoms if geom.visible], it.pose)
+    low, high = world_box([geom for geom in it.geoms if geom.visible], it.pose)
     size = high - low
     rise = math.radians(50 if size[2] < 0.3 * max(size[:2]) else 22)
     away = 0.5 * float(np.linalg.norm(size)) / math.sin(math.radians(15)) * 0.98
@@ -130,18 +130,18 @@ def thing(name: str, library: str, more: str = "") -> Scene:
 
 
 def surface(name: str) -> str:
-    """What things stand on in a room."""
+    """Return the object that carries others in a room."""
     text = read_source(library_folder() / f"{name}.wms").text
     return "table" if "object table" in text else "floor"
 
 
 def room(name: str, settings: str = "") -> Scene:
-    """A room with nothing going on."""
+    """Return the scene of a room without actions."""
     return scene(ROOM.format(name=name, settings=settings, surface=surface(name)))
 
 
 def frames(what: Scene, engine: str, side: int, cameras: Iterable[str], look: Look = "parity") -> list[Frame]:
-    """The scene as it begins, from cameras by the ends of their names."""
+    """Return initial frames, from cameras by the ends of their names."""
     studio = RenderCache(engine, side, side, look)
     poses = tuple(body.pose for body in what.bodies)
     views = [next(one.name for one in what.cameras if one.name.endswith(camera)) for camera in cameras]
@@ -153,41 +153,41 @@ def frames(what: Scene, engine: str, side: int, cameras: Iterable[str], look: Lo
 def pictures(
     what: Scene, engine: str, side: int, cameras: Iterable[str] = ("near",), look: Look = "parity"
 ) -> list[Image.Image]:
-    """The same, to be looked at."""
+    """Return the frames as pictures."""
     return [Image.fromarray(frame.rgb) for frame in frames(what, engine, side, cameras, look)]
 
 
 def rows(cells: Iterable[Image.Image], abreast: int) -> Iterator[Image.Image]:
-    """So many beside one another."""
+    """Yield rows of `abreast` cells."""
     every = list(cells)
     for i in range(0, len(every), abreast):
-        yield typeset.beside(every[i : i + abreast], GAP)
+        yield typeset.hstack(every[i : i + abreast], GAP)
 
 
 def thing_cell(name: str, library: str, engines: Iterable[str], side: int) -> Image.Image:
-    """A thing in each engine, with its name below."""
+    """Return an object in each engine, with its name below."""
     what = thing(name, library)
-    cell = typeset.beside([one for engine in engines for one in pictures(what, engine, side)])
+    cell = typeset.hstack([one for engine in engines for one in pictures(what, engine, side)])
     label = typeset.paragraph(name.replace("_", " "), Style(15), cell.width, centred=True)
-    return typeset.above([cell, label])
+    return typeset.vstack([cell, label])
 
 
 def things_sheet(chosen: Iterable[str], engines: Iterable[str], side: int) -> Image.Image:
-    """All things."""
+    """Return a sheet of all objects."""
     every = things()
     cells = [thing_cell(name, every[name], engines, side) for name in chosen]
-    return typeset.padded(typeset.above(rows(cells, ABREAST if len(tuple(engines)) == 1 else 5), GAP), GAP)
+    return typeset.pad(typeset.vstack(rows(cells, ABREAST if len(tuple(engines)) == 1 else 5), GAP), GAP)
 
 
 def rooms_sheet(chosen: Iterable[str], engines: Iterable[str], side: int) -> Image.Image:
-    """A row for each room and engine, a column for each camera."""
+    """Return a sheet with a row per room and engine, and a column per camera."""
     lines = []
     for name in chosen:
         for engine in engines:
             label = typeset.paragraph(f"{name.replace('_', ' ')}, {engine}", Style(15), 90)
             shown = pictures(room(name), engine, side, CAMERAS)
-            lines.append(typeset.beside([label, *shown], GAP, middle=True))
-    return typeset.padded(typeset.above(lines, GAP), GAP)
+            lines.append(typeset.hstack([label, *shown], GAP, middle=True))
+    return typeset.pad(typeset.vstack(lines, GAP), GAP)
 
 
 def town_sheet(side: int, count: int) -> Image.Image:
@@ -197,8 +197,8 @@ def town_sheet(side: int, count: int) -> Image.Image:
         task = wmspec.load_all(library_folder().parent / f"prediction/mechanistic/{spec}.wms")[-1]
         episodes = [task[i * len(task) // count].run("mujoco") for i in range(count)]
         shown = [episode.picture(*episode.views()[0], size=side) for episode in episodes]
-        lines.append(typeset.beside(shown, GAP))
-    return typeset.padded(typeset.above(lines, GAP), GAP)
+        lines.append(typeset.hstack(shown, GAP))
+    return typeset.pad(typeset.vstack(lines, GAP), GAP)
 
 
 def apart(a: Frame, b: Frame) -> tuple[float, float, float]:

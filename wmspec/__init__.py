@@ -1,6 +1,7 @@
-"""wmspec: controlled visual questions about a physical world, from one small language.
+"""wmspec: controlled visual questions about physical worlds, from a small language.
 
-What is public is named in `wmspec.api` and can be had from here: `wmspec.load`, `wmspec.crosscheck`, `wmspec.generate`.
+`wmspec.api` defines the public names; they are available here too: `wmspec.load`, `wmspec.crosscheck`,
+`wmspec.generate`.
 """
 
 from __future__ import annotations

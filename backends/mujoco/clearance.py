@@ -1,6 +1,6 @@
-"""Whether what moves as it is told comes near what sleeps: until then MuJoCo need not be asked.
+"""Conservative clearance between kinematic and sleeping bodies; while clear, stepping is skipped.
 
-The native scripts contain these definitions as they stand here.
+Native scripts contain a copy of these definitions.
 """
 
 from __future__ import annotations
@@ -12,39 +12,41 @@ import numpy as np
 
 from wmspec.sim.scene.model.transform import multiply, rotate
 
-CLEAR = 0.001  # m: what is so far beyond where MuJoCo looks for contacts has none
+CLEARANCE = 0.001  # m: margin beyond the distance at which MuJoCo detects contacts
 
 
-def beside(model: Any, data: Any, paths: Mapping[int, Any], first: int) -> Any:
-    """Whether in each step (T,) what is told, by MuJoCo's numbers of bodies (T, 7), is clear of all others as they are.
+def is_clear(model: Any, data: Any, paths: Mapping[int, Any], first: int) -> Any:
+    """Return whether kinematic bodies, by MuJoCo's body ids with poses (T, 7), are clear of all others in each step
+    (T,).
 
-    Of each pair of pieces that may touch, a ball around the one that is told is held against the box around the other;
-    where that is too near, the box around it. Steps before the `first` are not looked at.
+    For each pair that can collide, the bounding sphere of the kinematic geom is compared with the box of the other; if
+    that is too close, both boxes are compared. Steps before `first` are skipped.
     """
     clear = np.ones(len(next(iter(paths.values()))), bool)
     for pair, both in enumerate(zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)):
-        reach = model.pair_margin[pair] + model.pair_gap[pair] + CLEAR
-        for told, other in (both, both[::-1]):
-            path = paths.get(int(model.geom_bodyid[told]))
+        reach = model.pair_margin[pair] + model.pair_gap[pair] + CLEARANCE
+        for led, other in (both, both[::-1]):
+            path = paths.get(int(model.geom_bodyid[led]))
             if path is not None:
                 off = np.abs((path[first:, :3] - data.geom_xpos[other]) @ data.geom_xmat[other].reshape(3, 3))
                 beyond = np.maximum(off - np.abs(model.geom_aabb[other]).reshape(2, 3).sum(axis=0), 0)
-                ball = np.linalg.norm(model.geom_pos[told]) + model.geom_rbound[told] + reach
+                ball = np.linalg.norm(model.geom_pos[led]) + model.geom_rbound[led] + reach
                 near = first + np.flatnonzero((beyond**2).sum(axis=1) <= ball**2)
-                clear[near] &= between(model, data, told, other, path[near]) > reach
+                clear[near] &= box_distance(model, data, led, other, path[near]) > reach
     return clear
 
 
-def between(model: Any, data: Any, told: int, other: int, path: Any) -> Any:
-    """How far (T,) two pieces' boxes are apart at least, m: along the best of the axes of both; below 0 if not at all.
+def box_distance(model: Any, data: Any, led: int, other: int, path: Any) -> Any:
+    """Return a lower bound (T,), m, of the distance of two boxes along the axes of both; negative if none separates
+    them.
 
-    `path` (T, 7) is that of the body of what is told.
+    `path` (T, 7) holds the poses of the body of geom `led`.
     """
-    (middle, half), (there, around) = model.geom_aabb[[told, other]].reshape(2, 2, 3)
-    axes, turn = data.geom_xmat[other].reshape(3, 3), multiply(path[:, 3:], model.geom_quat[told])
-    here = path[:, :3] + rotate(path[:, 3:], model.geom_pos[told]) + rotate(turn, middle)
+    (middle, half), (there, around) = model.geom_aabb[[led, other]].reshape(2, 2, 3)
+    axes, turn = data.geom_xmat[other].reshape(3, 3), multiply(path[:, 3:], model.geom_quat[led])
+    here = path[:, :3] + rotate(path[:, 3:], model.geom_pos[led]) + rotate(turn, middle)
     off = (here - data.geom_xpos[other]) @ axes - there
-    tilt = rotate(turn[:, None], np.eye(3)) @ axes  # of each axis of what is told, along each of the other's
+    tilt = rotate(turn[:, None], np.eye(3)) @ axes  # components of each axis of one box along those of the other
     along = np.abs(off) - around - half @ np.abs(tilt)
     across = np.abs(tilt @ off[:, :, None])[:, :, 0] - half - np.abs(tilt) @ around
     return np.maximum(along, across).max(axis=1)

@@ -1,13 +1,13 @@
-"""The episode in MuJoCo's own form."""
+"""Native output for MuJoCo."""
 
 from __future__ import annotations
 
-from wmspec.sim.scene.joints.articulations import Gear, Link, Tie
+from wmspec.sim.scene.joints.articulations import Link, LoopClosure, MimicConstraint
 from wmspec.sim.scene.model import Scene
-from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
-from wmspec.sim.scene.script import script
+from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
+from wmspec.sim.scene.script import episode_script
 
-from .clearance import CLEAR, beside, between
+from .clearance import CLEARANCE, box_distance, is_clear
 from .mjcf import mjcf
 from .physics import prepare
 from .world import HEAVY, World, rates
@@ -17,17 +17,28 @@ world = World(model, ASSEMBLY)"""
 
 
 def native(scene: Scene) -> dict[str, str]:
-    """`scene.xml`, which MuJoCo's viewer opens, and `run.py`, which plays the actions: file name -> text.
+    """Return `scene.xml`, which MuJoCo's viewer opens, and `run.py`, which executes the actions: file name -> text.
 
-    Raises WmsError for a scene that MuJoCo can't honour.
+    Raises WmsError for a scene that MuJoCo does not support.
     """
     whole, timeline = prepare(scene)
-    values = {"HEAVY": HEAVY, "CLEAR": CLEAR, "ASSEMBLY": whole, "EPISODE": timeline}
-    run = script(
+    values = {"HEAVY": HEAVY, "CLEARANCE": CLEARANCE, "ASSEMBLY": whole, "EPISODE": timeline}
+    run = episode_script(
         "MuJoCo",
         "mujoco",
         scene,
-        parts=[Piece, Rigid, Link, Tie, Gear, Assembly, rates, between, beside, World],
+        parts=[
+            CollisionShape,
+            Rigid,
+            Link,
+            LoopClosure,
+            MimicConstraint,
+            Assembly,
+            rates,
+            box_distance,
+            is_clear,
+            World,
+        ],
         values=values,
         world=WORLD,
     )

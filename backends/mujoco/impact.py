@@ -1,7 +1,8 @@
-"""MuJoCo has no restitution: a contact is a damped spring, here stiff enough that an impact lasts about twenty steps.
+"""Restitution in MuJoCo, which models contacts as damped springs: stiff enough that an impact lasts about 20 steps.
 
-Units of this file: one time step, the speed of impact. The numbers in `SOFT`, `STIFF`, `RUB` and `SLIDE` were found by
-comparison with analytic impacts (drops, collisions of balls, slid boxes): their errors are bounded in `tests/physics`.
+Units in this file are the time step and the impact speed. `INELASTIC`, `MAX_FREQUENCY`, `FRICTION_RATE` and
+`SLIDING_RATE` were fitted to analytic impacts (drops, colliding balls, sliding boxes); `tests/physics` bounds their
+errors.
 """
 
 from __future__ import annotations
@@ -14,51 +15,55 @@ import numpy as np
 from wmspec.sim.scene.model import Array, Friction
 
 IMPEDANCE = 0.9999
-LOWEST = 0.04  # a critically damped impact still has about this restitution
+MIN_RESTITUTION = 0.04  # approximate restitution of a critically damped impact
 
 
 class Spring(NamedTuple):
-    """Frequency times step, damping rate times step."""
+    """Frequency * step, damping rate * step."""
 
     frequency: float
     damping: float
 
 
-SOFT = Spring(0.02, 0.1)  # for impacts without restitution
-STIFF = 0.15  # the highest frequency of those with
-RUB = 0.2  # friction's damping rate: twice the normal one at least, or impacts are over before friction has acted
-SLIDE = 0.058  # the same without restitution, where bodies rather slide: RUB makes them hop, see `solreffriction`
-_PHASES = (np.arange(64) + 0.5) / 64  # where in the step the surface is met
+INELASTIC = Spring(0.02, 0.1)  # impacts without restitution
+MAX_FREQUENCY = 0.15  # highest frequency of impacts with restitution
+FRICTION_RATE = 0.2  # damping rate of friction: at least twice the normal rate, or impacts end before friction acts
+SLIDING_RATE = (
+    0.058  # the same without restitution, where bodies rather slide: RUB makes them hop, see `solreffriction`
+)
+_PHASES = (np.arange(64) + 0.5) / 64  # phases of the step at which the surface is reached
 _LONGEST = 800
 
 
 def solref(pair: Friction, step: float) -> tuple[float, float]:
-    """MuJoCo's `solref` in its direct form (-stiffness, -damping) for a pair's restitution; `step` in s."""
+    """Return MuJoCo's `solref` in direct form (-stiffness, -damping) for the restitution of a pair; `step` in s."""
     frequency, damping = spring(round(pair.restitution, 4))
     return -((frequency / step * IMPEDANCE) ** 2), -damping / step * IMPEDANCE
 
 
 def solreffriction(pair: Friction, step: float, led: bool) -> tuple[float, float]:
-    """MuJoCo's `solreffriction` in its direct form for a pair's restitution; `step` in s.
+    """Return MuJoCo's `solreffriction` in direct form for the restitution of a pair; `step` in s.
 
-    Its cones of friction are convex: what slides at speed v with friction m is thrown up with m v times this rate in
-    every step that it touches. A lower rate hops less, but creeps more on inclines, and acts too late in short impacts.
-    What is `led`, as by a hand whose motion is given, rather sticks: at the lower rate it creeps aside, 1 % of its way.
+    MuJoCo's friction cones are convex: a body sliding at speed v with friction m is lifted by m v times this rate per
+    step of contact. A lower rate hops less, but creeps more on inclines and acts too late in short impacts. A body
+    pushed by a kinematic one (`led`) must stick: at the lower rate it creeps aside by 1 % of its path.
     """
-    return 0.0, -(SLIDE if pair.restitution <= LOWEST and not led else RUB) / step * IMPEDANCE
+    return 0.0, -(SLIDING_RATE if pair.restitution <= MIN_RESTITUTION and not led else FRICTION_RATE) / step * IMPEDANCE
 
 
 @cache
 def spring(restitution: float) -> Spring:
-    """The stiffest spring, up to `STIFF`, that returns `restitution` and isn't damped faster than `SOFT`."""
-    if restitution <= LOWEST:
-        return SOFT
-    frequency = STIFF * min(1.0, SOFT.damping / damping(restitution, STIFF))  # the ratio of the two gives restitution
+    """Return the stiffest spring up to `MAX_FREQUENCY` with this `restitution` damped at most like `INELASTIC`."""
+    if restitution <= MIN_RESTITUTION:
+        return INELASTIC
+    frequency = MAX_FREQUENCY * min(
+        1.0, INELASTIC.damping / damping(restitution, MAX_FREQUENCY)
+    )  # their ratio determines restitution
     return Spring(frequency, damping(restitution, frequency))
 
 
 def damping(restitution: float, frequency: float) -> float:
-    """The damping rate with which an impact returns `restitution` of its speed, on average over the phases."""
+    """Return the damping rate with this mean restitution over all phases."""
     low, high = -0.05, 1.0
     for _ in range(40):
         middle = (low + high) / 2
@@ -70,7 +75,7 @@ def damping(restitution: float, frequency: float) -> float:
 
 
 def rebound(stiffness: float, damping: float) -> Array:
-    """The speeds (64,) after a contact that pushes, never pulls: semi-implicit Euler steps, as MuJoCo makes them."""
+    """Return the speeds (64,) after a contact that only pushes, in semi-implicit Euler steps as in MuJoCo."""
     depth, speed = -_PHASES.copy(), -np.ones_like(_PHASES)
     inside = np.ones_like(_PHASES, bool)
     for _ in range(_LONGEST):

@@ -1,4 +1,4 @@
-"""What MuJoCo says of itself, without being imported."""
+"""Metadata of MuJoCo, readable without importing it."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from wmspec.sim.scene.capability import (
     fine_drives,
     stiff_drives,
 )
-from wmspec.sim.scene.regime_thresholds import FINEST
+from wmspec.sim.scene.regime_thresholds import MAX_STEP_MULTIPLIER
 
 STEPS_PER_SECOND = 3840
-GIVES = 2.2e-3  # s: how far a contact gives way for each m/s of an impact, at this rate; see `.impact`
+CONTACT_YIELD = 2.2e-3  # s: penetration per m/s of impact speed at this rate (see `.impact`)
 
 INFO = Info(
     name="mujoco",
@@ -29,26 +29,26 @@ INFO = Info(
     lacks=(
         Lack(BALL_LIMITS, "MuJoCo has no such limits; remove the cone angles, or use hinges"),
         Lack(
-            stiff_drives(FINEST * STEPS_PER_SECOND),
-            "MuJoCo computes drives step by step and would overshoot; make it softer or what it moves heavier",
+            stiff_drives(MAX_STEP_MULTIPLIER * STEPS_PER_SECOND),
+            "MuJoCo integrates drives explicitly and would overshoot; reduce the stiffness or increase the load",
         ),
-        Lack(fine_drives(STEPS_PER_SECOND), "MuJoCo makes up to 16 times as many steps", nearly=True),
+        Lack(fine_drives(STEPS_PER_SECOND), "MuJoCo uses up to 16 times as many steps", approximate=True),
         Lack(
-            fast_impacts(GIVES, FINEST),
-            f"MuJoCo's contacts give way, even with {FINEST} times as many steps; make it slower, or what it may hit "
-            "thicker",
-            nearly=True,
+            fast_impacts(CONTACT_YIELD, MAX_STEP_MULTIPLIER),
+            f"contacts yield, even with {MAX_STEP_MULTIPLIER} times as many steps; slow the body down or thicken "
+            "the obstacle",
+            approximate=True,
         ),
         Lack(
             LEANING_CYLINDERS,
-            "MuJoCo tips them from 0.85 of the angle on, as it carries them on few points; use boxes",
+            "MuJoCo tips them above 0.85 of the angle, because few points support them; use boxes",
         ),
-        Lack(FAST_SPINS, "MuJoCo integrates to first order where anything can be touched, else to fourth"),
+        Lack(FAST_SPINS, "MuJoCo integrates with first order if anything can collide, else with fourth"),
         Lack(
             DOUBLE_PENDULUMS,
-            "MuJoCo integrates to first order: a few per cent come and go",
+            "MuJoCo integrates with first order: a few per cent are gained or lost",
         ),
-        Lack(TWO_FRICTIONS, "MuJoCo has one coefficient, that of motion", nearly=True),
+        Lack(TWO_FRICTIONS, "MuJoCo has one coefficient; the dynamic one is used", approximate=True),
     ),
     graphics=Graphics("EGL", mesa=(24, 3), variables=("MUJOCO_GL", "PYOPENGL_PLATFORM"), on_import=True),
 )

@@ -1,4 +1,4 @@
-"""The scene's joints as MJCF: a body below its parent, held by a joint; a drive is an actuator."""
+"""Joints as MJCF: nested bodies with joints; drives are actuators."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from .text import text
 
 KINDS = {"hinge": "hinge", "slider": "slide", "ball": "ball"}
 X = np.array([1.0, 0.0, 0.0])
-FAR = 1e10  # rad or m: MuJoCo's own limit of what is finite
+MAX_FINITE = 1e10  # rad or m: MuJoCo's limit of finite values
 
 
-def hang(element: ET.Element, limb: Link, scene: Scene, step: float) -> None:
-    """Give a body the joint that holds it to the body around it; none holds it fast. `step` in s."""
+def add_joint(element: ET.Element, limb: Link, scene: Scene, step: float) -> None:
+    """Add the joint between a body and its parent; none for a fixed one. `step` in s."""
     if limb.kind == "fixed":
         return
     if limb.kind == "free":
@@ -32,14 +32,14 @@ def hang(element: ET.Element, limb: Link, scene: Scene, step: float) -> None:
         joint.set("ref", text([limb.start]))
     if limb.limits:
         low, high = limb.limits
-        joint.set("range", text([max(low, -FAR), min(high, FAR)]))
+        joint.set("range", text([max(low, -MAX_FINITE), min(high, MAX_FINITE)]))
         joint.set("solreflimit", text(solref(Friction(), step)))
         joint.set("solimplimit", text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]))
     element.insert(0, joint)
 
 
-def actuator(root: ET.Element, limb: Link, scene: Scene) -> None:
-    """A drive: the control is `stiffness * target + damping * velocity`."""
+def add_actuator(root: ET.Element, limb: Link, scene: Scene) -> None:
+    """Add a drive; its control is `stiffness * target + damping * velocity`."""
     stiffness, damping, _, _, most = limb.drive
     name = scene.joints[limb.joint].name
     made = ET.SubElement(root, "general", name=name, joint=name, biastype="affine", gainprm="1")
@@ -48,7 +48,7 @@ def actuator(root: ET.Element, limb: Link, scene: Scene) -> None:
         made.set("forcerange", text([-most, most]))
 
 
-def control(limb: Link) -> float:
-    """What the actuator of a drive is told at the start."""
+def initial_control(limb: Link) -> float:
+    """Return the initial control of a drive."""
     stiffness, damping, target, velocity, _ = limb.drive
     return stiffness * target + damping * velocity

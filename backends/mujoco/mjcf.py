@@ -1,4 +1,4 @@
-"""The scene as MJCF: what MuJoCo executes here, and what its own viewer opens."""
+"""Scenes as MJCF, executed here and opened by MuJoCo's viewer."""
 
 from __future__ import annotations
 
@@ -10,76 +10,78 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from wmspec.sim.scene.joints.articulations import WORLD, Tree
-from wmspec.sim.scene.joints.com_frame import com_frame, mount, placed
+from wmspec.sim.scene.joints.com_frame import body_frame_in_com, com_frame, transform_points
 from wmspec.sim.scene.model import Array, Body, Camera, Friction, Geom, Light, Pose, Scene
 from wmspec.sim.scene.model.transform import compose, conjugate, inverse, rotate
-from wmspec.sim.scene.physics.contact import mix, touchable
-from wmspec.sim.scene.physics.episode import TOUCH, Episode, Kick, Vector
+from wmspec.sim.scene.physics.contact import colliding_geoms, combine_friction
+from wmspec.sim.scene.physics.episode import TOUCH_END, Episode, Kick, Vector
 from wmspec.sim.scene.physics.rigid import Assembly
-from wmspec.sim.scene.physics.speed import gyroscopic
+from wmspec.sim.scene.physics.speed import has_gyroscopic_spin
 
 from .impact import IMPEDANCE, solref, solreffriction
-from .joints import actuator, control, hang
+from .joints import add_actuator, add_joint, initial_control
 from .text import text
 from .world import HEAVY, rates
 
-SPIN, ROLL = 0.005, 0.0001  # required by the format, without effect at condim 3
-RESTING = 1e-6  # m/s
-_HIDDEN = "3"  # the group of geoms that viewers don't show at first
+TORSIONAL_FRICTION, ROLLING_FRICTION = 0.005, 0.0001  # required by the format, no effect at condim 3
+SLEEP_SPEED = 1e-6  # m/s
+_HIDDEN = "3"  # geom group that viewers hide by default
 
 
 def mjcf(scene: Scene, episode: Episode, whole: Assembly, *, seen: bool = True) -> str:
-    """A model, with one `pair` per pair that may touch.
+    """Return a model with one `pair` per pair of geoms that can collide.
 
-    Bodies are in the scene's order, those in trees below their parents, frames at their centres of mass. What is
-    not to be `seen` is without the shapes that only show. What has no others does not move as it is told then, and is
-    left out unless something is tied to it.
+    Bodies are in scene order, those of trees below their parents, with frames at their centres of mass. Without `seen`,
+    visual-only shapes are omitted; kinematic bodies that cannot collide then rest, and are omitted unless tied to
+    something.
     """
     root, trees = ET.Element("mujoco", model=scene.name), whole.trees
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
     driven = any(limb.drive for tree in trees for limb in tree)
-    integrator = "implicitfast" if driven else "RK4" if _tumbles(scene) else "Euler"
-    # what joints hold, or what is held, may begin to move more slowly than what rests
+    integrator = "implicitfast" if driven else "RK4" if _is_free_tumbling(scene) else "Euler"
+    # jointed and held bodies may start to move slower than the sleep threshold
     _options(root, episode, integrator, sleep=integrator == "Euler" and not (scene.joints or episode.holds))
     asset, world, contact = (ET.SubElement(root, tag) for tag in ("asset", "worldbody", "contact"))
     _light(world, scene.light)
-    bodies = tuple(com_frame(body if seen else _felt(body)) for body in scene.bodies)
+    bodies = tuple(com_frame(body if seen else _collision_body(body)) for body in scene.bodies)
     elements = _bodies(world, asset, bodies, trees)
     limbs = {limb.body: limb for tree in trees for limb in tree}
     for i, body in enumerate(bodies):
         if i in limbs:
-            hang(elements[i], limbs[i], scene, episode.step)
+            add_joint(elements[i], limbs[i], scene, episode.step)
         elif body.motion != "static":
             elements[i].insert(0, ET.Element("freejoint", name=body.name))
     for camera in scene.cameras:
         rides = next((i for i, body in enumerate(scene.bodies) if body.name == camera.body), WORLD)
-        pose = camera.pose if rides == WORLD else compose(mount(scene.bodies[rides]), camera.pose)
+        pose = camera.pose if rides == WORLD else compose(body_frame_in_com(scene.bodies[rides]), camera.pose)
         _camera(elements[rides], camera, pose)
-    for a, g, b, h in touchable(scene):
+    for a, g, b, h in colliding_geoms(scene):
         led = "kinematic" in (a.motion, b.motion)
-        _pair(contact, f"{a.name}/{g.name}", f"{b.name}/{h.name}", mix(g.friction, h.friction), episode, led)
+        _pair(
+            contact, f"{a.name}/{g.name}", f"{b.name}/{h.name}", combine_friction(g.friction, h.friction), episode, led
+        )
     _equality(root, scene, episode, whole)
     drives = [limb for tree in trees for limb in tree if limb.drive]
     actuators = ET.SubElement(root, "actuator") if drives else root
     for limb in drives:
-        actuator(actuators, limb, scene)
-    _keyframe(root, bodies, episode, whole, [control(limb) for limb in drives])
+        add_actuator(actuators, limb, scene)
+    _keyframe(root, bodies, episode, whole, [initial_control(limb) for limb in drives])
     if not seen:
-        _leave_out(root, world)
+        _remove_inert_bodies(root, world)
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _leave_out(root: ET.Element, world: ET.Element) -> None:
-    """Take out what has no shape, stands still, carries nothing, and is tied to nothing."""
+def _remove_inert_bodies(root: ET.Element, world: ET.Element) -> None:
+    """Remove bodies without shapes that rest, carry nothing, and are not tied."""
     tied = {tie.get(end) for tie in root.iterfind("equality/connect") for end in ("body1", "body2")}
     for body in world.findall("body"):
         if not len(body) and body.get("name") not in tied:
             world.remove(body)
 
 
-def _felt(body: Body) -> Body:
-    """The body without what is only seen of it; what moves as it is told and can't be touched stands still."""
+def _collision_body(body: Body) -> Body:
+    """Return a body without visual-only shapes; a kinematic one without collisions becomes static."""
     geoms = tuple(replace(geom, visible=False) for geom in body.geoms if geom.collides)
     still = body.motion == "kinematic" and body.inertia is None and not geoms
     return replace(body, geoms=geoms, motion="static" if still else body.motion)
@@ -88,7 +90,7 @@ def _felt(body: Body) -> Body:
 def _bodies(
     world: ET.Element, asset: ET.Element, bodies: Sequence[Body], trees: Sequence[Tree]
 ) -> dict[int, ET.Element]:
-    """The elements of the bodies by their numbers, and the world's by `WORLD`."""
+    """Return the elements of bodies by number, with the world at `WORLD`."""
     parents = {limb.body: limb.parent for tree in trees for limb in tree}
     elements = {WORLD: world}
     for i in _order(bodies, trees):
@@ -98,19 +100,19 @@ def _bodies(
     return elements
 
 
-def _tumbles(scene: Scene) -> bool:
-    """Whether something spins fast, and nothing can be touched."""
-    return gyroscopic(scene) and not any(touchable(scene))
+def _is_free_tumbling(scene: Scene) -> bool:
+    """Whether something spins fast and nothing can collide."""
+    return has_gyroscopic_spin(scene) and not any(colliding_geoms(scene))
 
 
 def _options(root: ET.Element, episode: Episode, integrator: str, sleep: bool) -> None:
-    """MuJoCo's settings.
+    """Set MuJoCo's options.
 
-    What is slower than `RESTING` for ten steps sleeps, with all that it touches: MuJoCo leaves it out until a force, a
-    velocity or something awake wakes it. What would begin to slide that slowly, at less than 0.4 mm/s², stays.
+    Bodies slower than `SLEEP_SPEED` for ten steps sleep together with their contacts: MuJoCo skips them until a force,
+    a velocity or an awake body wakes them. A body that would start to slide at less than 0.4 mm/s² stays.
 
-    Stiff drives are damped without bounds on the step by one of its integrators only. What spins fast keeps its energy
-    in another, of fourth order: a gyroscope at 50 rad/s gained 42 % in a second.
+    Only one integrator damps stiff drives at any step size. Another, of fourth order, conserves the energy of fast
+    spins: with the default a gyroscope at 50 rad/s gained 42 % in a second.
     """
     option = ET.SubElement(
         root,
@@ -123,7 +125,7 @@ def _options(root: ET.Element, episode: Episode, integrator: str, sleep: bool) -
         iterations="100",
         tolerance="1e-10",
         jacobian="dense",
-        sleep_tolerance=text([RESTING]),
+        sleep_tolerance=text([SLEEP_SPEED]),
     )
     ET.SubElement(option, "flag", multiccd="enable", sleep="enable" if sleep else "disable")
 
@@ -146,7 +148,7 @@ def _camera(around: ET.Element, camera: Camera, pose: Pose) -> None:
 
 
 def _order(bodies: Sequence[Body], trees: Sequence[Tree]) -> Iterator[int]:
-    """The bodies in order, those of a tree right after its root."""
+    """Yield bodies in order, those of a tree directly after its root."""
     limbs = {tree[0].body: tree for tree in trees}
     below = {limb.body for tree in trees for limb in tree[1:]}
     for i in range(len(bodies)):
@@ -155,7 +157,7 @@ def _order(bodies: Sequence[Body], trees: Sequence[Tree]) -> Iterator[int]:
 
 
 def _body(around: ET.Element, asset: ET.Element, body: Body, pose: Pose) -> ET.Element:
-    """A body at its pose in the one around it; a kinematic one is a heavy body whose state is set before every step."""
+    """Add a body at its pose in its parent; a kinematic one is a heavy body whose state is set before every step."""
     element = ET.SubElement(around, "body", {"name": body.name, **_pose(pose)})
     if body.motion != "static":
         mass, moments = (HEAVY, [HEAVY] * 3) if body.inertia is None else (body.inertia.mass, body.inertia.moments)
@@ -169,7 +171,7 @@ def _body(around: ET.Element, asset: ET.Element, body: Body, pose: Pose) -> ET.E
 
 
 def _geom(element: ET.Element, asset: ET.Element, name: str, geom: Geom) -> None:
-    """What collides and what is drawn: one geom, but for what is not convex, whose hull collides out of sight."""
+    """Add collision and visual geom: one geom, except that a non-convex shape collides as its hidden hull."""
     look = {"rgba": text([*geom.surface.color, 1.0])}
     hidden = {} if geom.visible else {"group": _HIDDEN}
     if geom.shape.primitive is not None:
@@ -177,11 +179,13 @@ def _geom(element: ET.Element, asset: ET.Element, name: str, geom: Geom) -> None
         return
     if geom.shape.convex or geom.collides:
         apart = {} if geom.shape.convex else {"group": _HIDDEN}
-        _hull(asset, name, placed(geom.pose, geom.shape.corners()))
+        _hull(asset, name, transform_points(geom.pose, geom.shape.corners()))
         _add(element, name, {"type": "mesh", "mesh": name, **apart, **look, **hidden})
     if geom.visible and not geom.shape.convex:
         points, faces = geom.shape.triangles()
-        points = np.concatenate([points, points[:1].repeat(max(0, 4 - len(points)), axis=0)])  # MuJoCo wants four
+        points = np.concatenate(
+            [points, points[:1].repeat(max(0, 4 - len(points)), axis=0)]
+        )  # MuJoCo needs four points
         mesh = {"name": f"{name}/seen", "vertex": text(points), "face": text(faces), "inertia": "shell"}
         ET.SubElement(asset, "mesh", mesh)
         _add(element, f"{name}/seen", {"type": "mesh", "mesh": f"{name}/seen", **_pose(geom.pose), **look})
@@ -192,7 +196,7 @@ def _hull(asset: ET.Element, name: str, points: Array) -> None:
 
 
 def _add(element: ET.Element, name: str, attributes: dict[str, str]) -> None:
-    """Nothing touches by itself: what touches is listed, as pairs."""
+    """Add a geom that collides only through listed pairs."""
     ET.SubElement(element, "geom", {"name": name, "contype": "0", "conaffinity": "0", **attributes})
 
 
@@ -207,24 +211,24 @@ def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode:
         geom1=first,
         geom2=second,
         condim="3" if pair.dynamic > 0 else "1",
-        friction=text([pair.dynamic, pair.dynamic, SPIN, ROLL, ROLL]),
+        friction=text([pair.dynamic, pair.dynamic, TORSIONAL_FRICTION, ROLLING_FRICTION, ROLLING_FRICTION]),
         solref=text(solref(pair, episode.step)),
         solreffriction=text(solreffriction(pair, episode.step, led)),
         solimp=text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]),
-        gap=text([TOUCH]),  # seen from there on, pushed from 0 on
+        gap=text([TOUCH_END]),  # detected from the margin on, force from 0 on
     )
 
 
 def _equality(root: ET.Element, scene: Scene, episode: Episode, whole: Assembly) -> None:
-    """What holds as stiffly as steps let.
+    """Add constraints that are as stiff as the step allows.
 
-    The points by which bodies will be held, not yet active, those that close loops, and joints that mimic others.
+    These are grip points (inactive at first), loop closures, and mimic joints.
     """
-    if not (episode.grips or whole.ties or whole.gears):
+    if not (episode.grips or whole.loop_closures or whole.mimic_constraints):
         return
     equality = ET.SubElement(root, "equality")
     solref = text([-((0.1 / episode.step) ** 2), -0.5 / episode.step])
-    for tie in whole.ties:
+    for tie in whole.loop_closures:
         names = {"body1": scene.bodies[tie.second].name, "body2": scene.bodies[tie.first].name}
         points = tie.below
         if tie.first == WORLD:
@@ -236,7 +240,7 @@ def _equality(root: ET.Element, scene: Scene, episode: Episode, whole: Assembly)
             made = ET.SubElement(equality, "connect", {"name": name, **names, "anchor": text(point), "solref": solref})
             made.set("solimp", text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]))
     leads = {link.body: scene.joints[link.joint].name for tree in whole.trees for link in tree if link.joint >= 0}
-    for gear in whole.gears:  # as coordinates are since the start, at which it fits
+    for gear in whole.mimic_constraints:  # coordinates are relative to the start, where the constraint holds
         both = {"joint1": scene.joints[gear.joint].name, "joint2": leads[gear.leader], "solref": solref}
         made = ET.SubElement(equality, "joint", both, polycoef=text([0.0, gear.ratio, 0.0, 0.0, 0.0]))
         made.set("solimp", text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]))
@@ -258,7 +262,7 @@ def _equality(root: ET.Element, scene: Scene, episode: Episode, whole: Assembly)
 def _keyframe(
     root: ET.Element, bodies: Sequence[Body], episode: Episode, whole: Assembly, controls: Sequence[float]
 ) -> None:
-    """The start, with initial velocities, bodies as they are nested; MuJoCo wants angular ones in the body's axes."""
+    """Add the initial state in order of nesting; MuJoCo expects angular velocities in body axes."""
     index = {body.name: i for i, body in enumerate(bodies)}
     limbs = {limb.body: limb for tree in whole.trees for limb in tree}
     kicks = {kick.body: kick for kick in episode.kicks if kick.step == 0}

@@ -1,4 +1,4 @@
-"""The parity look in MuJoCo's classic renderer (OpenGL; without a display through EGL)."""
+"""The parity look in MuJoCo's classic renderer (OpenGL, through EGL without a display)."""
 
 from __future__ import annotations
 
@@ -10,80 +10,84 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.core.crash import in_our_code
+from wmspec.core.crash import is_own_error
 from wmspec.core.diagnostics import GraphicsError
 from wmspec.core.memoize import LRU
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Camera, Frame, Geom, Scene, Shot
-from wmspec.sim.scene.render.boxes import Edges
-from wmspec.sim.scene.render.camera import find, seeing
-from wmspec.sim.scene.render.color import texture, whole
+from wmspec.sim.scene.render.boxes import ViewEdges
+from wmspec.sim.scene.render.camera import find_camera, world_camera
+from wmspec.sim.scene.render.color import load_texture, round_up_color
 from wmspec.sim.scene.render.contact_shadow import ContactShadows
-from wmspec.sim.scene.render.picture import check
-from wmspec.sim.scene.render.shadow import SHADE, Region
+from wmspec.sim.scene.render.picture import require_all_poses
+from wmspec.sim.scene.render.shadow import SUN_SHADE, ShadowMapRegion
 from wmspec.sim.scene.render.texcoords import texcoords
-from wmspec.sim.scene.render.window import Moving, Window, full
+from wmspec.sim.scene.render.window import MovingBodies, Window, full_window
 from wmspec.sim.shapes import Shape
 
-from .backdrop import REMEMBERED, Backdrop, Layer, key
-from .body_subset import Cast
+from .backdrop import MAX_BACKDROPS, Backdrop, ImageLayer, key
+from .body_subset import BodySubset
 
 with silence():
     import mujoco
 
 SHADOW_MAP = 1024
-BIAS = 0.35
-"""How many texels of the shadow map a shadow begins behind its caster, see `Renderer._aim`.
+SHADOW_BIAS = 0.35
+"""Texels of the shadow map by which a shadow starts behind its caster (see `Renderer._aim`).
 
-MuJoCo adds one and a half times what a surface falls away beside a texel. Depths are rounded by nearly as much as this:
-with a whole texel flat tops have speckles.
+MuJoCo adds 1.5 times the slope of a surface per texel. Depths are rounded by nearly this amount; with a full texel,
+flat tops have speckles.
 """
 SAMPLES = 4
-UNSEEN = 5
-"""The group of geometries that MuJoCo is told not to draw."""
+HIDDEN_GROUP = 5
+"""Geom group that MuJoCo does not draw."""
 
-WIDEST = 0.8
-"""Of a picture in which what moves takes more than this share, all is drawn at once."""
+MAX_WINDOW_SHARE = 0.8
+"""If moving bodies cover a larger share of the picture, everything is drawn at once."""
 
 GL_RGBA = 0x1908
 
-_BACKDROPS: LRU[bytes, Backdrop] = LRU(REMEMBERED)
+_BACKDROPS: LRU[bytes, Backdrop] = LRU(MAX_BACKDROPS)
 
 
 class Renderer:
-    """Draws one scene: every body is a mocap body, so a shot is a matter of setting poses.
+    """Draws one scene: every body is a mocap body, so a shot sets poses only.
 
-    Raises WmsError where OpenGL is missing.
+    Raises WmsError if OpenGL is missing.
     """
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:
         self._scene, self._size, self._contact = scene, (width, height), ContactShadows(scene)
         still = [i for i, body in enumerate(scene.bodies) if body.motion == "static"]
-        self._every, self._still = (Cast(scene, some, width / height) for some in (range(len(scene.bodies)), still))
-        self._moving = Moving(scene)
+        self._every, self._still = (
+            BodySubset(scene, some, width / height) for some in (range(len(scene.bodies)), still)
+        )
+        self._moving = MovingBodies(scene)
         self._model: Any = build(scene, width, height).compile()
         self._data: Any = mujoco.MjData(self._model)
         self._owner = np.append(self._model.body_mocapid[self._model.geom_bodyid], -1)
         self._view: Any = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + 100)
         self._gl, self._context = _graphics(self._model, width, height)
         self._open = False
-        """Whether the background was seen in a picture; it takes some 4 % of the time, and is left out until then."""
+        """Whether the background has been visible; until then it is not drawn, which saves about 4 %."""
 
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
-        """Draw the bodies where the shot places them."""
-        check(self._scene, shot)
+        """Draw the bodies at the poses of the shot."""
+        require_all_poses(self._scene, shot)
         self._gl.make_current()
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         for i, pose in enumerate(shot.poses):
             self._data.mocap_pos[i], self._data.mocap_quat[i] = pose.position, pose.orientation
-        eye = seeing(self._scene, shot)
+        eye = world_camera(self._scene, shot)
         region = self._every.region(eye, shot)
-        layer = self._on_backdrop(eye, region, shot) or self._layer(self._every, eye, region, shot, full(*self._size))
+        layer = self._on_backdrop(eye, region, shot) or self._layer(
+            self._every, eye, region, shot, full_window(*self._size)
+        )
         rgb = self._contact.cast(layer.rgb, layer.ids, layer.depth, eye, shot)
         return Frame(rgb, layer.ids, layer.depth if depth else None)
 
     def repaint(self, scene: Scene) -> bool:
-        """Draw a scene from now on that differs in colours only."""
+        """Switch to a scene that differs in colours only."""
         self._scene = scene
         for i, body in enumerate(scene.bodies):
             for j, geom in enumerate(body.geoms):
@@ -92,53 +96,53 @@ class Renderer:
         return True
 
     def close(self) -> None:
-        """Free what the graphics context holds of the scene; the renderer can't be used any more."""
+        """Free the data of the scene in the graphics context."""
         self._gl.make_current()
         self._context.free()
 
-    def _on_backdrop(self, eye: Camera, region: Region, shot: Shot) -> Layer | None:
-        """What moves, drawn with all around it on a picture of what stands still; None where that would gain nothing.
+    def _on_backdrop(self, eye: Camera, region: ShadowMapRegion, shot: Shot) -> ImageLayer | None:
+        """Draw moving bodies over a picture of static bodies; None where that saves nothing.
 
-        That is where nothing stands still or the camera rides. Where what moves widens the sun's map, shadows would
-        have a seam.
+        That is the case without static bodies or with an attached camera. If moving bodies enlarge the shadow map,
+        shadows would have a seam.
         """
-        rides = find(self._scene, shot.camera).body is not None
+        rides = find_camera(self._scene, shot.camera).body is not None
         if rides or not self._still.bodies or not region.same(self._still.region(eye, shot)):
             return None
         known = key(self._scene, self._still.bodies, eye, shot, self._size)
         backdrop = _BACKDROPS.get(known, lambda: self._backdrop(eye, region, shot))
         window = self._moving.window(backdrop.lit, eye, shot, self._size, _texel(region))
-        if window.share > WIDEST:
+        if window.share > MAX_WINDOW_SHARE:
             return None
         layer = backdrop.layer.numbered(self._still.bodies)
         return layer.over(window, self._layer(self._every, eye, region, shot, window)) if window.share else layer
 
-    def _backdrop(self, eye: Camera, region: Region, shot: Shot) -> Backdrop:
-        layer = self._layer(self._still, eye, region, shot, full(*self._size))
+    def _backdrop(self, eye: Camera, region: ShadowMapRegion, shot: Shot) -> Backdrop:
+        layer = self._layer(self._still, eye, region, shot, full_window(*self._size))
         return Backdrop(layer.counted(self._still.bodies), self._moving.lit(layer.ids, layer.depth, eye))
 
-    def _layer(self, cast: Cast, eye: Camera, region: Region, shot: Shot, window: Window) -> Layer:
-        """Some bodies in a window of the picture, without contact shadows."""
+    def _layer(self, cast: BodySubset, eye: Camera, region: ShadowMapRegion, shot: Shot, window: Window) -> ImageLayer:
+        """Draw a subset of bodies in a window, without contact shadows."""
         self._aim(cast, eye, region, shot, window)
         rgb = self._colors(window)
         ids = self._bodies(window)
-        return Layer(rgb, ids, np.where(ids >= 0, self._distance(window), np.float32(0)))
+        return ImageLayer(rgb, ids, np.where(ids >= 0, self._distance(window), np.float32(0)))
 
-    def _aim(self, cast: Cast, eye: Camera, region: Region, shot: Shot, window: Window) -> None:
-        """Turn camera and shadow map to what's to be seen, and leave out what is not, nor throws a shadow there.
+    def _aim(self, cast: BodySubset, eye: Camera, region: ShadowMapRegion, shot: Shot, window: Window) -> None:
+        """Aim camera and shadow map, and hide shapes that neither appear nor cast a visible shadow.
 
-        MuJoCo offsets shadows by four steps of a 24-bit depth map that reaches from the near plane to the far plane
-        (`render_gl3.c`), which is too little for a small map: surfaces would shade themselves. So the far plane is
-        put where four steps are `BIAS` texels; the camera's own depth has floating point, and loses nothing by it.
+        MuJoCo offsets shadows by four steps of a 24-bit depth map between near and far plane (`render_gl3.c`), too
+        little for a small map: surfaces would shade themselves. So the far plane is placed where four steps are
+        `SHADOW_BIAS` texels. The camera's depth is floating point and unaffected.
         """
         camera = cast.nearest(eye, shot)
-        far = max(camera.far, BIAS * _texel(region) * 2**24 / 4)
+        far = max(camera.far, SHADOW_BIAS * _texel(region) * 2**24 / 4)
         self._model.vis.map.znear, self._model.vis.map.zfar = camera.near, far
         self._context.shadowClip = region.half
         self._model.light_pos[:] = region.center - self._scene.light.direction * region.reach
         edges = window.edges(camera)
         sight = cast.sight(camera, edges, shot, _texel(region))
-        self._model.geom_group[:] = np.where(sight.seen, 0, UNSEEN)
+        self._model.geom_group[:] = np.where(sight.seen, 0, HIDDEN_GROUP)
         number = [one.name for one in self._scene.cameras].index(camera.name)
         self._model.cam_pos[number], self._model.cam_quat[number] = camera.pose.position, camera.pose.orientation
         mujoco.mj_kinematics(self._model, self._data)
@@ -150,25 +154,25 @@ class Renderer:
         mujoco.mjv_updateScene(self._model, self._data, mujoco.MjvOption(), None, free, every, self._view)
         self._frame(camera, edges)
         for i in np.flatnonzero(~sight.casts[sight.seen]):
-            self._view.geoms[i].category = mujoco.mjtCatBit.mjCAT_DECOR  # which casts no shadow
+            self._view.geoms[i].category = mujoco.mjtCatBit.mjCAT_DECOR  # decor casts no shadow
 
-    def _frame(self, camera: Camera, edges: Edges) -> None:
-        """Let the picture show what lies within the edges."""
+    def _frame(self, camera: Camera, edges: ViewEdges) -> None:
+        """Restrict the view to these edges."""
         left, right, down, up = (camera.near * edge for edge in edges)
         for eye in self._view.camera:
             eye.frustum_center, eye.frustum_width = (left + right) / 2, (right - left) / 2
             eye.frustum_bottom, eye.frustum_top = down, up
 
     def _colors(self, window: Window) -> NDArray[np.uint8]:
-        """Bytes (h, w, 3), the first row on top."""
+        """Return bytes (h, w, 3), top row first."""
         rgba = self._render(window, ids=False)
-        if not self._open and (rgba[..., 3] < 255).any():  # a sample, of the four of a pixel, that nothing covers
+        if not self._open and (rgba[..., 3] < 255).any():  # one of four samples shows the background
             self._open = True
             rgba = self._render(window, ids=False)
         return np.ascontiguousarray(rgba[..., :3])
 
     def _render(self, window: Window, ids: bool) -> NDArray[np.uint8]:
-        """Bytes (h, w, 4), the first row on top: colours and what is covered, or what numbers the geometries."""
+        """Return bytes (h, w, 4), top row first: colour and coverage, or encoded geom ids."""
         self._view.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = self._open
         self._view.flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = ids
         self._view.flags[mujoco.mjtRndFlag.mjRND_IDCOLOR] = ids
@@ -178,9 +182,9 @@ class Renderer:
         return rgba[::-1]
 
     def _distance(self, window: Window) -> NDArray[np.float32]:
-        """Metres (h, w) along the view axis in what was rendered last.
+        """Return depth (h, w), m along the view axis, of the last rendering.
 
-        This undoes OpenGL's projection: the reversed depth is 1 at the near plane and 0 at the far plane.
+        This inverts OpenGL's projection: reversed depth is 1 at the near plane and 0 at the far plane.
         """
         z = np.empty((window.height, window.width), np.float32)
         mujoco.mjr_readPixels(None, z, _rect(window), self._context)
@@ -191,7 +195,7 @@ class Renderer:
         return np.asarray(far * near / away, np.float32)
 
     def _bodies(self, window: Window) -> NDArray[np.int16]:
-        """The scene's body in every pixel (h, w), by its colour: 0 is the background, n + 1 the n-th drawn geometry."""
+        """Return the body of every pixel (h, w), decoded from colours: 0 is background, n + 1 the n-th drawn geom."""
         number = self._render(window, ids=True).view("<u4")[..., 0] & 0xFFFFFF
         if int(number.max()) > self._view.ngeom:
             raise GraphicsError(
@@ -207,27 +211,27 @@ class Renderer:
 
 
 def _rect(window: Window) -> Any:
-    """Where a window is drawn: in the corner of the buffer."""
+    """Return the viewport of a window, in the corner of the buffer."""
     return mujoco.MjrRect(0, 0, window.width, window.height)
 
 
-def _texel(region: Region) -> float:
-    """The width (m) of a texel of the sun's map."""
+def _texel(region: ShadowMapRegion) -> float:
+    """Return the width (m) of a texel of the shadow map."""
     return 2 * region.half / SHADOW_MAP
 
 
 def _graphics(model: Any, width: int, height: int) -> tuple[Any, Any]:
-    """An OpenGL context and the model's data in it."""
+    """Return an OpenGL context with the data of the model."""
     try:
         gl = _opengl(width, height)
         gl.make_current()
         with silence():
             context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
-    except Exception as error:  # every back end has its own
-        if in_our_code(error):
+    except Exception as error:  # each OpenGL backend has its own exception
+        if is_own_error(error):
             raise
         raise GraphicsError(
-            f"MuJoCo can't draw: no OpenGL ({error}); set MUJOCO_GL=egl and install Mesa's EGL "
+            f"MuJoCo cannot draw: no OpenGL ({error}); set MUJOCO_GL=egl and install Mesa's EGL "
             "(Debian: libegl1 libgl1-mesa-dri), see 'wmspec doctor'"
         ) from error
     context.readDepthMap, context.readPixelFormat = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR, GL_RGBA
@@ -236,7 +240,7 @@ def _graphics(model: Any, width: int, height: int) -> tuple[Any, Any]:
 
 @cache
 def _opengl(width: int, height: int) -> Any:
-    """An OpenGL context, kept for all renderers: by EGL, unless MUJOCO_GL is set or there is a display."""
+    """Return an OpenGL context shared by all renderers: EGL, unless MUJOCO_GL is set or there is a display."""
     with silence():
         if "MUJOCO_GL" in os.environ or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
             from mujoco.gl_context import GLContext
@@ -246,7 +250,7 @@ def _opengl(width: int, height: int) -> Any:
 
 
 def build(scene: Scene, width: int, height: int) -> Any:
-    """The model: body i of the scene is the mocap body `b{i}`, its geometry j has the material `b{i}g{j}`."""
+    """Return the model: body i of the scene is mocap body `b{i}`, its geom j has material `b{i}g{j}`."""
     spec = mujoco.MjSpec()
     _settings(spec, scene, width, height)
     _lights(spec, scene)
@@ -265,19 +269,19 @@ def build(scene: Scene, width: int, height: int) -> Any:
 
 
 def _settings(spec: Any, scene: Scene, width: int, height: int) -> None:
-    spec.stat.extent, spec.stat.center = 1.0, np.zeros(3)  # so that lengths below `visual` are in metres
+    spec.stat.extent, spec.stat.center = 1.0, np.zeros(3)  # lengths in `visual` are then in metres
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
     spec.visual.quality.offsamples, spec.visual.quality.shadowsize = SAMPLES, SHADOW_MAP
     spec.visual.headlight.active = 0
-    sky = whole(scene.background)
+    sky = round_up_color(scene.background)
     flat, skybox = mujoco.mjtBuiltin.mjBUILTIN_FLAT, mujoco.mjtTexture.mjTEXTURE_SKYBOX
     spec.add_texture(name="sky", type=skybox, builtin=flat, rgb1=sky, rgb2=sky, width=16, height=16)
 
 
 def _lights(spec: Any, scene: Scene) -> None:
-    """The sun, once with shadows and once without, which also carries the ambient light."""
+    """Add the sun twice: with shadows, and without shadows plus ambient light."""
     light = scene.light
-    for name, share, shadow in (("sun", SHADE, True), ("sky", 1 - SHADE, False)):
+    for name, share, shadow in (("sun", SUN_SHADE, True), ("sky", 1 - SUN_SHADE, False)):
         spec.worldbody.add_light(
             name=name,
             type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
@@ -290,7 +294,7 @@ def _lights(spec: Any, scene: Scene) -> None:
 
 
 class _Assets:
-    """The meshes and images of a model: one for all shapes that have it."""
+    """Meshes and images of a model, shared by equal shapes."""
 
     def __init__(self, spec: Any) -> None:
         self.spec = spec
@@ -298,7 +302,7 @@ class _Assets:
         self._images: set[str] = set()
 
     def mesh(self, geom: Geom) -> str:
-        """The name of the mesh of a geometry, with the texture coordinates at which it wears its image."""
+        """Return the name of the mesh of a geom with its texture coordinates."""
         key = geom.shape, geom.surface.repeats if geom.surface.texture else None
         if key not in self._meshes:
             self._meshes[key] = name = f"m{len(self._meshes)}"
@@ -316,10 +320,10 @@ class _Assets:
         return self._meshes[key]
 
     def image(self, path: str) -> str:
-        """The name of the texture of an image file."""
+        """Return the name of the texture of an image file."""
         if path not in self._images:
             self._images.add(path)
-            image, kind = texture(path), mujoco.mjtTexture.mjTEXTURE_2D
+            image, kind = load_texture(path), mujoco.mjtTexture.mjTEXTURE_2D
             made = self.spec.add_texture(name=path, type=kind, height=image.shape[0], width=image.shape[1], nchannel=3)
             made.data = image.tobytes()
         return path

@@ -1,4 +1,4 @@
-"""Numbers in MJCF, exactly."""
+"""Exact numbers in MJCF."""
 
 from __future__ import annotations
 
@@ -7,5 +7,5 @@ from numpy.typing import ArrayLike
 
 
 def text(numbers: ArrayLike) -> str:
-    """Numbers with spaces between them, all their digits given."""
+    """Return numbers separated by spaces, with all digits."""
     return str(np.ravel(np.asarray(numbers)).tolist())[1:-1].replace(",", "")

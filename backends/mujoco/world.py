@@ -1,4 +1,4 @@
-"""The scene in MuJoCo: what the loop in `wmspec.sim.scene.physics.episode` does, in MuJoCo's words."""
+"""The MuJoCo implementation of `wmspec.sim.scene.physics.episode.World`."""
 
 from __future__ import annotations
 
@@ -10,33 +10,33 @@ import numpy as np
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.joints.articulations import Link
 from wmspec.sim.scene.model.transform import conjugate, rotate
-from wmspec.sim.scene.physics.episode import MEET, Grip
+from wmspec.sim.scene.physics.episode import TOUCH_BEGIN, Grip
 from wmspec.sim.scene.physics.rigid import Assembly, Rigid
 
-from .clearance import beside
+from .clearance import is_clear
 
 with silence():
     import mujoco
 
-HEAVY = 1e6  # kg and kg m²: a body that nothing in the scene can push
+HEAVY = 1e6  # kg and kg m²: immovable by other bodies
 
 
 class World:
-    """A model made of the scene's bodies, frames at their centres of mass."""
+    """A model of the bodies of a scene, with frames at their centres of mass."""
 
     def __init__(self, model: Any, assembly: Assembly) -> None:
         self.model, self.data, self.bodies = model, mujoco.MjData(model), assembly.bodies
         names = [body.name for body in assembly.bodies]
         self.ids = np.array([mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in names])
-        known = np.flatnonzero(self.ids >= 0)  # MuJoCo has nothing of what can't be touched and stands still
+        known = np.flatnonzero(self.ids >= 0)  # static bodies without collision are not in the model
         self.number = np.full(model.nbody, -1)
         self.number[self.ids[known]] = known
         self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
         joints = np.where(self.ids < 0, -1, model.body_jntadr[self.ids])
         self.qpos = np.where(joints < 0, -1, model.jnt_qposadr[joints] if model.njnt else -1)
         self.qvel = np.where(joints < 0, -1, model.jnt_dofadr[joints] if model.njnt else -1)
-        self.warned, self.calm = self.data.warning.number, self.data.warning.number.tobytes()  # the first is a view,
-        self.contacts, self.sleep = self.data.contact, self.data.tree_asleep  # and so are these
+        self.warned, self.calm = self.data.warning.number, self.data.warning.number.tobytes()  # a view, not a copy,
+        self.contacts, self.sleep = self.data.contact, self.data.tree_asleep  # as are these
         self.pairs: dict[bytes, tuple[list[tuple[int, int]], set[tuple[int, int]]]] = {}
         self.close: dict[tuple[bytes, tuple[bool, ...]], set[tuple[int, int]]] = {}
         self.met: set[tuple[int, int]] = set()
@@ -57,7 +57,7 @@ class World:
         self.fresh = set(self.drives)
         for joint, drive in self.drives.items():
             self.aim(joint, drive[2])
-        for body, rigid in enumerate(assembly.bodies):  # MJCF has only one number for both rates of damping
+        for body, rigid in enumerate(assembly.bodies):  # MJCF has one number for both damping rates
             if rigid.motion == "dynamic" and body not in self.trees:
                 at, (linear, angular) = self.qvel[body], rigid.damping
                 model.dof_damping[at : at + 6] = [linear * rigid.mass] * 3 + [angular * m for m in rigid.moments]
@@ -70,12 +70,12 @@ class World:
         self.data.qvel[at + 3 : at + 6] = rotate(conjugate(turn), angular)
 
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
-        """What puts kinematic bodies back on their paths before step number i, undoing whatever pushed them."""
+        """Return a function that resets kinematic bodies to their paths before step i."""
         if not paths:
             return lambda _: None
-        (places, poses), (rates, speeds) = self.told(paths)
+        (places, poses), (rates, speeds) = self.kinematic_states(paths)
         every_pose, every_speed = self.data.qpos, self.data.qvel
-        if (np.diff(places) == 1).all():  # views of what lies side by side are quicker
+        if (np.diff(places) == 1).all():  # views of contiguous ranges are faster
             every_pose, every_speed = every_pose[places[0] : places[-1] + 1], every_speed[rates[0] : rates[-1] + 1]
             places = rates = slice(None)
 
@@ -87,7 +87,7 @@ class World:
             if self.idle:
                 if self.clear is None:
                     ways = {int(self.ids[body]): here for body, (here, _, _) in paths.items()}
-                    self.clear = beside(self.model, self.data, ways, i)
+                    self.clear = is_clear(self.model, self.data, ways, i)
                 if self.clear[i]:
                     self.late, self.last = self.late + 1, i
                     return
@@ -97,10 +97,9 @@ class World:
         self.put = put
         return drive
 
-    def told(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
-        """Where among MuJoCo's positions those of kinematic bodies are, and what they are before each step (T, 7 n).
-
-        The same of their velocities (T, 6 n).
+    def kinematic_states(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+        """Return MuJoCo's position indices of kinematic bodies and their values before each step (T, 7 n), and the same
+        of velocities (T, 6 n).
         """
         bodies = list(paths)
         places = (self.qpos[bodies][:, None] + np.arange(7)).ravel()
@@ -112,9 +111,9 @@ class World:
         return (places, poses), (rates, speeds)
 
     def stir(self) -> None:
-        """Let the next step be made, since something is done, and before that the last that was left out.
+        """Force the next step, and first perform the last skipped one.
 
-        No step but the last leaves anything behind: what moves as it is told is put in its place.
+        Only the last skipped step has an effect: it sets the poses of kinematic bodies.
         """
         self.idle = False
         if self.late:
@@ -126,21 +125,21 @@ class World:
             self.step()
 
     def push(self, body: int, force: Any, torque: Any) -> None:
-        """Let a force and a torque act at the centre of mass of a dynamic body during the next step."""
+        """Apply a force and a torque at the centre of mass of a dynamic body during the next step."""
         self.stir()
         self.data.xfrc_applied[self.ids[body]] += [*force, *torque]
         self.pushed = True
 
     def aim(self, joint: int, target: float) -> None:
-        """Give the drive of a joint this target."""
+        """Set the target of a drive."""
         self.stir()
         stiffness, damping, _, velocity, _ = self.drives[joint]
         self.data.ctrl[self.actuators[joint]] = stiffness * target + damping * velocity
 
     def hold(self, body: int, at: Any = None) -> None:
-        """Put a dynamic body where it began or `at` another place.
+        """Reset a dynamic body to its start or to `at`.
 
-        A free one is as heavy as a kinematic one and held against gravity.
+        A free body becomes as heavy as a kinematic one and is held against gravity.
         """
         self.stir()
         if body in self.trees:
@@ -157,7 +156,7 @@ class World:
         self.push(body, -HEAVY * self.model.opt.gravity, np.zeros(3))
 
     def rest(self, body: int) -> None:
-        """Put the joint of a body back where it began, at rest."""
+        """Reset the joint of a body to its start, at rest."""
         for joint in range(self.model.body_jntnum[self.ids[body]]):
             kind = self.model.jnt_type[self.model.body_jntadr[self.ids[body]] + joint]
             places, speeds = {0: (7, 6), 1: (4, 3)}.get(int(kind), (1, 1))
@@ -167,14 +166,14 @@ class World:
         self.current = False
 
     def free(self, body: int) -> None:
-        """Let go of what has been held."""
+        """Release a held body."""
         self.stir()
         if body not in self.trees:
             self.held.remove(body)
             self.weigh(body, self.bodies[body].mass, self.bodies[body].moments)
 
     def grip(self, number: int, grip: Grip, anchors: Any) -> None:
-        """Tie points of a hand to the anchors in a body's frame."""
+        """Tie points of a hand to anchors in the frame of a body."""
         self.stir()
         for i, (point, anchor) in enumerate(zip(grip.points, anchors, strict=True)):
             tie = self.model.equality(f"grip {number} {i}").id
@@ -182,21 +181,21 @@ class World:
             self.data.eq_active[tie] = 1
 
     def loose(self, number: int, grip: Grip) -> None:
-        """Let go of what a hand holds."""
+        """Release a grip."""
         self.stir()
         for i in range(len(grip.points)):
             self.data.eq_active[self.model.equality(f"grip {number} {i}").id] = 0
 
     def weigh(self, body: int, mass: float, moments: Any) -> None:
-        """Set the mass and the moments of inertia; of a free body, MuJoCo takes them from its degrees of freedom."""
+        """Set mass and moments of inertia; MuJoCo derives those of a free body from its degrees of freedom."""
         self.model.body_mass[self.ids[body]], self.model.body_inertia[self.ids[body]] = mass, moments
         self.model.dof_M0[self.qvel[body] : self.qvel[body] + 6] = [mass] * 3 + list(moments)
 
     def step(self) -> None:
-        """Advance. On a warning MuJoCo would silently start over: that is an error here.
+        """Advance one step. A warning, after which MuJoCo silently resets, raises an error.
 
-        As with gravity, half of a drive's force in its first step makes the motion exact. A step is left out, and made
-        up for later, where all that can move sleeps and nothing comes near it.
+        Half of a drive's force in its first step makes the motion exact, as with gravity. While all movable bodies
+        sleep and nothing comes close, steps are skipped and made up for later.
         """
         if self.late:
             return
@@ -207,19 +206,19 @@ class World:
             self.scale(self.actuators[joint], 2.0)
         self.fresh.clear()
         if self.warned.tobytes() != self.calm:
-            raise FloatingPointError(f"MuJoCo's warnings are {self.warned} at {self.data.time:.4f} s")
+            raise FloatingPointError(f"MuJoCo warnings: {self.warned} at {self.data.time:.4f} s")
         if self.pushed:
             self.data.xfrc_applied[:] = 0
             self.pushed = False
         self.current = False
 
     def scale(self, actuator: int, factor: float) -> None:
-        """Make a drive weaker or stronger."""
+        """Scale the force of a drive."""
         self.model.actuator_gainprm[actuator, 0] *= factor
         self.model.actuator_biasprm[actuator, 1:3] *= factor
 
     def state(self, body: int) -> Any:
-        """Position, quaternion, linear and angular velocity of a body in world axes, (13,)."""
+        """Return position, quaternion, linear and angular velocity of a body in world axes (13,)."""
         if body in self.trees:
             return self.limb(self.ids[body])
         pose = self.data.qpos[self.qpos[body] : self.qpos[body] + 7]
@@ -227,7 +226,7 @@ class World:
         return np.concatenate([pose, speed[:3], rotate(pose[3:], speed[3:])])
 
     def limb(self, number: int) -> Any:
-        """The same of a body in a tree, for which MuJoCo has the state of its joint only."""
+        """Return the same of a body in a tree, for which MuJoCo stores the joint state only."""
         if not self.current:
             mujoco.mj_kinematics(self.model, self.data)
             mujoco.mj_comPos(self.model, self.data)
@@ -238,9 +237,9 @@ class World:
         return np.concatenate([self.data.xpos[number], self.data.xquat[number], speeds[3:], speeds[:3]])
 
     def touching(self) -> set[tuple[int, int]]:
-        """The pairs of bodies that touched in the last step, mostly the same as in the step before.
+        """Return the pairs that touched in the last step.
 
-        Of what sleeps MuJoCo tells no contacts: it touches what it touched.
+        MuJoCo reports no contacts of sleeping bodies: their pairs are kept.
         """
         if self.late:
             return self.met
@@ -262,20 +261,20 @@ class World:
             self.settled = key, asleep
         else:
             self.settled = None
-            close = tuple([far < MEET for far in self.contacts.dist.tolist()])
+            close = tuple([far < TOUCH_BEGIN for far in self.contacts.dist.tolist()])
             if (key, close) not in self.close:
                 self.close[key, close] = {pair for pair, meets in zip(each, close, strict=True) if meets}
             self.met = self.close[key, close] | (near & self.met) | self.resting
         return self.met
 
     def sleeps(self, first: int, second: int) -> bool:
-        """Whether MuJoCo leaves two bodies out, at least one of which can move."""
+        """Whether MuJoCo skips two bodies, at least one of which is movable."""
         trees = self.model.body_treeid[self.ids[[first, second]]]
         return all(tree < 0 or self.sleep[tree] >= 0 for tree in trees.tolist())
 
 
 def rates(limb: Link, body: Rigid) -> list[float]:
-    """How fast the joint that holds a body begins, as MuJoCo has it: what floats or turns does so in its own axes."""
+    """Return the initial joint velocity in MuJoCo's order: angular ones in body axes."""
     match limb.kind:
         case "fixed":
             return []

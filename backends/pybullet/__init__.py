@@ -1,4 +1,4 @@
-"""PyBullet: executes, renders and exports a scene. The engine is imported when it is first used."""
+"""PyBullet: executes, renders and exports a scene. The engine is imported on first use."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ __all__ = ["execute", "info", "native", "renderer"]
 
 
 def execute(scene: Scene) -> Trace:
-    """The trace of the scene's episode.
+    """Return the trace of a scene's episode.
 
-    Raises WmsError for a scene that PyBullet can't honour, EngineError when PyBullet loses track of it.
+    Raises WmsError for a scene that PyBullet does not support, EngineError if PyBullet fails.
     """
     from . import physics
 
@@ -20,14 +20,14 @@ def execute(scene: Scene) -> Trace:
 
 
 def renderer(scene: Scene, width: int, height: int) -> Renderer:
-    """Make a renderer of the scene's bodies and cameras."""
+    """Return a renderer of the bodies and cameras of a scene."""
     from . import render
 
     return render.Renderer(scene, width, height)
 
 
 def native(scene: Scene) -> dict[str, str]:
-    """The episode in PyBullet's own form: file name -> text. Raises WmsError for a scene that PyBullet can't honour."""
+    """Return the episode in PyBullet's own format: file name -> text. Raises WmsError for unsupported scenes."""
     from . import export
 
     return export.native(scene)

@@ -1,4 +1,4 @@
-"""Trees of jointed bodies in PyBullet: a multibody, whose links have their frames at their joints."""
+"""Trees of jointed bodies as PyBullet multibodies, whose link frames are at the joints."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from wmspec.core.native_output import silence
 from wmspec.sim.scene.joints.articulations import Link
 from wmspec.sim.scene.physics.rigid import Rigid
 
-from .shapes import HERE, inside, xyzw
+from .shapes import IDENTITY_POSE, relative_pose, xyzw
 
 with silence():
     import pybullet
 
 JOINTS = {"fixed": "JOINT_FIXED", "hinge": "JOINT_REVOLUTE", "slider": "JOINT_PRISMATIC", "ball": "JOINT_SPHERICAL"}
-MEETING = ("URDF_USE_SELF_COLLISION", "URDF_USE_SELF_COLLISION_INCLUDE_PARENT")
+SELF_COLLISION_FLAGS = ("URDF_USE_SELF_COLLISION", "URDF_USE_SELF_COLLISION_INCLUDE_PARENT")
 
 
-def branches(
+def add_multibody(
     tree: tuple[Link, ...], bodies: tuple[Rigid, ...], shapes: list[int], client: int
 ) -> dict[int, tuple[int, int]]:
-    """Make a tree, with a shape for each limb: body -> its multibody and link.
+    """Add a tree with a shape per body; return body -> (multibody, link).
 
-    What hangs on the world hangs on a base without mass at its joint. Motors are off.
+    The base of a tree at the world is massless, at its joint. Motors are off.
     """
     floats = tree[0].kind == "free"
     order = depth_first(tree)
@@ -31,9 +31,11 @@ def branches(
     place = bodies[base.body].start if floats else base.above
     number = {limb.body: i + 1 for i, limb in enumerate(links)} | ({base.body: 0} if floats else {-1: 0})
     frames = {limb.body: limb.below for limb in links}
-    above = [frames.get(limb.parent, HERE) if limb.parent >= 0 else base.above for limb in links]
-    joints = [HERE if limb is base else inside(at, limb.above) for at, limb in zip(above, links, strict=True)]
-    middles = [inside(limb.below, HERE) for limb in links]
+    above = [frames.get(limb.parent, IDENTITY_POSE) if limb.parent >= 0 else base.above for limb in links]
+    joints = [
+        IDENTITY_POSE if limb is base else relative_pose(at, limb.above) for at, limb in zip(above, links, strict=True)
+    ]
+    middles = [relative_pose(limb.below, IDENTITY_POSE) for limb in links]
     handle: int = pybullet.createMultiBody(
         bodies[base.body].mass if floats else 0.0,
         shapes[0] if floats else -1,
@@ -50,16 +52,16 @@ def branches(
         linkParentIndices=[number[limb.parent] for limb in links],
         linkJointTypes=[getattr(pybullet, JOINTS[limb.kind]) for limb in links],
         linkJointAxis=[[1.0, 0.0, 0.0]] * len(links),
-        flags=sum(getattr(pybullet, flag) for flag in MEETING),
+        flags=sum(getattr(pybullet, flag) for flag in SELF_COLLISION_FLAGS),
         physicsClientId=client,
     )
     for i, limb in enumerate(links):
-        still(handle, i, limb.kind, client)
+        disable_motor(handle, i, limb.kind, client)
     return {limb.body: (handle, number[limb.body] - 1) for limb in tree}
 
 
 def depth_first(tree: tuple[Link, ...]) -> tuple[Link, ...]:
-    """A tree's limbs, each followed by all that hangs on it: so PyBullet numbers links, in whatever order they come."""
+    """Return the links of a tree in depth-first order, in which PyBullet numbers them."""
     order: list[Link] = []
     waiting = [limb for limb in reversed(tree) if limb.parent < 0]
     while waiting:
@@ -68,8 +70,8 @@ def depth_first(tree: tuple[Link, ...]) -> tuple[Link, ...]:
     return tuple(order)
 
 
-def still(handle: int, link: int, kind: str, client: int) -> None:
-    """Switch off the motor that PyBullet gives to every joint."""
+def disable_motor(handle: int, link: int, kind: str, client: int) -> None:
+    """Disable the motor that PyBullet adds to every joint."""
     if kind == "ball":
         stop: dict[str, Any] = {
             "targetPosition": [0, 0, 0, 1],
@@ -82,10 +84,10 @@ def still(handle: int, link: int, kind: str, client: int) -> None:
         pybullet.setJointMotorControl2(handle, link, pybullet.VELOCITY_CONTROL, force=0, physicsClientId=client)
 
 
-def put(
+def reset_tree(
     tree: tuple[Link, ...], made: dict[int, tuple[int, int]], bodies: tuple[Rigid, ...], client: int, *, moving: bool
 ) -> None:
-    """Put a tree where it begins, `moving` as it does then or at rest."""
+    """Reset a tree to its start, with initial velocities if `moving`."""
     if tree[0].kind == "free":
         handle, place = made[tree[0].body][0], bodies[tree[0].body].start
         pybullet.resetBasePositionAndOrientation(handle, place[:3], xyzw(place[3:]), physicsClientId=client)

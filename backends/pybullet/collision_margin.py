@@ -1,6 +1,6 @@
-"""Hulls that are as large in PyBullet as they are: it puts a margin around those that a body has several of.
+"""Compensates the collision margin that PyBullet adds to hulls of compound bodies.
 
-Such hulls come from files, and no setting reaches their margin. So they are made smaller by as much.
+Such hulls come from files, and no setting changes their margin. So they are shrunk by it.
 """
 
 from __future__ import annotations
@@ -11,37 +11,37 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
-from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
+from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 
 Array = NDArray[np.float64]
 
-MARGIN = 0.001  # m: of hulls from files, `m_defaultCollisionMargin` in PyBullet
-MOST = 0.5  # of what is thin, the part that may be taken off
+MARGIN = 0.001  # m: `m_defaultCollisionMargin` of PyBullet for hulls from files
+MAX_SHRINK = 0.5  # largest fraction of the thickness to remove
 
 
-def within_margins(assembly: Assembly) -> Assembly:
-    """The same bodies, hulls smaller where PyBullet adds a margin."""
+def shrink_by_margin(assembly: Assembly) -> Assembly:
+    """Return the bodies with hulls shrunk where PyBullet adds a margin."""
     return replace(assembly, bodies=tuple(map(_body, assembly.bodies)))
 
 
 def _body(body: Rigid) -> Rigid:
-    if body.motion == "static" or len(body.pieces) < 2:  # those have hulls from numbers, without a margin
+    if body.motion == "static" or len(body.pieces) < 2:  # single hulls come from numbers and have no margin
         return body
     return replace(body, pieces=tuple(_piece(p) if p.kind == "hull" else p for p in body.pieces))
 
 
-def _piece(piece: Piece) -> Piece:
+def _piece(piece: CollisionShape) -> CollisionShape:
     points = np.reshape(piece.size, (-1, 3))
     try:
         return replace(piece, size=tuple(_smaller(points).ravel().tolist()))
-    except QhullError:  # so thin that there is nothing to take off
+    except QhullError:  # too thin to shrink
         return piece
 
 
 def _smaller(points: Array) -> Array:
-    """The corners (n, 3) of a hull whose faces are moved inwards."""
+    """Return the corners (n, 3) of a hull whose faces are moved inwards."""
     planes = np.unique(np.round(ConvexHull(points).equations, 9), axis=0)
     middle = points.mean(axis=0)
     room = -(planes[:, :3] @ middle + planes[:, 3]).max()
-    planes[:, 3] += min(MARGIN, MOST * room)
+    planes[:, 3] += min(MARGIN, MAX_SHRINK * room)
     return np.unique(np.round(HalfspaceIntersection(planes, middle).intersections, 9), axis=0)

@@ -1,43 +1,43 @@
-"""The episode as a script for PyBullet."""
+"""Native output for PyBullet."""
 
 from __future__ import annotations
 
-from wmspec.sim.scene.joints.articulations import Gear, Link, Tie
+from wmspec.sim.scene.joints.articulations import Link, LoopClosure, MimicConstraint
 from wmspec.sim.scene.model import Scene
-from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
-from wmspec.sim.scene.script import script
+from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
+from wmspec.sim.scene.script import episode_script
 
 from . import articulations, shapes, world
 from .physics import prepare
 
 CONSTANTS = {
     world: (
-        "ITERATE",
-        "SETTLED",
+        "SOLVER_ITERATIONS",
+        "SOLVER_RESIDUAL",
         "HEAVY_MASS",
         "HEAVY_INERTIA",
         "DYNAMIC",
-        "GIVEN",
+        "PRESCRIBED",
         "ROUND",
         "SOFT_ERP",
         "TIE_FORCE",
-        "FASTEST",
+        "MAX_JOINT_SPEED",
     ),
-    shapes: ("HERE", "KINDS"),
-    articulations: ("JOINTS", "MEETING"),
+    shapes: ("IDENTITY_POSE", "KINDS"),
+    articulations: ("JOINTS", "SELF_COLLISION_FLAGS"),
 }
 PARTS = (
-    *(Piece, Rigid, Link, Tie, Gear, Assembly),
-    *(shapes.shape, shapes.inside, shapes.xyzw, shapes.single, shapes.several, shapes.objects),
-    *(articulations.branches, articulations.depth_first, articulations.still, articulations.put),
+    *(CollisionShape, Rigid, Link, LoopClosure, MimicConstraint, Assembly),
+    *(shapes.shape, shapes.relative_pose, shapes.xyzw, shapes.single, shapes.several, shapes.objects),
+    *(articulations.add_multibody, articulations.depth_first, articulations.disable_motor, articulations.reset_tree),
     world.World,
 )
 
 
 def native(scene: Scene) -> dict[str, str]:
-    """`run.py`: file name -> text. Raises WmsError for a scene that PyBullet can't honour."""
+    """Return `run.py`: file name -> text. Raises WmsError for a scene that PyBullet does not support."""
     whole, timeline = prepare(scene)
     constants = {name: getattr(module, name) for module, names in CONSTANTS.items() for name in names}
     values = constants | {"ASSEMBLY": whole, "EPISODE": timeline}
     line = "world = World(ASSEMBLY)"
-    return {"run.py": script("PyBullet", "pybullet", scene, parts=PARTS, values=values, world=line)}
+    return {"run.py": episode_script("PyBullet", "pybullet", scene, parts=PARTS, values=values, world=line)}

@@ -1,7 +1,6 @@
-"""What TinyRenderer need not draw: it draws the backs of things too, though nobody can see them.
+"""Back-face culling for TinyRenderer, which draws invisible back faces too.
 
-A body of few flat sides (a floor, a box) is therefore given to it side by side, and only those in view are put in
-place.
+A body with few flat sides (floor, box) is added side by side, and only visible sides are placed.
 """
 
 from __future__ import annotations
@@ -12,23 +11,23 @@ from numpy.typing import NDArray
 from wmspec.sim.scene.model import Array
 from wmspec.sim.shapes.facets import Facets
 
-FEW = 8
-EVERYWHERE = np.array([0.0, 0.0, 0.0, 1.0])
-"""The plane that every point is in front of."""
+MAX_SIDES = 8
+ALWAYS_VISIBLE = np.array([0.0, 0.0, 0.0, 1.0])
+"""A plane with every point in front."""
 
 
-def sides(facets: Facets) -> list[tuple[Facets, Array]]:
-    """The triangles of each flat side with its plane (4,): what is in front of it has `plane @ (x, y, z, 1) > 0`.
+def split_by_plane(facets: Facets) -> list[tuple[Facets, Array]]:
+    """Return the triangles of each flat side with its plane (4,); points in front have `plane @ (x, y, z, 1) > 0`.
 
-    A body of more than `FEW` sides stays whole.
+    A body with more than `MAX_SIDES` sides stays whole.
     """
     a, b, c = facets.points[facets.faces.T]
     normal = np.cross(b - a, c - a)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     plane = np.column_stack([normal, -np.sum(normal * a, axis=1)])
     planes, which = np.unique(np.round(plane, 9), axis=0, return_inverse=True)
-    if len(planes) > FEW:
-        return [(facets, EVERYWHERE)]
+    if len(planes) > MAX_SIDES:
+        return [(facets, ALWAYS_VISIBLE)]
     return [(_part(facets, which.reshape(-1) == i), one) for i, one in enumerate(planes)]
 
 

@@ -1,4 +1,4 @@
-"""What PyBullet says of itself, without being imported."""
+"""Metadata of PyBullet, readable without importing it."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from wmspec.sim.scene.capability import (
     pieces_above,
     stiff_drives,
 )
-from wmspec.sim.scene.regime_thresholds import FINEST
+from wmspec.sim.scene.regime_thresholds import MAX_STEP_MULTIPLIER
 
 STEPS_PER_SECOND = 1920
-MOST_FRICTION = 10.0  # of a pair: Bullet's own limit
-MOST_PIECES = 16  # of a moving body: PyBullet's own limit; all hulls are one
+MAX_FRICTION = 10.0  # per pair: Bullet's limit
+MAX_PIECES = 16  # per moving body: PyBullet's limit; all hulls count as one
 
-_OVERSHOOTS = "PyBullet computes drives step by step and would overshoot; make it softer or what it moves heavier"
+_OVERSHOOTS = "PyBullet integrates drives explicitly and would overshoot; reduce the stiffness or increase the load"
 
 INFO = Info(
     name="pybullet",
@@ -35,32 +35,32 @@ INFO = Info(
     steps_per_second=STEPS_PER_SECOND,
     lacks=(
         Lack(BALL_LIMITS, "PyBullet has no such limits; remove the cone angles, or use hinges"),
-        Lack(stiff_drives(FINEST * STEPS_PER_SECOND), _OVERSHOOTS),
-        Lack(damped_drives(FINEST * STEPS_PER_SECOND), _OVERSHOOTS),
-        Lack(fine_drives(STEPS_PER_SECOND), "PyBullet makes up to 16 times as many steps", nearly=True),
+        Lack(stiff_drives(MAX_STEP_MULTIPLIER * STEPS_PER_SECOND), _OVERSHOOTS),
+        Lack(damped_drives(MAX_STEP_MULTIPLIER * STEPS_PER_SECOND), _OVERSHOOTS),
+        Lack(fine_drives(STEPS_PER_SECOND), "PyBullet uses up to 16 times as many steps", approximate=True),
         Lack(
             SLIDING_MESHES,
-            "Bullet keeps contacts where they no longer are: they stop 1 to 8 % early; use boxes or cylinders",
+            "Bullet keeps stale contacts: they stop 1 to 8 % early; use boxes or cylinders",
         ),
-        Lack(FAST_SPINS, "Bullet integrates to first order, gyroscopes on joints explicitly"),
+        Lack(FAST_SPINS, "Bullet integrates with first order, gyroscopic joints explicitly"),
         Lack(
             DOUBLE_PENDULUMS,
-            "Bullet integrates to first order: a few per cent come and go",
+            "Bullet integrates with first order: a few per cent are gained or lost",
         ),
-        Lack(TWO_FRICTIONS, "PyBullet has one coefficient, that of motion", nearly=True),
-        Lack(MIMICS_APART, "PyBullet's gears are of one multibody; join the two by a joint"),
+        Lack(TWO_FRICTIONS, "PyBullet has one coefficient; the dynamic one is used", approximate=True),
+        Lack(MIMICS_APART, "PyBullet's gears work within one multibody; join the two"),
         Lack(
             SEVERAL_MATERIALS,
-            "PyBullet has one material a moving body; give its pieces the same friction and restitution",
+            "PyBullet has one material per moving body; use equal friction and restitution",
         ),
         Lack(
-            pieces_above(MOST_PIECES),
-            f"PyBullet takes {MOST_PIECES} pieces of a moving body, all hulls together counting as one; use fewer, "
+            pieces_above(MAX_PIECES),
+            f"PyBullet takes {MAX_PIECES} pieces of a moving body, all hulls together counting as one; use fewer, "
             "or meshes",
         ),
-        Lack(friction_above(MOST_FRICTION), f"Bullet's own limit is {MOST_FRICTION:g}; lower the friction"),
+        Lack(friction_above(MAX_FRICTION), f"Bullet's own limit is {MAX_FRICTION:g}; lower the friction"),
     ),
-    # Without NumPy in sight its pictures come back as tuples, which takes longer. GCC 14 takes its pointers for errors.
+    # without NumPy at build time pictures are slow tuples; GCC 14 rejects its pointer casts
     compiled=Compiled(
         wheels_until=(3, 11), needs=("setuptools>=70.1",), variables="CFLAGS=-Wno-incompatible-pointer-types"
     ),

@@ -1,20 +1,20 @@
-"""Run a scene in PyBullet."""
+"""Executes scenes in PyBullet."""
 
 from __future__ import annotations
 
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.capability import require
-from wmspec.sim.scene.joints.drives import enough
+from wmspec.sim.scene.joints.drives import required_step_rate
 from wmspec.sim.scene.model import Scene, Trace
-from wmspec.sim.scene.physics.episode import Episode, Recording, play, told
-from wmspec.sim.scene.physics.readback import readback
+from wmspec.sim.scene.physics.episode import Episode, Recording, kinematic_recording, play
+from wmspec.sim.scene.physics.readback import require_equal
 from wmspec.sim.scene.physics.rigid import Assembly, assembly
 from wmspec.sim.scene.physics.timeline import episode
 from wmspec.sim.scene.physics.to_trace import trace
 from wmspec.sim.scene.validate import validate
 
-from .collision_margin import within_margins
-from .cylinders import footed
+from .collision_margin import shrink_by_margin
+from .cylinders import add_support_boxes
 from .info import INFO
 from .world import World
 
@@ -23,15 +23,15 @@ with silence():
 
 
 def execute(scene: Scene) -> Trace:
-    """The trace of the scene's episode.
+    """Return the trace of a scene's episode.
 
-    Raises WmsError for a scene that PyBullet can't honour, EngineError when PyBullet loses track of it.
+    Raises WmsError for a scene that PyBullet does not support, EngineError if PyBullet fails.
     """
     whole, timeline = prepare(scene)
-    return trace(INFO.name, scene, timeline, told(timeline) or _played(scene, whole, timeline))
+    return trace(INFO.name, scene, timeline, kinematic_recording(timeline) or _record(scene, whole, timeline))
 
 
-def _played(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
+def _record(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
     world = World(whole)
     try:
         verify(world, scene, timeline)
@@ -41,24 +41,24 @@ def _played(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
 
 
 def prepare(scene: Scene) -> tuple[Assembly, Episode]:
-    """The scene in PyBullet's words. Raises WmsError, with the prim path, for what PyBullet doesn't have."""
+    """Return assembly and timeline of a scene. Raises WmsError with the prim path of unsupported features."""
     validate(scene)
     require(INFO.lacks, scene)
-    timeline = episode(scene, enough(scene, INFO.steps_per_second))
-    return within_margins(footed(assembly(scene, timeline))), timeline
+    timeline = episode(scene, required_step_rate(scene, INFO.steps_per_second))
+    return shrink_by_margin(add_support_boxes(assembly(scene, timeline))), timeline
 
 
 def verify(world: World, scene: Scene, timeline: Episode) -> None:
-    """Raise WmsError unless PyBullet has the scene's physics (it doesn't tell restitution and limits)."""
+    """Raise WmsError unless PyBullet has the physics of the scene (it does not report restitution and limits)."""
     engine = pybullet.getPhysicsEngineParameters(physicsClientId=world.client)
-    readback("PyBullet", "the time step", engine["fixedTimeStep"], timeline.step)
+    require_equal("PyBullet", "the time step", engine["fixedTimeStep"], timeline.step)
     gravity = [engine[f"gravityAcceleration{axis}"] for axis in "XYZ"]
-    readback("PyBullet", "gravity", gravity, scene.gravity)
+    require_equal("PyBullet", "gravity", gravity, scene.gravity)
     for i, (body, rigid) in enumerate(zip(scene.bodies, world.bodies, strict=True)):
         if body.motion != "dynamic":
             continue
         mass, friction, moments = pybullet.getDynamicsInfo(*world.ids[i], physicsClientId=world.client)[:3]
-        readback(body.path, "the mass", mass, rigid.mass)
-        readback(body.path, "the inertia", moments, rigid.moments)
+        require_equal(body.path, "the mass", mass, rigid.mass)
+        require_equal(body.path, "the inertia", moments, rigid.moments)
         if rigid.pieces:
-            readback(body.path, "friction", friction**2, rigid.pieces[0].material[1])
+            require_equal(body.path, "friction", friction**2, rigid.pieces[0].material[1])

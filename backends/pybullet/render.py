@@ -1,4 +1,4 @@
-"""The parity look in PyBullet's TinyRenderer (on the CPU, no OpenGL)."""
+"""The parity look in PyBullet's TinyRenderer (CPU, no OpenGL)."""
 
 from __future__ import annotations
 
@@ -13,37 +13,37 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.sim.scene.model.transform import apply, compose, inverse
-from wmspec.sim.scene.render.camera import projection_matrix, seeing, view_matrix
-from wmspec.sim.scene.render.color import whole
+from wmspec.sim.scene.render.camera import projection_matrix, view_matrix, world_camera
+from wmspec.sim.scene.render.color import round_up_color
 from wmspec.sim.scene.render.contact_shadow import ContactShadows
 from wmspec.sim.scene.render.near_plane import NearPlane
-from wmspec.sim.scene.render.picture import Image, check, halve, quantize
-from wmspec.sim.scene.render.shadow import SHADE, Casters
+from wmspec.sim.scene.render.picture import Image, halve, quantize, require_all_poses
+from wmspec.sim.scene.render.shadow import SUN_SHADE, ShadowCasters
 from wmspec.sim.scene.render.texcoords import texcoords
 from wmspec.sim.shapes.facets import Facets
 
-from .hull_planes import sides
-from .images import Images, Pattern
-from .layer import Layer
-from .lists import lists
+from .hull_planes import split_by_plane
+from .images import Pattern, TextureCache
+from .layer import DepthLayer
 from .shadow import Sun
+from .shared_lists import shared_lists
 
 with silence():
     import pybullet
 
-TEXELS = 1.5
-"""The side of the shadow map, in sides of the picture."""
+SHADOW_MAP_SCALE = 1.5
+"""Side of the shadow map relative to the picture."""
 
 WHITE = 255
-"""TinyRenderer's own background."""
+"""TinyRenderer's background."""
 
-NOWHERE = [0.0, 0.0, 1e6]
-"""Where bodies wait that aren't to be drawn: to draw them would take most of the time."""
+HIDDEN_POSITION = [0.0, 0.0, 1e6]
+"""Hidden bodies are moved here; drawing them would take most of the time."""
 
 
 @dataclass(frozen=True)
-class Piece:
-    """A geometry of a body, both by number; its sides are PyBullet's bodies `numbers`, with `planes` (n, 4)."""
+class DrawnGeom:
+    """A geom of a body; its sides are PyBullet bodies `numbers` with `planes` (n, 4)."""
 
     body: int
     geom: int
@@ -54,40 +54,40 @@ class Piece:
 
 
 class Renderer:
-    """Draws one scene: every side of a visible geometry is a massless body of a client of its own."""
+    """Draws one scene: every side of a visible geom is a massless body of its own client."""
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:
         self._scene, self._size = scene, (width, height)
-        self._casters, self._contact = Casters(scene), ContactShadows(scene)
+        self._casters, self._contact = ShadowCasters(scene), ContactShadows(scene)
         self._near = NearPlane(scene, width / height)
         self._client = pybullet.connect(pybullet.DIRECT)
-        # what's in front comes first: what's behind it then need not be coloured
+        # front to back, so that hidden pixels are not shaded
         order = sorted(range(len(scene.bodies)), key=self._casters.size)
         shown = [(i, j, geom) for i in order for j, geom in enumerate(scene.bodies[i].geoms) if geom.visible]
-        self._images = Images(self._client)
-        self._pieces = [Piece(i, j, geom.pose, *_add(geom, self._images, self._client)) for i, j, geom in shown]
+        self._images = TextureCache(self._client)
+        self._pieces = [DrawnGeom(i, j, geom.pose, *_add(geom, self._images, self._client)) for i, j, geom in shown]
         self._halved: dict[int, int] = {}
         self._owner = np.full(pybullet.getNumBodies(self._client) + 1, -1, np.int16)
         for piece in self._pieces:
             self._owner[list(piece.numbers)] = piece.body
         self._moves = np.array([body.motion != "static" for body in scene.bodies], dtype=bool)
-        self._still: dict[str, tuple[bytes, Layer, Layer]] = {}
+        self._still: dict[str, tuple[bytes, DepthLayer, DepthLayer]] = {}
 
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
-        """Draw the bodies where the shot places them."""
-        check(self._scene, shot)
-        camera = seeing(self._scene, shot)
+        """Draw the bodies at the poses of the shot."""
+        require_all_poses(self._scene, shot)
+        camera = world_camera(self._scene, shot)
         near = self._near.before(camera, shot)
         fine, coarse = self._layers(near, shot)
         lit, dark = self._smooth(fine), coarse.rgba[..., :3] + np.float32(0.5)
         ids, distance = self._owner[coarse.numbers], _metres(coarse.depth, near)
         distance[ids < 0] = 0
-        shaded = np.float32(SHADE) * self._occlusion(camera, shot, distance)
+        shaded = np.float32(SUN_SHADE) * self._occlusion(camera, shot, distance)
         rgb = quantize(lit - shaded[..., None] * np.maximum(lit - dark, 0))
         return Frame(self._contact.cast(rgb, ids, distance, camera, shot), ids, distance if depth else None)
 
     def repaint(self, scene: Scene) -> bool:
-        """Draw a scene from now on that differs in colours only."""
+        """Switch to a scene that differs in colours only."""
         self._scene = scene
         self._still.clear()
         for piece in self._pieces:
@@ -97,13 +97,13 @@ class Renderer:
         return True
 
     def close(self) -> None:
-        """Free the client; the renderer can't be used any more."""
+        """Free the client."""
         pybullet.disconnect(self._client)
 
-    def _layers(self, camera: Camera, shot: Shot) -> tuple[Layer, Layer]:
-        """The shot at twice the size, and at its size in the ambient light alone; neither with shadows."""
+    def _layers(self, camera: Camera, shot: Shot) -> tuple[DepthLayer, DepthLayer]:
+        """Return the shot at twice its size, and at its size in ambient light; both without shadows."""
         resting = [camera.pose, *(pose for pose, moves in zip(shot.poses, self._moves, strict=True) if not moves)]
-        still = np.float64(camera.near).tobytes()  # depths can be compared if their near planes are the same
+        still = np.float64(camera.near).tobytes()  # depths are comparable only with equal near planes
         still += b"".join(pose.position.tobytes() + pose.orientation.tobytes() for pose in resting)
         if camera.name not in self._still or self._still[camera.name][0] != still:
             self._still[camera.name] = (still, *self._pair(camera, shot.poses, ~self._moves))
@@ -111,7 +111,7 @@ class Renderer:
         moving = self._pair(camera, shot.poses, self._moves)
         return moving[0].over(fine), moving[1].over(coarse)
 
-    def _pair(self, camera: Camera, poses: Sequence[Pose], shown: NDArray[np.bool_]) -> tuple[Layer, Layer]:
+    def _pair(self, camera: Camera, poses: Sequence[Pose], shown: NDArray[np.bool_]) -> tuple[DepthLayer, DepthLayer]:
         (width, height), light = self._size, self._scene.light
         self._place(poses, camera, shown)
         self._dress(poses, camera, shown)
@@ -119,19 +119,19 @@ class Renderer:
         return fine, self._draw(camera, (width, height), light.ambient, 0.0)
 
     def _place(self, poses: Sequence[Pose], camera: Camera, shown: NDArray[np.bool_]) -> None:
-        """Put the sides of the bodies `shown` that face the camera where they belong, and all others out of sight."""
+        """Place visible sides of the bodies `shown`, and hide all others."""
         for piece in self._pieces:
             for number in () if shown[piece.body] else piece.numbers:
-                pybullet.resetBasePositionAndOrientation(number, NOWHERE, [0, 0, 0, 1], self._client)
+                pybullet.resetBasePositionAndOrientation(number, HIDDEN_POSITION, [0, 0, 0, 1], self._client)
         for piece, pose, eye in self._seen(poses, camera, shown):
             w, *turn = pose.orientation.tolist()
             at = pose.position.tolist()
             for number, faces in zip(piece.numbers, piece.planes @ np.append(eye, 1.0) > 0, strict=True):
-                place = at if faces else NOWHERE
+                place = at if faces else HIDDEN_POSITION
                 pybullet.resetBasePositionAndOrientation(number, place, [*turn, w], self._client)
 
     def _dress(self, poses: Sequence[Pose], camera: Camera, shown: NDArray[np.bool_]) -> None:
-        """Give the sides of the bodies `shown` images whose texels are as large as the pixels that see them."""
+        """Assign textures whose texels match the pixels to the sides of the bodies `shown`."""
         pixel = 2 * math.tan(camera.fovy / 2) / self._size[1]
         for piece, _, eye in self._seen(poses, camera, shown):
             if piece.pattern is None:
@@ -144,8 +144,8 @@ class Renderer:
 
     def _seen(
         self, poses: Sequence[Pose], camera: Camera, shown: NDArray[np.bool_]
-    ) -> Iterator[tuple[Piece, Pose, Array]]:
-        """The pieces of the bodies `shown`, where each is in the world, and the camera (3,) in the frame of each."""
+    ) -> Iterator[tuple[DrawnGeom, Pose, Array]]:
+        """Yield the geoms of the bodies `shown`, their world poses, and the camera (3,) in their frames."""
         pieces = [piece for piece in self._pieces if shown[piece.body]]
         if not pieces:
             return
@@ -154,30 +154,30 @@ class Renderer:
         for i, piece in enumerate(pieces):
             yield piece, Pose(every.position[i], every.orientation[i]), eyes[i]
 
-    def _smooth(self, fine: Layer) -> Image:
-        """Colours 0..255 (h, w, 3), the mean of four for every pixel, on the scene's background."""
+    def _smooth(self, fine: DepthLayer) -> Image:
+        """Return colours 0..255 (h, w, 3), the mean of four samples, over the background."""
         empty, sky = halve(fine.numbers < 0), np.rint(255 * np.asarray(self._scene.background)).astype(np.float32)
-        # TinyRenderer cuts the fraction of a byte off: half a byte is missing on average.
+        # TinyRenderer truncates bytes: half a byte is missing on average
         mean: Image = halve(fine.rgba)[..., :3] + np.float32(0.5)
         mean += empty[..., None] * (sky - np.float32(WHITE + 0.5))
         return mean
 
     def _occlusion(self, camera: Camera, shot: Shot, depth: NDArray[np.float32]) -> Image:
-        """How much of each point of a picture, at `depth` (h, w), lies in shadow: 0..1."""
+        """Return the shadowed fraction, 0..1, of each point at `depth` (h, w)."""
         if not self._scene.light.shadows:
             return np.zeros_like(depth)
         region = self._casters.region(camera, shot)
-        sun, side = Sun(region, self._scene.light.direction), round(TEXELS * max(self._size))
+        sun, side = Sun(region, self._scene.light.direction), round(SHADOW_MAP_SCALE * max(self._size))
         self._place(shot.poses, sun.camera, region.casts)
         sight = self._draw(sun.camera, (side, side), 1.0, 0.0)
         seen = np.where(sight.numbers < 0, np.float32(np.inf), _metres(sight.depth, sun.camera))
         return sun.occlusion(camera, depth, seen)
 
-    def _draw(self, camera: Camera, size: tuple[int, int], ambient: float, diffuse: float) -> Layer:
-        """Draw what has been placed."""
+    def _draw(self, camera: Camera, size: tuple[int, int], ambient: float, diffuse: float) -> DepthLayer:
+        """Draw the placed bodies."""
         width, height = size
         projection = projection_matrix(camera, width / height)
-        # TinyRenderer samples the corners of the pixels, not their centres.
+        # TinyRenderer samples pixel corners, not centres
         projection[0, 2] += 1 / width
         projection[1, 2] += 1 / height
         image = pybullet.getCameraImage(
@@ -195,25 +195,25 @@ class Renderer:
             renderer=pybullet.ER_TINY_RENDERER,
             physicsClientId=self._client,
         )
-        return Layer.of(image)
+        return DepthLayer.of(image)
 
 
 def _stack(poses: Iterable[Pose]) -> Pose:
-    """Many poses as one, of positions (n, 3) and orientations (n, 4)."""
+    """Return poses as one with positions (n, 3) and orientations (n, 4)."""
     every = list(poses)
     return Pose(np.stack([pose.position for pose in every]), np.stack([pose.orientation for pose in every]))
 
 
 def _metres(z: NDArray[np.float32], camera: Camera) -> NDArray[np.float32]:
-    """Undo OpenGL's projection of depths 0..1."""
+    """Return metres for OpenGL depths 0..1."""
     near, far = camera.near, camera.far
     return (far * near / (far - (far - near) * z.astype(np.float64))).astype(np.float32)
 
 
-def _add(geom: Geom, images: Images, client: int) -> tuple[tuple[int, ...], Array, Pattern | None]:
-    """Add the sides of a geometry; return their numbers in PyBullet, their planes and the pattern on them."""
+def _add(geom: Geom, images: TextureCache, client: int) -> tuple[tuple[int, ...], Array, Pattern | None]:
+    """Add the sides of a geom; return PyBullet ids, planes and pattern."""
     look = geom.surface
-    facets, every = zip(*sides(texcoords(geom)), strict=True)
+    facets, every = zip(*split_by_plane(texcoords(geom)), strict=True)
     planes, bodies = np.stack(every), tuple(_side(geom, one, client) for one in facets)
     for body in bodies if look.texture else ():
         number = images.number(look.texture or "", None if look.repeats is None else 0)
@@ -222,14 +222,14 @@ def _add(geom: Geom, images: Images, client: int) -> tuple[tuple[int, ...], Arra
 
 
 def _rgba(geom: Geom) -> list[float]:
-    return [*whole(geom.surface.color), 1.0]
+    return [*round_up_color(geom.surface.color), 1.0]
 
 
 def _side(geom: Geom, facets: Facets, client: int) -> int:
-    with lists(facets) as mesh:
+    with shared_lists(facets) as mesh:
         shape = pybullet.createVisualShape(
             pybullet.GEOM_MESH, rgbaColor=_rgba(geom), specularColor=[0, 0, 0], physicsClientId=client, **mesh
         )
     if shape < 0:
-        raise WmsError(f"PyBullet can't draw '{geom.name}'; expected a mesh of fewer than 131072 vertices")
+        raise WmsError(f"PyBullet cannot draw '{geom.name}'; expected a mesh of fewer than 131072 vertices")
     return int(pybullet.createMultiBody(baseVisualShapeIndex=shape, physicsClientId=client))

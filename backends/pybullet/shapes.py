@@ -1,4 +1,4 @@
-"""Collision shapes in PyBullet's words."""
+"""Collision shapes in PyBullet."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import numpy as np
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model.transform import conjugate, multiply, rotate
 from wmspec.sim.scene.physics.episode import Vector
-from wmspec.sim.scene.physics.rigid import Piece
+from wmspec.sim.scene.physics.rigid import CollisionShape
 
 with silence():
     import pybullet
 
-HERE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+IDENTITY_POSE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 KINDS = {
     "box": "GEOM_BOX",
     "sphere": "GEOM_SPHERE",
@@ -26,11 +26,11 @@ KINDS = {
 }
 
 
-def shape(pieces: tuple[Piece, ...], frame: Vector, client: int) -> int:
-    """The collision shape of some pieces, seen from a `frame` in their body; -1 for none."""
+def shape(pieces: tuple[CollisionShape, ...], frame: Vector, client: int) -> int:
+    """Return the collision shape of shapes relative to a `frame` of their body; -1 for none."""
     if not pieces:
         return -1
-    poses = [inside(frame, piece.pose) for piece in pieces]
+    poses = [relative_pose(frame, piece.pose) for piece in pieces]
     one: int
     if len(pieces) == 1:
         one = pybullet.createCollisionShape(physicsClientId=client, **single(pieces[0], poses[0]))
@@ -40,9 +40,9 @@ def shape(pieces: tuple[Piece, ...], frame: Vector, client: int) -> int:
     return one
 
 
-def inside(frame: Vector, pose: Vector) -> Vector:
-    """A pose, seen from a frame: position and quaternion (w, x, y, z)."""
-    if frame == HERE:
+def relative_pose(frame: Vector, pose: Vector) -> Vector:
+    """Return a pose in a frame: position and quaternion (w, x, y, z)."""
+    if frame == IDENTITY_POSE:
         return pose
     back = conjugate(np.array(frame[3:]))
     place = rotate(back, np.array(pose[:3]) - np.array(frame[:3]))
@@ -50,12 +50,12 @@ def inside(frame: Vector, pose: Vector) -> Vector:
 
 
 def xyzw(turn: Any) -> Vector:
-    """PyBullet's order of a quaternion (w, x, y, z)."""
+    """Return a quaternion (w, x, y, z) in PyBullet's order."""
     return (*turn[1:], turn[0])
 
 
-def single(piece: Piece, pose: Vector) -> dict[str, Any]:
-    """A piece in the words of `createCollisionShape`."""
+def single(piece: CollisionShape, pose: Vector) -> dict[str, Any]:
+    """Return arguments of `createCollisionShape`."""
     words: dict[str, Any] = {"shapeType": getattr(pybullet, KINDS[piece.kind])}
     match piece.kind:
         case "box":
@@ -66,15 +66,15 @@ def single(piece: Piece, pose: Vector) -> dict[str, Any]:
             words |= {"vertices": np.reshape(piece.size, (-1, 3)).tolist()}
         case _:
             words |= {"radius": piece.size[0], "height": piece.size[1]}
-    if pose == HERE:  # an offset, even of zero, would make it a compound shape
+    if pose == IDENTITY_POSE:  # any offset makes it a compound shape
         return words
     return words | {"collisionFramePosition": pose[:3], "collisionFrameOrientation": xyzw(pose[3:])}
 
 
-def several(pieces: tuple[Piece, ...], poses: list[Vector], folder: str) -> dict[str, Any]:
-    """Pieces in the words of `createCollisionShapeArray`, which takes hulls from files only.
+def several(pieces: tuple[CollisionShape, ...], poses: list[Vector], folder: str) -> dict[str, Any]:
+    """Return arguments of `createCollisionShapeArray`, which accepts hulls from files only.
 
-    It drops all shapes after the sixteenth without a word, so the hulls, which have one pose, come as one shape.
+    It silently drops shapes after the sixteenth, so all hulls, which share a pose, form one shape.
     """
     hulls, file = [piece for piece in pieces if piece.kind == "hull"], Path(folder, "hulls.obj")
     if hulls:
@@ -92,8 +92,8 @@ def several(pieces: tuple[Piece, ...], poses: list[Vector], folder: str) -> dict
     }
 
 
-def objects(hulls: list[Piece]) -> str:
-    """Hulls as the objects of a Wavefront file. Any faces will do: of each object the hull is taken."""
+def objects(hulls: list[CollisionShape]) -> str:
+    """Return hulls as Wavefront objects; PyBullet uses the hull of each object, so any faces are valid."""
     lines, first = [], 1
     for number, hull in enumerate(hulls):
         points = np.reshape(hull.size, (-1, 3)).tolist()

@@ -1,4 +1,4 @@
-"""The scene in PyBullet: what the loop in `wmspec.sim.scene.physics.episode` does, in PyBullet's words."""
+"""The PyBullet implementation of `wmspec.sim.scene.physics.episode.World`."""
 
 from __future__ import annotations
 
@@ -9,28 +9,28 @@ from typing import Any
 import numpy as np
 
 from wmspec.core.native_output import silence
-from wmspec.sim.scene.joints.articulations import Gear, Link, Tie
-from wmspec.sim.scene.physics.episode import MEET, TOUCH, Grip
-from wmspec.sim.scene.physics.rigid import Assembly, Piece, Rigid
+from wmspec.sim.scene.joints.articulations import Link, LoopClosure, MimicConstraint
+from wmspec.sim.scene.physics.episode import TOUCH_BEGIN, TOUCH_END, Grip
+from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 
-from .articulations import branches, put
-from .shapes import HERE, shape, xyzw
+from .articulations import add_multibody, reset_tree
+from .shapes import IDENTITY_POSE, shape, xyzw
 
 with silence():
     import pybullet
 
-ITERATE = 200, 400  # with 100 a stack of five creeps twice as far, with 200 hands turn what they push
-SETTLED = 1e-24  # the iteration that changes less, squared, is the last: all of them take twice the time
-HEAVY_MASS, HEAVY_INERTIA = 1e4, 1e6  # kg, kg m²: a body that nothing in the scene can push
-DYNAMIC, GIVEN = 1, 2  # collision groups: bodies whose motion is given pass through each other
-ROUND = ("sphere", "capsule")  # their margin is their radius
-SOFT_ERP = 0.02  # part of an overlap that is undone in a step, where links gain speed by it: free bodies don't
-TIE_FORCE = 1e6  # N: the most that a point of a grip holds
-FASTEST = 1e4  # rad/s or m/s of a joint, PyBullet's default is 100
+SOLVER_ITERATIONS = 200, 400  # with 100 a stack of five creeps twice as far; with 200 hands turn pushed bodies
+SOLVER_RESIDUAL = 1e-24  # squared change that ends the iteration; all iterations take twice the time
+HEAVY_MASS, HEAVY_INERTIA = 1e4, 1e6  # kg, kg m²: immovable by other bodies
+DYNAMIC, PRESCRIBED = 1, 2  # collision groups: bodies with prescribed motion do not collide with each other
+ROUND = ("sphere", "capsule")  # shapes whose margin is their radius
+SOFT_ERP = 0.02  # overlap corrected per step; links gain speed from it, free bodies do not
+TIE_FORCE = 1e6  # N: maximum force of a grip point
+MAX_JOINT_SPEED = 1e4  # rad/s or m/s of a joint; PyBullet's default is 100
 
 
 class World:
-    """A client of its own, with the scene's bodies in order. Close it when done."""
+    """A client with the bodies of a scene in order. Close it after use."""
 
     def __init__(self, assembly: Assembly) -> None:
         self.client = pybullet.connect(pybullet.DIRECT)
@@ -39,8 +39,10 @@ class World:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=assembly.step,
             numSubSteps=0,
-            numSolverIterations=ITERATE[any(body.motion == "kinematic" and body.pieces for body in self.bodies)],
-            solverResidualThreshold=SETTLED,
+            numSolverIterations=SOLVER_ITERATIONS[
+                any(body.motion == "kinematic" and body.pieces for body in self.bodies)
+            ],
+            solverResidualThreshold=SOLVER_RESIDUAL,
             useSplitImpulse=1,
             splitImpulsePenetrationThreshold=0.0,
             restitutionVelocityThreshold=0.0,
@@ -63,21 +65,21 @@ class World:
         self.targets = {joint: limb.drive[2] for joint, limb in self.drives.items()}
         self.fresh = set(self.drives)
         self.held: set[int] = set()
-        self.ties: dict[int, list[int]] = {}
+        self.loop_closures: dict[int, list[int]] = {}
         self.met: set[tuple[int, int]] = set()
-        for a, b in assembly.apart:
+        for a, b in assembly.non_colliding_pairs:
             for one, other in [(one, other) for one in self.parts[a] for other in self.parts[b]]:
                 pybullet.setCollisionFilterPair(one[0], other[0], one[1], other[1], 0, physicsClientId=self.client)
 
-        for tie in assembly.ties:
+        for tie in assembly.loop_closures:
             self.tie(tie)
-        for gear in assembly.gears:
+        for gear in assembly.mimic_constraints:
             self.gear(gear)
 
-    def tie(self, tie: Tie) -> None:
+    def tie(self, tie: LoopClosure) -> None:
         """Close a loop."""
         first, second, above, below = tie.first, tie.second, tie.above, tie.below
-        if first < 0:  # the world can only be the second of two
+        if first < 0:  # the world can only be the second body
             first, second, above, below = second, first, below, above
         other = self.ids[second] if second >= 0 else (-1, -1)
         for one, two in zip(above, below, strict=True):
@@ -92,8 +94,8 @@ class World:
             )
             pybullet.changeConstraint(made, maxForce=TIE_FORCE, erp=0.2, physicsClientId=self.client)
 
-    def gear(self, gear: Gear) -> None:
-        """Let a joint mimic another."""
+    def gear(self, gear: MimicConstraint) -> None:
+        """Add a mimic constraint."""
         made = pybullet.createConstraint(
             *self.ids[gear.body],
             *self.ids[gear.leader],
@@ -113,34 +115,39 @@ class World:
         )
 
     def add(self, body: Rigid) -> list[tuple[int, int]]:
-        """Make a body; a static one is made of one per piece, as only there PyBullet lets pieces differ in material."""
+        """Add a body; a static one becomes one per shape, because only then materials may differ."""
         wholes = [(piece,) for piece in body.pieces] if body.motion == "static" else [body.pieces]
         return [(self.make(body, pieces), -1) for pieces in wholes]
 
-    def make(self, body: Rigid, pieces: tuple[Piece, ...]) -> int:
-        """One body of PyBullet's; a kinematic one is a heavy free body whose state is set before every step."""
+    def make(self, body: Rigid, pieces: tuple[CollisionShape, ...]) -> int:
+        """Add one PyBullet body; a kinematic one is a heavy free body whose state is set before every step."""
         heavy = body.motion == "kinematic"
         mass = HEAVY_MASS if heavy else body.mass
         place = [body.start[:3], xyzw(body.start[3:])]
         handle: int = pybullet.createMultiBody(
-            mass, shape(pieces, HERE, self.client), -1, *place, useMaximalCoordinates=1, physicsClientId=self.client
+            mass,
+            shape(pieces, IDENTITY_POSE, self.client),
+            -1,
+            *place,
+            useMaximalCoordinates=1,
+            physicsClientId=self.client,
         )
-        damping = {  # PyBullet's is the part lost in a second
+        damping = {  # PyBullet's damping is the fraction lost per second
             "linearDamping": 1 - exp(-body.damping[0]),
             "angularDamping": 1 - exp(-body.damping[1]),
         }
         moments = [HEAVY_INERTIA] * 3 if heavy else body.moments
         self.settle((handle, -1), pieces, mass, moments, **damping)
-        group, mask = (DYNAMIC, DYNAMIC | GIVEN) if body.motion == "dynamic" else (GIVEN, DYNAMIC)
+        group, mask = (DYNAMIC, DYNAMIC | PRESCRIBED) if body.motion == "dynamic" else (PRESCRIBED, DYNAMIC)
         pybullet.setCollisionFilterGroupMask(handle, -1, group, mask, physicsClientId=self.client)
         return handle
 
     def grow(self, tree: tuple[Link, ...]) -> dict[int, list[tuple[int, int]]]:
-        """Make the bodies of a tree, in joint coordinates."""
+        """Add the bodies of a tree in joint coordinates."""
         pieces = [self.bodies[limb.body].pieces for limb in tree]
         shapes = [shape(p, limb.below, self.client) for p, limb in zip(pieces, tree, strict=True)]
-        made = branches(tree, self.bodies, shapes, self.client)
-        whole = {"linearDamping": 0.0, "angularDamping": 0.0, "maxJointVelocity": FASTEST}
+        made = add_multibody(tree, self.bodies, shapes, self.client)
+        whole = {"linearDamping": 0.0, "angularDamping": 0.0, "maxJointVelocity": MAX_JOINT_SPEED}
         pybullet.changeDynamics(made[tree[0].body][0], -1, physicsClientId=self.client, **whole)
         for limb, own in zip(tree, pieces, strict=True):
             body, part = self.bodies[limb.body], made[limb.body]
@@ -148,26 +155,26 @@ class World:
             if limb.limits:
                 joint |= {"jointLowerLimit": limb.limits[0], "jointUpperLimit": limb.limits[1]}
             self.settle(part, own, body.mass, body.moments, **joint)
-            pybullet.setCollisionFilterGroupMask(*part, DYNAMIC, DYNAMIC | GIVEN, physicsClientId=self.client)
-        put(tree, made, self.bodies, self.client, moving=True)
+            pybullet.setCollisionFilterGroupMask(*part, DYNAMIC, DYNAMIC | PRESCRIBED, physicsClientId=self.client)
+        reset_tree(tree, made, self.bodies, self.client, moving=True)
         return {body: [part] for body, part in made.items()}
 
     def settle(
-        self, part: tuple[int, int], pieces: tuple[Piece, ...], mass: float, moments: Any, **more: float
+        self, part: tuple[int, int], pieces: tuple[CollisionShape, ...], mass: float, moments: Any, **more: float
     ) -> None:
-        """Set how a body moves and what it's made of.
+        """Set dynamics and material of a body or link.
 
-        With some settings PyBullet takes the base for the link: these are set apart, and a link's margin stays.
+        PyBullet applies some settings of a link to the base: these are set separately, and the margin of a link stays.
         """
         settings: dict[str, Any] = {
             "rollingFriction": 0.0,
             "spinningFriction": 0.0,
-            "contactProcessingThreshold": 0.0,  # with the default, restitution gets worse as the step shrinks
+            "contactProcessingThreshold": 0.0,  # the default degrades restitution at small steps
             **more,
         }
-        if pieces:  # PyBullet multiplies the materials of a pair: the roots make that the geometric mean
+        if pieces:  # PyBullet multiplies materials: square roots give the geometric mean
             settings |= {"lateralFriction": sqrt(pieces[0].material[1]), "restitution": sqrt(pieces[0].material[2])}
-        if mass:  # either of the two alone sets the other to zero
+        if mass:  # setting one alone resets the other to zero
             settings |= {"mass": mass, "localInertiaDiagonal": moments}
         pybullet.changeDynamics(*part, physicsClientId=self.client, **settings)
         base: dict[str, Any] = {"activationState": pybullet.ACTIVATION_STATE_DISABLE_SLEEPING}
@@ -180,7 +187,7 @@ class World:
         pybullet.resetBaseVelocity(self.ids[body][0], list(linear), list(angular), physicsClientId=self.client)
 
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
-        """What puts kinematic bodies back on their paths before step number i."""
+        """Return a function that resets kinematic bodies to their paths before step i."""
         moves = [(body, here.tolist(), speeds.tolist()) for body, (here, _, speeds) in paths.items()]
 
         def drive(i: int) -> None:
@@ -190,7 +197,7 @@ class World:
         return drive
 
     def drive(self, body: int, here: Any, speeds: Any) -> None:
-        """Put a kinematic body back on its path, undoing whatever pushed it, and hold it against gravity."""
+        """Reset a kinematic body to its path and hold it against gravity."""
         handle, place = self.ids[body][0], list(here[:3])
         pybullet.resetBasePositionAndOrientation(handle, place, xyzw(here[3:]), physicsClientId=self.client)
         pybullet.resetBaseVelocity(handle, list(speeds[:3]), list(speeds[3:]), physicsClientId=self.client)
@@ -198,7 +205,7 @@ class World:
         pybullet.applyExternalForce(handle, -1, lift, place, pybullet.WORLD_FRAME, physicsClientId=self.client)
 
     def push(self, body: int, force: Any, torque: Any) -> None:
-        """Let a force and a torque act at the centre of mass of a body during the next step."""
+        """Apply a force and a torque at the centre of mass of a body during the next step."""
         part, here = self.ids[body], self.state(body)[:3]
         where = {"flags": pybullet.WORLD_FRAME, "physicsClientId": self.client}
         pybullet.applyExternalForce(*part, list(force), list(here), **where)
@@ -206,14 +213,14 @@ class World:
             pybullet.applyExternalTorque(*part, list(torque), **where)
 
     def aim(self, joint: int, target: float) -> None:
-        """Give the drive of a joint this target."""
+        """Set the target of a drive."""
         self.targets[joint] = target
 
     def hold(self, body: int, at: Any = None) -> None:
-        """Put a dynamic body where it began or `at` another place: a free one as heavy as a kinematic one."""
+        """Reset a dynamic body to its start or to `at`; a free one becomes as heavy as a kinematic one."""
         if body in self.trees:
             made = {limb.body: self.ids[limb.body] for limb in self.trees[body]}
-            put(self.trees[body], made, self.bodies, self.client, moving=False)
+            reset_tree(self.trees[body], made, self.bodies, self.client, moving=False)
             self.fresh |= {limb.joint for limb in self.trees[body] if limb.drive}
             return
         if body not in self.held:
@@ -223,18 +230,18 @@ class World:
         self.drive(body, place, (0.0,) * 6)
 
     def free(self, body: int) -> None:
-        """Let go of what has been held."""
+        """Release a held body."""
         if body not in self.trees:
             self.held.remove(body)
             self.weigh(body, self.bodies[body].mass, self.bodies[body].moments)
 
     def grip(self, number: int, grip: Grip, anchors: Any) -> None:
-        """Tie points of a hand to the anchors in a body's frame."""
+        """Tie points of a hand to anchors in the frame of a body."""
         ends = [(self.ids[grip.hand], grip.points), (self.ids[grip.body], anchors)]
-        if grip.body in self.trees:  # a link can be tied to a free body, but not the other way round
+        if grip.body in self.trees:  # constraints go from link to free body only
             ends.reverse()
         (one, here), (other, there) = ends
-        self.ties[number] = [
+        self.loop_closures[number] = [
             pybullet.createConstraint(
                 *(*one, *other),
                 pybullet.JOINT_POINT2POINT,
@@ -245,23 +252,23 @@ class World:
             )
             for point, anchor in zip(here, there, strict=True)
         ]
-        for tie in self.ties[number]:
+        for tie in self.loop_closures[number]:
             pybullet.changeConstraint(tie, maxForce=TIE_FORCE, erp=0.2, physicsClientId=self.client)
 
     def loose(self, number: int, _grip: Grip) -> None:
-        """Let go of what a hand holds."""
-        for tie in self.ties.pop(number):
+        """Release a grip."""
+        for tie in self.loop_closures.pop(number):
             pybullet.removeConstraint(tie, physicsClientId=self.client)
 
     def weigh(self, body: int, mass: float, moments: Any) -> None:
-        """Set the mass and the moments of inertia."""
+        """Set mass and moments of inertia."""
         weight = {"mass": mass, "localInertiaDiagonal": moments}
         pybullet.changeDynamics(*self.ids[body], physicsClientId=self.client, **weight)
 
     def step(self) -> None:
-        """Advance, with the forces of the drives, which PyBullet's own motors don't have.
+        """Advance one step with the forces of drives, which PyBullet's motors lack.
 
-        As with gravity, half of them in the first step makes the motion exact.
+        Half of them in the first step makes the motion exact, as with gravity.
         """
         for joint, limb in self.drives.items():
             stiffness, damping, _, velocity, most = limb.drive
@@ -278,7 +285,7 @@ class World:
         pybullet.stepSimulation(physicsClientId=self.client)
 
     def state(self, body: int) -> Any:
-        """Position, quaternion, linear and angular velocity of a body in world axes, (13,)."""
+        """Return position, quaternion, linear and angular velocity of a body in world axes (13,)."""
         handle, link = self.ids[body]
         if link < 0:
             position, turn = pybullet.getBasePositionAndOrientation(handle, physicsClientId=self.client)
@@ -289,16 +296,16 @@ class World:
         return [*position, turn[3], *turn[:3], *linear, *angular]
 
     def touching(self) -> set[tuple[int, int]]:
-        """The pairs of bodies that touched in the last step."""
+        """Return the pairs that touched in the last step."""
         met = set()
         for point in pybullet.getContactPoints(physicsClientId=self.client):
             one, other = self.index[point[1], point[3]], self.index[point[2], point[4]]
             pair = (min(one, other), max(one, other))
-            if point[8] < (TOUCH if pair in self.met else MEET):
+            if point[8] < (TOUCH_END if pair in self.met else TOUCH_BEGIN):
                 met.add(pair)
         self.met = met
         return met
 
     def close(self) -> None:
-        """Free the client; there are only 1024 of them."""
+        """Free the client; there are only 1024."""
         pybullet.disconnect(physicsClientId=self.client)

@@ -1,4 +1,4 @@
-"""SAPIEN: executes, renders and exports a scene. The engine is imported when it is first used."""
+"""SAPIEN: executes, renders and exports a scene. The engine is imported on first use."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ __all__ = ["execute", "info", "native", "renderer"]
 
 
 def execute(scene: Scene) -> Trace:
-    """The trace of the scene's episode.
+    """Return the trace of a scene's episode.
 
-    Raises WmsError for a scene that SAPIEN can't honour, EngineError when SAPIEN loses track of it.
+    Raises WmsError for a scene that SAPIEN does not support, EngineError if SAPIEN fails.
     """
     from . import physics
 
@@ -20,14 +20,14 @@ def execute(scene: Scene) -> Trace:
 
 
 def renderer(scene: Scene, width: int, height: int) -> Renderer:
-    """Make a renderer of the scene's bodies and cameras. Raises GraphicsError where graphics libraries are missing."""
+    """Return a renderer of the bodies and cameras of a scene. Raises GraphicsError if libraries are missing."""
     from . import render
 
     return render.Renderer(scene, width, height)
 
 
 def native(scene: Scene) -> dict[str, str]:
-    """The episode in SAPIEN's own form: file name -> text. Raises WmsError for a scene that SAPIEN can't honour."""
+    """Return the episode in SAPIEN's own format: file name -> text. Raises WmsError for a scene it lacks."""
     from . import export
 
     return export.native(scene)

@@ -1,4 +1,4 @@
-"""What SAPIEN says of itself, without being imported."""
+"""Metadata of SAPIEN, readable without importing it."""
 
 from __future__ import annotations
 
@@ -25,36 +25,34 @@ INFO = Info(
     requirement="wmspec[sapien]",
     steps_per_second=1920,
     lacks=(
-        # Measured: SAPIEN's drives take cone limits, and let joints pass them.
-        Lack(BALL_LIMITS, "SAPIEN lets joints pass such limits; remove the cone angles, or use hinges"),
-        Lack(
-            ROLLING_CYLINDERS, "PhysX rolls polygons, which brake; make them as long as they are thick, or use spheres"
-        ),
+        # measured: SAPIEN accepts cone limits, but joints exceed them
+        Lack(BALL_LIMITS, "SAPIEN does not enforce such limits; remove the cone angles, or use hinges"),
+        Lack(ROLLING_CYLINDERS, "PhysX rolls prisms, which brake; use height of at least the diameter, or spheres"),
         Lack(
             LEANING_CYLINDERS,
-            "PhysX tips them from 0.85 of the angle on, as it carries them on few points; use boxes",
+            "PhysX tips them above 0.85 of the angle, because few points support them; use boxes",
         ),
         Lack(
             HEAVY_LANDINGS,
-            "PhysX lets it rise again, from 5 times the mass on; or from the same on, if it does not begin above it",
+            "PhysX lets it rebound above 5 times the mass, or above equal mass if it does not start above",
         ),
-        Lack(FAST_SPINS, "PhysX integrates to first order"),
+        Lack(FAST_SPINS, "PhysX integrates with first order"),
         Lack(
             DOUBLE_PENDULUMS,
-            "PhysX integrates to first order: a few per cent come and go",
+            "PhysX integrates with first order: a few per cent are gained or lost",
         ),
-        # Measured: with PhysX's coefficient at rest too, a box slips on a slope that only this one would hold it on.
-        Lack(TWO_FRICTIONS, "what begins to creep in PhysX has the coefficient of motion from then on", nearly=True),
-        Lack(MIMICS_APART, "PhysX's tendons are of one articulation; join the two by a joint"),
+        # measured: with PhysX's static coefficient, a box slips on a slope that should hold it
+        Lack(TWO_FRICTIONS, "a body that starts to creep in PhysX gets the dynamic coefficient", approximate=True),
+        Lack(MIMICS_APART, "PhysX's tendons work within one articulation; join the two"),
         Lack(
             MIMICS_PAST,
-            "PhysX's tendons pass hinges and sliders alone; remove the mimic, or make one body of what is fixed",
+            "PhysX's tendons pass hinges and sliders only; remove the mimic, or merge fixed bodies",
         ),
         Lack(
             TOUCHING_NEIGHBOURS,
-            "PhysX lets the two bodies of a joint pass through each other; author physics:collisionEnabled = 0",
+            "PhysX does not collide the two bodies of a joint; author physics:collisionEnabled = 0",
         ),
     ),
-    # Measured: SAPIEN 3.0.3 finds no device on Mesa 22.3, and draws from 24.3 on.
+    # measured: SAPIEN 3.0.3 finds no device on Mesa 22.3 and draws on 24.3
     graphics=Graphics("Vulkan", mesa=(24, 3), variables=("VK_DRIVER_FILES", "VK_ICD_FILENAMES")),
 )

@@ -1,4 +1,4 @@
-"""Joints in SAPIEN's words. PhysX's articulations have no ball joints: a tree is cut there, and held by constraints."""
+"""Joints in SAPIEN. PhysX articulations have no ball joints: trees are split there and held by constraints."""
 
 from __future__ import annotations
 
@@ -9,40 +9,40 @@ from typing import Any
 import numpy as np
 
 from wmspec.core.native_output import silence
-from wmspec.sim.scene.joints.articulations import Gear, Link, ascent
+from wmspec.sim.scene.joints.articulations import Link, MimicConstraint, ancestors
 from wmspec.sim.scene.physics.rigid import Assembly
 
 with silence():
     import sapien
 
 JOINTS = {"fixed": "fixed", "hinge": "revolute", "slider": "prismatic"}
-STIFFEST = 0.3  # of the vibration of what mimics about what it mimics, in radians a step
-DAMPED = 0.5  # the same vibration's damping: a quarter of the critical one
-ROUNDED = 1e-6  # of limits, rad or m: PhysX computes with 32 bits
-FASTEST_JOINT = 1e4  # rad/s or m/s, PhysX's default is 100
+MIMIC_FREQUENCY = 0.3  # rad per step: oscillation of a mimic joint about its leader
+MIMIC_DAMPING = 0.5  # its damping: a quarter of critical
+LIMIT_EPSILON = 1e-6  # rad or m: tolerance of limits in 32-bit floats
+MAX_JOINT_SPEED = 1e4  # rad/s or m/s; PhysX's default is 100
 
 
-def once_limited(assembly: Assembly) -> Assembly:
-    """The same joints, without the limits that others which mimic them keep as well.
+def without_redundant_limits(assembly: Assembly) -> Assembly:
+    """Return the joints without limits that mimic joints enforce already.
 
-    Where both are at their limits PhysX opens them by itself: a gripper's closed fingers were 59 mm apart after 1 s.
+    With both limits active PhysX drifts: closed gripper fingers were 59 mm apart after 1 s.
     """
     limits = {limb.body: limb.limits for tree in assembly.trees for limb in tree}
-    kept = {gear.leader for gear in assembly.gears if _within(gear, limits[gear.body], limits[gear.leader])}
+    kept = {gear.leader for gear in assembly.mimic_constraints if _within(gear, limits[gear.body], limits[gear.leader])}
     trees = (tuple(replace(limb, limits=()) if limb.body in kept else limb for limb in tree) for tree in assembly.trees)
     return replace(assembly, trees=tuple(trees))
 
 
-def _within(gear: Gear, mimics: tuple[float, ...], leads: tuple[float, ...]) -> bool:
-    """Whether the limits of what mimics keep its leader within its own."""
+def _within(gear: MimicConstraint, mimics: tuple[float, ...], leads: tuple[float, ...]) -> bool:
+    """Whether the limits of a mimic joint keep its leader within its own."""
     if not mimics or not leads or not gear.ratio:
         return False
     low, high = sorted((end - gear.offset) / gear.ratio for end in mimics)
-    return leads[0] - ROUNDED <= low and high <= leads[1] + ROUNDED
+    return leads[0] - LIMIT_EPSILON <= low and high <= leads[1] + LIMIT_EPSILON
 
 
-def branches(tree: tuple[Link, ...]) -> list[tuple[Link, ...]]:
-    """A tree, cut at its ball joints; parts that hold others first."""
+def split_at_ball_joints(tree: tuple[Link, ...]) -> list[tuple[Link, ...]]:
+    """Return a tree split at its ball joints; parts that hold others first."""
     parts: list[list[Link]] = []
     part_of: dict[int, list[Link]] = {}
     for limb in tree:
@@ -52,14 +52,14 @@ def branches(tree: tuple[Link, ...]) -> list[tuple[Link, ...]]:
         part.append(limb)
         part_of[limb.body] = part
         if limb.parent < 0 and limb.kind not in ("free", "ball"):
-            part_of[limb.parent] = part  # with what else hangs on the world, of trees that are joined
+            part_of[limb.parent] = part  # with the other links at the world of a merged tree
     return [tuple(part) for part in parts]
 
 
 def connect(joint: Any, limb: Link, above: Any, *, geared: bool) -> None:
-    """Make an articulation's joint; `above` is its frame in the link that holds it.
+    """Set up the joint of an articulation; `above` is its frame in the parent link.
 
-    PhysX's hinges begin again at zero after two turns; those that are `geared` to others must not.
+    PhysX hinges wrap to zero after two turns; those that are `geared` to others must not.
     """
     joint.set_type("revolute_unwrapped" if geared and limb.kind == "hinge" else JOINTS[limb.kind])
     joint.set_pose_in_parent(above)
@@ -70,24 +70,24 @@ def connect(joint: Any, limb: Link, above: Any, *, geared: bool) -> None:
     joint.set_limits(np.array([[low, high]], np.float32))
     joint.set_friction(0.0)
     joint.set_armature(np.zeros(1, np.float32))
-    joint.set_max_velocity(FASTEST_JOINT)
+    joint.set_max_velocity(MAX_JOINT_SPEED)
     stiffness, damping, target, velocity, most = limb.drive or (0.0, 0.0, 0.0, 0.0, inf)
     joint.set_drive_properties(stiffness, damping, min(most, float(np.finfo(np.float32).max)), "force")
     joint.set_drive_target(target)
     joint.set_drive_velocity_target(velocity)
 
 
-def couple(gear: Gear, branch: tuple[Link, ...], links: dict[int, Any], step: float) -> None:
-    """Let a joint mimic another, by a tendon that is as stiff as steps let; its force on each is its coefficient's."""
+def couple(gear: MimicConstraint, branch: tuple[Link, ...], links: dict[int, Any], step: float) -> None:
+    """Add a mimic constraint: a tendon as stiff as the step allows, whose force on each joint is its coefficient."""
     above = {limb.body: limb.parent for limb in branch}
-    one, other = ascent(gear.leader, above), ascent(gear.body, above)
+    one, other = ancestors(gear.leader, above), ancestors(gear.body, above)
     root = next(body for body in one[1:] if body in other[1:])
     passed = {*one[: one.index(root)], *other[: other.index(root)]}
     chain = [root, *(limb.body for limb in branch if limb.body in passed)]
     pulls = [{gear.leader: -gear.ratio, gear.body: 1.0}.get(body, 0.0) for body in chain]
-    stiffness = (STIFFEST / step) ** 2 / gear.lightness
+    stiffness = (MIMIC_FREQUENCY / step) ** 2 / gear.lightness
     parts = [links[body] for body in chain]
-    damping = DAMPED * (STIFFEST / step) / gear.lightness
+    damping = MIMIC_DAMPING * (MIMIC_FREQUENCY / step) / gear.lightness
     parts[0].articulation.create_fixed_tendon(parts, pulls, pulls, gear.offset, 0.0, stiffness, damping)
 
 
@@ -104,11 +104,11 @@ def ball(limb: Link, part: Any, parent: Any) -> Any:
     return joint
 
 
-def ignored(apart: tuple[tuple[int, int], ...], count: int) -> list[tuple[int, int]]:
-    """For each body the last two words of the collision groups.
+def collision_words(apart: tuple[tuple[int, int], ...], count: int) -> list[tuple[int, int]]:
+    """Return the last two collision-group words of each body.
 
-    What shares a bit of the first, and the second, passes through each other. Bodies linked by such pairs have a number
-    in common, and each clique of them a bit.
+    Bodies that share a bit of the first word and the second word do not collide. Connected bodies share a number, and
+    each clique a bit.
     """
     pairs = set(apart)
     group = list(range(count))
@@ -130,5 +130,5 @@ def ignored(apart: tuple[tuple[int, int], ...], count: int) -> list[tuple[int, i
 
 
 def frame(numbers: Any) -> Any:
-    """SAPIEN's pose of position and quaternion (w, x, y, z)."""
+    """Return SAPIEN's pose of position and quaternion (w, x, y, z)."""
     return sapien.Pose(np.array(numbers[:3], float), np.array(numbers[3:], float))

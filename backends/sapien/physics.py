@@ -1,4 +1,4 @@
-"""Run a scene in SAPIEN."""
+"""Executes scenes in SAPIEN."""
 
 from __future__ import annotations
 
@@ -6,88 +6,92 @@ from wmspec.core.diagnostics import StageError
 from wmspec.core.places import PrimPlace
 from wmspec.sim.scene.capability import require
 from wmspec.sim.scene.model import Scene, Trace
-from wmspec.sim.scene.physics.episode import Episode, Recording, play, told
-from wmspec.sim.scene.physics.initial_drops import landings
-from wmspec.sim.scene.physics.readback import readback
+from wmspec.sim.scene.physics.episode import Episode, Recording, kinematic_recording, play
+from wmspec.sim.scene.physics.initial_drops import initial_drops
+from wmspec.sim.scene.physics.readback import require_equal
 from wmspec.sim.scene.physics.rigid import Assembly, assembly
 from wmspec.sim.scene.physics.timeline import episode
 from wmspec.sim.scene.physics.to_trace import trace
 from wmspec.sim.scene.validate import validate
 
-from .cylinders import barrels
+from .cylinders import add_rolling_capsules
 from .info import INFO
-from .joints import ignored, once_limited
-from .shapes import BITS, lanes, mean
+from .joints import collision_words, without_redundant_limits
+from .shapes import BITS, geometric_mean, lanes
 from .world import World
 
-SINGLE = 1e-6  # PhysX computes with 32 bits
+SINGLE_PRECISION = 1e-6  # PhysX uses 32-bit floats
 
 
 def execute(scene: Scene) -> Trace:
-    """The trace of the scene's episode.
+    """Return the trace of a scene's episode.
 
-    Raises WmsError for a scene that SAPIEN can't honour, EngineError when SAPIEN loses track of it.
+    Raises WmsError for a scene that SAPIEN does not support, EngineError if SAPIEN fails.
     """
     whole, timeline = prepare(scene)
-    return trace(INFO.name, scene, timeline, told(timeline) or _played(scene, whole, timeline))
+    return trace(INFO.name, scene, timeline, kinematic_recording(timeline) or _record(scene, whole, timeline))
 
 
-def _played(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
-    world = World(whole, landing(scene))
+def _record(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
+    world = World(whole, landing_bodies(scene))
     verify(world, scene, timeline)
     return play(world, timeline)
 
 
 def prepare(scene: Scene) -> tuple[Assembly, Episode]:
-    """The scene in SAPIEN's words. Raises StageError, with the prim path, for what SAPIEN doesn't have."""
+    """Return assembly and timeline of a scene. Raises StageError with the prim path of unsupported features."""
     validate(scene)
     require(INFO.lacks, scene)
     timeline = episode(scene, INFO.steps_per_second)
-    whole = once_limited(barrels(assembly(scene, timeline)))
+    whole = without_redundant_limits(add_rolling_capsules(assembly(scene, timeline)))
     bodies, needed = whole.bodies, lanes(whole.bodies)
     over = {material for pair, bit in needed.items() if bit >= BITS for material in pair}
     if over:
         paths = [b.path for b, r in zip(scene.bodies, bodies, strict=True) if over & {p.material for p in r.pieces}]
         raise StageError(
-            f"SAPIEN tells {BITS} pairs of touching materials apart, this scene has {len(needed)}",
+            f"SAPIEN tells {BITS} pairs of materials, this scene has {len(needed)}",
             PrimPlace(", ".join(paths)),
             "give some bodies the same friction and restitution",
         )
-    if any(word >= 1 << BITS for word, _ in ignored(whole.apart, len(bodies))):
+    if any(word >= 1 << BITS for word, _ in collision_words(whole.non_colliding_pairs, len(bodies))):
         raise StageError(
-            f"SAPIEN tells {BITS} groups of bodies apart that pass through each other, this scene has more",
+            f"SAPIEN tells {BITS} groups of non-colliding bodies, this scene has more",
             PrimPlace(scene.name),
             "filter fewer pairs",
         )
     return whole, timeline
 
 
-def landing(scene: Scene) -> tuple[int, ...]:
-    """The numbers of the bodies that begin above others, and of those."""
-    return tuple(sorted({number for pair in landings(scene) for number in pair}))
+def landing_bodies(scene: Scene) -> tuple[int, ...]:
+    """Return the numbers of bodies that start above others, and of those below."""
+    return tuple(sorted({number for pair in initial_drops(scene) for number in pair}))
 
 
 def verify_joints(world: World, scene: Scene) -> None:
-    """Raise WmsError unless SAPIEN has the scene's limits and drives."""
+    """Raise WmsError unless SAPIEN has the limits and drives of the scene."""
     for limb in dict.fromkeys(limb for tree in world.trees.values() for limb in tree):
         path = scene.joints[limb.joint].path
         if limb.limits:
-            readback(path, "the limits", world.joints[limb.joint].limits[0], limb.limits, tolerance=SINGLE)
+            require_equal(
+                path, "the limits", world.joints[limb.joint].limits[0], limb.limits, tolerance=SINGLE_PRECISION
+            )
         if limb.drive:
             joint = world.joints[limb.joint]
-            readback(path, "the drive", [joint.stiffness, joint.damping], limb.drive[:2], tolerance=SINGLE)
+            require_equal(
+                path, "the drive", [joint.stiffness, joint.damping], limb.drive[:2], tolerance=SINGLE_PRECISION
+            )
 
 
 def verify(world: World, scene: Scene, timeline: Episode) -> None:
-    """Raise WmsError unless SAPIEN has the scene's physics."""
-    readback("SAPIEN", "the time step", world.scene.get_timestep(), timeline.step, tolerance=SINGLE)
-    readback("SAPIEN", "gravity", world.system.config.gravity, scene.gravity, tolerance=SINGLE)
+    """Raise WmsError unless SAPIEN has the physics of the scene."""
+    require_equal("SAPIEN", "the time step", world.scene.get_timestep(), timeline.step, tolerance=SINGLE_PRECISION)
+    require_equal("SAPIEN", "gravity", world.system.config.gravity, scene.gravity, tolerance=SINGLE_PRECISION)
     verify_joints(world, scene)
     for body, rigid, part in zip(scene.bodies, world.bodies, world.parts, strict=True):
         if body.motion == "dynamic":
-            readback(body.path, "the mass", part.mass, rigid.mass, tolerance=SINGLE)
-            readback(body.path, "the inertia", part.inertia, rigid.moments, tolerance=SINGLE)
-        wanted = [mean(*pair) for piece in rigid.pieces for pair in world.lanes if piece.material in pair]
+            require_equal(body.path, "the mass", part.mass, rigid.mass, tolerance=SINGLE_PRECISION)
+            require_equal(body.path, "the inertia", part.inertia, rigid.moments, tolerance=SINGLE_PRECISION)
+        expected = [geometric_mean(*pair) for piece in rigid.pieces for pair in world.lanes if piece.material in pair]
         made = [shape.physical_material for shape in part.collision_shapes]
         have = [[m.static_friction, m.dynamic_friction, m.restitution] for m in made]
-        readback(body.path, "friction and restitution", have, wanted, tolerance=SINGLE)
+        require_equal(body.path, "friction and restitution", have, expected, tolerance=SINGLE_PRECISION)

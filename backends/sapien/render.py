@@ -1,8 +1,7 @@
-"""The parity look in SAPIEN's rasteriser (Vulkan; without a GPU on Mesa's lavapipe).
+"""The parity look in SAPIEN's rasterizer (Vulkan; Mesa's lavapipe without a GPU).
 
-SAPIEN draws with the shaders of a folder, and ours do no more than the look needs: `shaders/color` draws matte surfaces
-with shadows at four samples a pixel, `shaders/ids` draws distances and the numbers of bodies at the pixels' centres.
-SAPIEN's own compile for seconds at every start, light with every kind of lamp, and take a hundred texels a shadow.
+SAPIEN draws with the shaders of a folder. `shaders/color` draws matte surfaces with shadows at four samples per pixel;
+`shaders/ids` draws depth and ids at pixel centres. SAPIEN's own shaders compile for seconds at every start.
 """
 
 from __future__ import annotations
@@ -18,17 +17,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.core.crash import in_our_code
+from wmspec.core.crash import is_own_error
 from wmspec.core.diagnostics import GraphicsError
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Body, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.sim.scene.model.transform import identity, multiply, quaternion, rotation
-from wmspec.sim.scene.render.camera import seeing
-from wmspec.sim.scene.render.color import texture, to_bytes
+from wmspec.sim.scene.render.camera import world_camera
+from wmspec.sim.scene.render.color import load_texture, to_bytes
 from wmspec.sim.scene.render.contact_shadow import ContactShadows
 from wmspec.sim.scene.render.near_plane import NearPlane
-from wmspec.sim.scene.render.picture import check, over
-from wmspec.sim.scene.render.shadow import SHADE, Casters
+from wmspec.sim.scene.render.picture import blend_over, require_all_poses
+from wmspec.sim.scene.render.shadow import SUN_SHADE, ShadowCasters
 from wmspec.sim.scene.render.texcoords import texcoords
 from wmspec.sim.shapes.facets import Facets, join
 
@@ -38,24 +37,24 @@ with silence():
 SHADERS = Path(__file__).parent / "shaders"
 SHADOW_MAP = 1024
 SAMPLES = 4
-ASIDE = np.array([1e5, 1e5, 0.0])
-"""So far (m) from everything looks the shadow map of a light that throws none: the shaders know no other light."""
-TURN = quaternion(np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]))
-"""SAPIEN's camera looks along +x with +z up; this turns it into USD's."""
+SHADOWLESS_OFFSET = np.array([1e5, 1e5, 0.0])
+"""m: shadow maps of lights without shadows look at empty space; the shaders know no other light."""
+CAMERA_TURN = quaternion(np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]))
+"""Rotation from SAPIEN's camera (along +x, +z up) to USD's."""
 
 
 class Renderer:
-    """Draws one scene: bodies are entities without physics, and are moved from shot to shot.
+    """Draws one scene: bodies are entities without physics that move from shot to shot.
 
-    Raises WmsError where Vulkan is missing or too old.
+    Raises WmsError if Vulkan is missing or too old.
     """
 
     def __init__(self, scene: Scene, width: int, height: int) -> None:
         _sentinel()
-        self._scene, self._casters, self._contact = scene, Casters(scene), ContactShadows(scene)
+        self._scene, self._casters, self._contact = scene, ShadowCasters(scene), ContactShadows(scene)
         self._near = NearPlane(scene, width / height)
         self._world: Any = _world()
-        self._bodies = [_body(self._world, merged(body)) for body in scene.bodies]
+        self._bodies = [_body(self._world, merged_geoms(body)) for body in scene.bodies]
         self._owner = np.full(max((body.per_scene_id for body in self._bodies), default=0) + 1, -1, np.int16)
         self._owner[[body.per_scene_id for body in self._bodies]] = np.arange(len(self._bodies))
         self._sun = _lights(self._world, scene)
@@ -63,26 +62,26 @@ class Renderer:
         self._size = (width, height)
 
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
-        """Draw the bodies where the shot places them."""
-        check(self._scene, shot)
-        camera = seeing(self._scene, shot)
+        """Draw the bodies at the poses of the shot."""
+        require_all_poses(self._scene, shot)
+        camera = world_camera(self._scene, shot)
         if camera.name not in self._eyes:
             self._eyes[camera.name] = _eyes(self._world, camera, *self._size)
         color, shape = self._eyes[camera.name]
         near = self._near.before(camera, shot)
-        stand(color, near)
-        stand(shape, near)
+        place_camera(color, near)
+        place_camera(shape, near)
         self._place(shot, camera)
         color.take_picture()
-        shape.take_picture()  # before the first is waited for
-        rgb, seen = over(color.get_picture("Picture"), self._scene.background), shape.get_picture("Seen")
+        shape.take_picture()  # start both before waiting for the first
+        rgb, seen = blend_over(color.get_picture("Picture"), self._scene.background), shape.get_picture("Seen")
         ids, distance = self._ids(seen[..., 1]), seen[..., 0]
         return Frame(self._contact.cast(rgb, ids, distance, camera, shot), ids, distance.copy() if depth else None)
 
     def repaint(self, scene: Scene) -> bool:
-        """Draw a scene from now on that differs in colours only; False if other things would be drawn as one."""
-        parts = [merged(body) for body in scene.bodies]
-        if _counts(parts) != _counts(map(merged, self._scene.bodies)):
+        """Switch to a scene that differs in colours only. Return False if geoms would be merged differently."""
+        parts = [merged_geoms(body) for body in scene.bodies]
+        if _counts(parts) != _counts(map(merged_geoms, self._scene.bodies)):
             return False
         self._scene = scene
         for entity, geometries in zip(self._bodies, parts, strict=True):
@@ -96,7 +95,7 @@ class Renderer:
         return True
 
     def close(self) -> None:
-        """Free the scene; the renderer can't be used any more."""
+        """Free the scene."""
         self._eyes.clear()
         self._bodies.clear()
         self._sun = self._world = None
@@ -104,28 +103,28 @@ class Renderer:
     def _place(self, shot: Shot, camera: Camera) -> None:
         place(self._bodies, shot)
         region = self._casters.region(camera, shot)
-        if not self._scene.light.shadows:  # its shaders know no such light: its map looks where nothing is
-            region = replace(region, center=region.center + ASIDE, half=1.0)
+        if not self._scene.light.shadows:  # the shaders have no shadowless light: aim its map at empty space
+            region = replace(region, center=region.center + SHADOWLESS_OFFSET, half=1.0)
         turn = sapien.math.shortest_rotation([1, 0, 0], self._scene.light.direction.tolist())
         self._sun.pose = sapien.Pose(region.center, turn)
         self._sun.shadow_half_size = region.half
-        # what lies beyond the far end counts as shaded: nothing that can be seen may
+        # points beyond the far end count as shaded: keep all visible points within
         self._sun.shadow_near, self._sun.shadow_far = -region.reach, region.reach + camera.far
-        lamp = self._sun.entity  # the size of its shadow map is taken over when it enters the scene
+        lamp = self._sun.entity  # the size of the shadow map applies when the light enters the scene
         self._world.remove_entity(lamp)
         self._world.add_entity(lamp)
         self._world.update_render()
 
     def _ids(self, marks: NDArray[np.float32]) -> NDArray[np.int16]:
-        """The scene's body behind every entity's number; 0 is the background."""
+        """Return the body of every entity id; 0 is background."""
         bodies: NDArray[np.int16] = self._owner[marks.astype(np.intp)]
         return bodies
 
 
 @lru_cache(maxsize=1)
 def _sentinel() -> Any:
-    """A scene that is never closed: while one lives, SAPIEN keeps its compiled shaders."""
-    # On threads of its own, lavapipe's first pictures in a process differ from its later ones in a few pixels.
+    """Return a scene that is never closed, which keeps SAPIEN's compiled shaders alive."""
+    # with its own threads, lavapipe's first pictures in a process differ in a few pixels
     os.environ.setdefault("LP_NUM_THREADS", "0")
     try:
         with silence():
@@ -134,11 +133,11 @@ def _sentinel() -> Any:
             world.update_render()
             for one in eyes:
                 one.take_picture()
-    except Exception as error:  # SAPIEN raises RuntimeError, whatever is wrong
-        if in_our_code(error):
+    except Exception as error:  # SAPIEN raises RuntimeError for every error
+        if is_own_error(error):
             raise
         raise GraphicsError(
-            f"SAPIEN can't draw: no Vulkan device that it can use ({error}); without a GPU it needs Mesa 24.3 or newer "
+            f"SAPIEN cannot draw: no suitable Vulkan device ({error}); without a GPU it needs Mesa 24.3 or newer "
             "(Debian: mesa-vulkan-drivers, from backports on Debian 12), see 'wmspec doctor'"
         ) from error
     return world, eyes
@@ -152,11 +151,11 @@ def _pose(pose: Pose) -> Any:
     return sapien.Pose(pose.position, pose.orientation)
 
 
-def merged(body: Body) -> list[list[Geom]]:
-    """What is visible of a body, in as many shapes as it must be drawn in: to draw one costs as much as many triangles.
+def merged_geoms(body: Body) -> list[list[Geom]]:
+    """Return the visible geoms of a body grouped into as few shapes as possible; each shape has a fixed cost.
 
-    All in a row that have no image are one, and all that have the same and are of one colour. Their order stays: of
-    faces in one plane the first is seen.
+    Consecutive geoms without images form one shape, and those with the same image and colour. Their order stays: of
+    coplanar faces the first is visible.
     """
     shown = [geom for geom in body.geoms if geom.visible]
     rows = groupby(shown, lambda geom: None if geom.surface.texture is None else geom.surface)
@@ -164,49 +163,51 @@ def merged(body: Body) -> list[list[Geom]]:
 
 
 def _counts(parts: Iterable[list[list[Geom]]]) -> list[list[int]]:
-    """How many geometries are drawn as one, shape by shape of each body."""
+    """Return the number of geoms per shape of each body."""
     return [[len(geoms) for geoms in body] for body in parts]
 
 
 def place(entities: list[Any], shot: Shot) -> None:
-    """Put the entities where the shot has their bodies."""
+    """Move the entities to the poses of the shot."""
     for entity, pose in zip(entities, shot.poses, strict=True):
         entity.set_pose(_pose(pose))
 
 
 def _eyes(world: Any, camera: Camera, width: int, height: int) -> tuple[Any, Any]:
-    """The same camera twice: one for colours, one for ids and distances."""
+    """Return two equal cameras: one for colours, one for ids and depth."""
     sapien.render.set_picture_format("Picture", "r8g8b8a8unorm")
     color = eye(world, camera, (width, height), str(SHADERS / "color"), SAMPLES)
     return color, eye(world, camera, (width, height), str(SHADERS / "ids"), 1)
 
 
 def eye(world: Any, camera: Camera, size: tuple[int, int], shaders: str, samples: int) -> Any:
-    """A camera that draws with the shaders of a folder; SAPIEN takes them from what is set when it's made."""
+    """Return a camera that draws with the shaders of a folder; SAPIEN reads the setting on creation."""
     before = sapien.render.get_camera_shader_dir(), sapien.render.get_msaa()
     sapien.render.set_camera_shader_dir(shaders)
     sapien.render.set_msaa(samples)
     made = world.add_camera(camera.name, *size, camera.fovy, camera.near, camera.far)
     sapien.render.set_camera_shader_dir(before[0])
     sapien.render.set_msaa(before[1])
-    stand(made, camera)
+    place_camera(made, camera)
     return made
 
 
-def stand(eye: Any, camera: Camera) -> None:
-    """Put a camera where it is in the world, and its near plane where it should be."""
+def place_camera(eye: Any, camera: Camera) -> None:
+    """Set pose and near plane of a camera."""
     if eye.near != np.float32(camera.near):
         eye.set_near(camera.near)
-    eye.entity.set_pose(sapien.Pose(camera.pose.position, multiply(camera.pose.orientation, TURN)))
+    eye.entity.set_pose(sapien.Pose(camera.pose.position, multiply(camera.pose.orientation, CAMERA_TURN)))
 
 
 def _lights(world: Any, scene: Scene) -> Any:
-    """The sun's light that shadows spare, and that which they take away, which is returned."""
+    """Add the shadowless part of the sun; return the part with shadows."""
     light = scene.light
     direction = light.direction.tolist()
     world.set_ambient_light([light.ambient] * 3)
-    world.add_directional_light(direction, [light.diffuse * (1 - SHADE)] * 3)
-    return world.add_directional_light(direction, [light.diffuse * SHADE] * 3, shadow=True, shadow_map_size=SHADOW_MAP)
+    world.add_directional_light(direction, [light.diffuse * (1 - SUN_SHADE)] * 3)
+    return world.add_directional_light(
+        direction, [light.diffuse * SUN_SHADE] * 3, shadow=True, shadow_map_size=SHADOW_MAP
+    )
 
 
 def _body(world: Any, parts: list[list[Geom]]) -> Any:
@@ -241,30 +242,30 @@ def _shape(geoms: list[Geom]) -> Any:
 
 
 def _placed(geom: Geom) -> Facets:
-    """The triangles of a geometry in the frame of its body."""
+    """Return the triangles of a geom in the body frame."""
     facets, turn = texcoords(geom), rotation(geom.pose.orientation).T
     return replace(facets, points=facets.points @ turn + geom.pose.position, normals=facets.normals @ turn)
 
 
 def _has_palette(geoms: list[Geom]) -> bool:
-    """Whether geometries without images are drawn as one, each in a colour of a palette."""
+    """Whether geoms without images form one shape with palette colours."""
     return len(geoms) > 1 and geoms[0].surface.texture is None
 
 
 def _palette(geoms: list[Geom]) -> Any:
-    """An image of the colours of geometries, side by side."""
+    """Return an image of the colours of geoms, side by side."""
     colors = np.array([[*geom.surface.color, 1.0] for geom in geoms])
     return sapien.render.RenderTexture2D(to_bytes(colors)[None], "R8G8B8A8Unorm", mipmap_levels=1, srgb=False)
 
 
 def _material(geom: Geom) -> Any:
-    """A material. Colours stay in sRGB, since our shaders add up light there."""
+    """Return a material. Colours stay in sRGB, in which our shaders add light."""
     look = geom.surface
     material = sapien.render.RenderMaterial()
     material.base_color = [*look.color, 1.0]
     material.roughness, material.metallic, material.specular = max(look.roughness, 0.05), look.metallic, 0.4
     if look.texture is not None:
-        image = texture(look.texture)
+        image = load_texture(look.texture)
         opaque = np.dstack([image, np.full(image.shape[:2], 255, np.uint8)])
         material.base_color_texture = sapien.render.RenderTexture2D(
             opaque, "R8G8B8A8Unorm", mipmap_levels=max(image.shape[:2]).bit_length(), srgb=False

@@ -1,4 +1,4 @@
-"""Collision shapes in SAPIEN's words, and the lanes on which they meet."""
+"""Collision shapes in SAPIEN, and the lanes on which they collide."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ import numpy as np
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model.transform import multiply
 from wmspec.sim.scene.physics.episode import Vector
-from wmspec.sim.scene.physics.rigid import Piece, Rigid
+from wmspec.sim.scene.physics.rigid import CollisionShape, Rigid
 
 from .joints import frame
 
 with silence():
     import sapien
 
-CONTACT_OFFSET = 1e-5  # m: from further off, a contact's friction is wrong by up to its whole, phase by phase
-ALONG_X = (sqrt(0.5), 0.0, -sqrt(0.5), 0.0)  # PhysX's capsules and cylinders lie along x
+CONTACT_OFFSET = 1e-5  # m: a larger offset makes friction wrong by up to 100 %, depending on phase
+ALONG_X = (sqrt(0.5), 0.0, -sqrt(0.5), 0.0)  # PhysX capsules and cylinders are along x
 BITS = 32
 
 Lanes = dict[tuple[Vector, Vector], int]
 
 
 def lanes(bodies: tuple[Rigid, ...]) -> Lanes:
-    """A number for every pair of materials of which two pieces may meet, in the order of the bodies."""
+    """Return a number for every pair of materials that can touch, in order of the bodies."""
     numbers: Lanes = {}
     for i, a in enumerate(bodies):
         for b in bodies[i + 1 :]:
@@ -35,18 +35,20 @@ def lanes(bodies: tuple[Rigid, ...]) -> Lanes:
     return numbers
 
 
-def mean(a: Vector, b: Vector) -> list[float]:
-    """The geometric mean of two materials, number by number."""
+def geometric_mean(a: Vector, b: Vector) -> list[float]:
+    """Return the geometric mean of two materials."""
     return [sqrt(x * y) for x, y in zip(a, b, strict=True)]
 
 
 def groups(material: Vector, pair: tuple[Vector, Vector], bit: int) -> list[int]:
-    """Collision groups on a lane: shapes meet if one's first word and the other's second share a bit."""
+    """Return the collision groups on a lane: shapes collide if the first word of one and the second of the other share
+    a bit.
+    """
     return [(1 << bit) * (material == pair[0]), (1 << bit) * (material == pair[1])]
 
 
-def shape(piece: Piece, material: list[float], groups: list[int]) -> Any:
-    """A copy of a piece for one lane."""
+def shape(piece: CollisionShape, material: list[float], groups: list[int]) -> Any:
+    """Return a copy of a shape for one lane."""
     physx, place = sapien.physx, piece.pose
     stuff = physx.PhysxMaterial(*material)
     match piece.kind:

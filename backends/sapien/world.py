@@ -1,4 +1,4 @@
-"""The scene in SAPIEN: what the loop in `wmspec.sim.scene.physics.episode` does, in the words of SAPIEN's PhysX."""
+"""The SAPIEN (PhysX) implementation of `wmspec.sim.scene.physics.episode.World`."""
 
 from __future__ import annotations
 
@@ -8,37 +8,36 @@ from typing import Any
 import numpy as np
 
 from wmspec.core.native_output import silence
-from wmspec.sim.scene.joints.articulations import Link, Tie
+from wmspec.sim.scene.joints.articulations import Link, LoopClosure
 from wmspec.sim.scene.physics.episode import Grip
 from wmspec.sim.scene.physics.rigid import Assembly, Rigid
 
-from .joints import ball, branches, connect, couple, frame, ignored
-from .shapes import groups, lanes, mean, shape
+from .joints import ball, collision_words, connect, couple, frame, split_at_ball_joints
+from .shapes import geometric_mean, groups, lanes, shape
 
 with silence():
     import sapien
 
-FASTEST_SPIN = 1000.0  # rad/s, PhysX's default is 100
-APART = 1.0  # m/s: with which bodies that overlap are parted at most; unlimited, a bounce comes out too high
-POSITION_ITERATIONS = 100  # an elastic impact loses 0.4/n² of its speed
+MAX_SPIN = 1000.0  # rad/s; PhysX's default is 100
+MAX_SEPARATION_SPEED = 1.0  # m/s: largest separation speed of overlapping bodies; unlimited, bounces are too high
+POSITION_ITERATIONS = 100  # an elastic impact loses 0.4 / n² of its speed
 VELOCITY_ITERATIONS = 4
-LANDING_ITERATIONS = 64  # of bodies of which one lands on another: with 4 it rises again at up to half its speed
-JUMP = 1e-9  # m: what is further from where it was to be has been placed there
+LANDING_ITERATIONS = 64  # for landings; with 4 a body rebounds with up to half its speed
+JUMP_DISTANCE = 1e-9  # m: a larger distance from the target means a teleport
 
 
 class World:
-    """A scene of its own, with the given bodies in order.
+    """A SAPIEN scene with the given bodies in order.
 
-    PhysX averages the materials of a pair where the geometric mean is wanted. So each pair of materials has a lane, a
-    bit of the collision groups: on it a piece has a copy of its shape with the lane's material, which meets the
-    other material's copies only. One material needs one copy. `landing`: the numbers of the bodies that fall on others,
-    and of those.
+    PhysX averages materials, but the geometric mean is required. So each pair of materials has a lane, a bit of the
+    collision groups: on it a shape has a copy with the lane's material, which collides with copies of the other
+    material only. A single material needs one copy. `landing`: bodies that fall on others, and those below.
     """
 
     def __init__(self, assembly: Assembly, landing: Collection[int]) -> None:
         sapien.physx.set_scene_config(
             gravity=np.array(assembly.gravity, np.float32),
-            bounce_threshold=0.01,  # m/s; the default of 2 swallows bounces
+            bounce_threshold=0.01,  # m/s; the default of 2 suppresses bounces
             enable_pcm=True,
             enable_tgs=True,
             enable_ccd=False,
@@ -50,10 +49,10 @@ class World:
         self.scene.set_timestep(assembly.step)
         self.bodies, self.landing = assembly.bodies, landing
         self.targets: dict[int, Any] = {}
-        self.ties: dict[int, list[Any]] = {}
+        self.loop_closures: dict[int, list[Any]] = {}
         self.lanes = lanes(assembly.bodies)
-        self.ignored = ignored(assembly.apart, len(self.bodies))
-        self.gears, self.seconds = assembly.gears, assembly.step
+        self.ignored = collision_words(assembly.non_colliding_pairs, len(self.bodies))
+        self.mimic_constraints, self.seconds = assembly.mimic_constraints, assembly.step
         self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
         self.joints: dict[int, Any] = {}
         made: dict[int, Any] = {}
@@ -61,16 +60,16 @@ class World:
             if i not in self.trees:
                 made[i] = self.add(i)
             elif i not in made:
-                for branch in branches(self.trees[i]):
+                for branch in split_at_ball_joints(self.trees[i]):
                     made |= self.grow(branch, made)
         self.parts = [made[i] for i in range(len(self.bodies))]
-        for tie in assembly.ties:
+        for tie in assembly.loop_closures:
             self.tie(tie)
 
-    def tie(self, tie: Tie) -> None:
+    def tie(self, tie: LoopClosure) -> None:
         """Close a loop."""
         first, second, above, below = tie.first, tie.second, tie.above, tie.below
-        if second < 0:  # the world can only be the first of two
+        if second < 0:  # the world can only be the first body
             first, second, above, below = second, first, below, above
         for one, other in zip(above, below, strict=True):
             self.point(second, first, other, one)
@@ -88,7 +87,7 @@ class World:
         return tie
 
     def add(self, number: int) -> Any:
-        """Make a body; its entity's name is its number."""
+        """Add a body; the name of its entity is its number."""
         physx, body = sapien.physx, self.bodies[number]
         part = physx.PhysxRigidStaticComponent() if body.motion == "static" else physx.PhysxRigidDynamicComponent()
         self.clothe(part, number)
@@ -101,15 +100,15 @@ class World:
         return part
 
     def clothe(self, part: Any, number: int) -> None:
-        """Give a body its shapes."""
+        """Add the shapes of a body."""
         for piece in self.bodies[number].pieces:
             for pair, bit in self.lanes.items():
                 if piece.material in pair:
                     meets = groups(piece.material, pair, bit)
-                    part.attach(shape(piece, mean(*pair), [*meets, *self.ignored[number]]))
+                    part.attach(shape(piece, geometric_mean(*pair), [*meets, *self.ignored[number]]))
 
     def grow(self, branch: tuple[Link, ...], made: dict[int, Any]) -> dict[int, Any]:
-        """Make a part of a tree without ball joints inside: an articulation, or a single body."""
+        """Add a part of a tree without inner ball joints: an articulation, or a single body."""
         top = branch[0]
         if len(branch) == 1 and top.kind in ("free", "ball"):
             parts = {top.body: self.add(top.body)}
@@ -123,10 +122,12 @@ class World:
         return parts
 
     def articulate(self, branch: tuple[Link, ...]) -> dict[int, Any]:
-        """Make an articulation; what hangs on the world hangs on a fixed link without shape at its joint."""
+        """Add an articulation; a fixed link without shape carries links at the world."""
         physx, top = sapien.physx, branch[0]
         links: dict[int, Any] = {}
-        geared = {limb.joint for gear in self.gears for limb in branch if limb.body in (gear.body, gear.leader)}
+        geared = {
+            limb.joint for gear in self.mimic_constraints for limb in branch if limb.body in (gear.body, gear.leader)
+        }
         entities = []
         if top.kind not in ("free", "ball"):
             links[-1] = physx.PhysxArticulationLinkComponent(None)
@@ -146,13 +147,13 @@ class World:
             self.scene.add_entity(one)
         iterate(next(iter(links.values())).articulation, VELOCITY_ITERATIONS)
         self.rest(links, branch, moving=True)
-        for gear in self.gears:
+        for gear in self.mimic_constraints:
             if gear.body in links:
                 couple(gear, branch, links, self.seconds)
         return {body: link for body, link in links.items() if body >= 0}
 
     def rest(self, links: dict[int, Any], branch: tuple[Link, ...], *, moving: bool = False) -> None:
-        """Put an articulation where it begins, at rest or `moving` as it does then."""
+        """Reset an articulation to its start, with initial velocities if `moving`."""
         top = branch[0]
         speeds = (moving and self.bodies[top.body].velocity) or (0.0,) * 6
         articulation = links[top.body].articulation
@@ -172,7 +173,7 @@ class World:
         self.parts[body].set_angular_velocity(np.array(angular, np.float32))
 
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
-        """What tells kinematic bodies before step number i where to be after it."""
+        """Return a function that sets targets of kinematic bodies before step i."""
 
         def drive(i: int) -> None:
             for body, (here, there, _) in paths.items():
@@ -181,22 +182,22 @@ class World:
         return drive
 
     def drive(self, body: int, here: Any, there: Any) -> None:
-        """Tell a kinematic body where to be after the next step; put it where it's to be before, if it isn't there."""
-        if np.abs(self.targets.get(body, here) - here).max() > JUMP:
+        """Set the target of a kinematic body for the next step; teleport it first if it is off its path."""
+        if np.abs(self.targets.get(body, here) - here).max() > JUMP_DISTANCE:
             self.parts[body].entity.set_pose(frame(here))
         self.targets[body] = there
         self.parts[body].set_kinematic_target(frame(there))
 
     def push(self, body: int, force: Any, torque: Any) -> None:
-        """Let a force and a torque act at the centre of mass of a dynamic body during the next step."""
+        """Apply a force and a torque at the centre of mass of a dynamic body during the next step."""
         self.parts[body].add_force_torque(np.array(force, np.float32), np.array(torque, np.float32))
 
     def aim(self, joint: int, target: float) -> None:
-        """Give the drive of a joint this target."""
+        """Set the target of a drive."""
         self.joints[joint].set_drive_target(target)
 
     def hold(self, body: int, at: Any = None) -> None:
-        """Put a dynamic body where it began or `at` another place, and make a free one kinematic."""
+        """Reset a dynamic body to its start or to `at`, and make a free one kinematic."""
         if body not in self.trees:
             self.parts[body].set_kinematic(True)
             place = np.array(self.bodies[body].start if at is None else at)
@@ -204,7 +205,7 @@ class World:
                 self.parts[body].entity.set_pose(frame(place))
             self.drive(body, place, place)
             return
-        for branch in branches(self.trees[body]):
+        for branch in split_at_ball_joints(self.trees[body]):
             part = self.parts[branch[0].body]
             if isinstance(part, sapien.physx.PhysxArticulationLinkComponent):
                 self.rest({limb.body: self.parts[limb.body] for limb in branch}, branch)
@@ -213,33 +214,33 @@ class World:
                 self.kick(branch[0].body, np.zeros(3), np.zeros(3))
 
     def free(self, body: int) -> None:
-        """Let go of what has been held."""
+        """Release a held body."""
         if body not in self.trees:
             self.parts[body].set_kinematic(False)
 
     def grip(self, number: int, grip: Grip, anchors: Any) -> None:
-        """Tie points of a hand to the anchors in a body's frame."""
-        self.ties[number] = [
+        """Tie points of a hand to anchors in the frame of a body."""
+        self.loop_closures[number] = [
             self.point(grip.body, grip.hand, anchor, point) for point, anchor in zip(grip.points, anchors, strict=True)
         ]
 
     def loose(self, number: int, grip: Grip) -> None:
-        """Let go of what a hand holds."""
-        for tie in self.ties.pop(number):
+        """Release a grip."""
+        for tie in self.loop_closures.pop(number):
             self.parts[grip.body].entity.remove_component(tie)
 
     def step(self) -> None:
-        """Advance."""
+        """Advance one step."""
         self.scene.step()
 
     def state(self, body: int) -> Any:
-        """Position, quaternion, linear and angular velocity of a body in world axes, (13,)."""
+        """Return position, quaternion, linear and angular velocity of a body in world axes (13,)."""
         part = self.parts[body]
         place = part.entity_pose
         return np.concatenate([place.p, place.q, part.linear_velocity, part.angular_velocity])
 
     def touching(self) -> set[tuple[int, int]]:
-        """The pairs of bodies that touched in the last step; PhysX tells of none that are further apart than `MEET`."""
+        """Return the pairs that touched in the last step; PhysX reports none beyond `TOUCH_BEGIN`."""
         pairs = set()
         for contact in self.system.get_contacts():
             if contact.points:
@@ -249,7 +250,7 @@ class World:
 
 
 def entity(part: Any, number: int, place: Any) -> Any:
-    """An entity of one part, named by the number of its body."""
+    """Return an entity with one part, named by the number of its body."""
     made = sapien.Entity()
     made.set_name(str(number))
     made.add_component(part)
@@ -258,19 +259,19 @@ def entity(part: Any, number: int, place: Any) -> Any:
 
 
 def solve(part: Any, body: Rigid) -> None:
-    """How a dynamic body moves: PhysX's defaults damp spin; jointed bodies are damped by the loop."""
+    """Set the dynamics of a body: PhysX's defaults damp spin; the loop damps jointed bodies."""
     linear, angular = (0.0, 0.0) if "Articulation" in type(part).__name__ else body.damping
     part.set_mass(body.mass)
     part.set_cmass_local_pose(sapien.Pose())
     part.set_inertia(np.array(body.moments, np.float32))
     part.set_linear_damping(linear)
     part.set_angular_damping(angular)
-    part.set_max_angular_velocity(FASTEST_SPIN)
-    part.set_max_depenetration_velocity(APART)
+    part.set_max_angular_velocity(MAX_SPIN)
+    part.set_max_depenetration_velocity(MAX_SEPARATION_SPEED)
 
 
 def iterate(part: Any, velocity_iterations: int) -> None:
-    """How a body or an articulation is solved: PhysX's defaults put bodies to sleep and iterate too little."""
+    """Set solver iterations: PhysX's defaults put bodies to sleep and iterate too little."""
     part.set_sleep_threshold(0.0)
     part.set_solver_position_iterations(POSITION_ITERATIONS)
     part.set_solver_velocity_iterations(velocity_iterations)

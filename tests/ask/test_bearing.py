@@ -14,7 +14,7 @@ from wmspec.compile.layout.functions import FUNCTIONS
 from wmspec.runtime.questions.bearing import ROUNDING, Bearing
 from wmspec.runtime.questions.kinds.labels import same
 from wmspec.runtime.questions.kinds.numbers import NumberAnswer, Numbers
-from wmspec.runtime.questions.verbalize import say
+from wmspec.runtime.questions.verbalize import verbalize
 
 ANGLES = st.floats(-50, 50)
 
@@ -40,7 +40,7 @@ def test_the_other_way_has_one_number() -> None:
     ("degrees", "said"), [(-179.99, "180°"), (-180, "180°"), (179.99, "180°"), (-179.5, "-179.5°")]
 )
 def test_it_is_said_in_one_way(degrees: float, said: str) -> None:
-    assert say(Bearing(math.radians(degrees)), "angle", None) == said  # type: ignore[arg-type]
+    assert verbalize(Bearing(math.radians(degrees)), "angle", None) == said  # type: ignore[arg-type]
 
 
 def test_it_is_an_option_whatever_the_turns() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.dataset.made import asked, pictures
-from wmspec.runtime.questions.consensus import Consensus, agree, consensus, picked
+from wmspec.runtime.questions.consensus import Consensus, agree, consensus, picked_option
 from wmspec.runtime.questions.kinds.labels import LabelAnswer
 from wmspec.runtime.questions.kinds.numbers import NumberAnswer
 from wmspec.runtime.questions.kinds.pictures import PictureAnswer
@@ -83,7 +83,7 @@ def test_pictures_agree_where_each_picks_the_others_truth() -> None:
     mine, near, far = (picture(e, x, 0.2, 0.4) for e, x in zip(ENGINES, (0.0, 0.05, 0.19), strict=True))
     assert agree(mine, near)
     assert not agree(mine, far)
-    assert picked(mine, far) == 1
+    assert picked_option(mine, far) == 1
     assert kept("majority", mine, near, far) == "mp"
     assert kept("all", mine, near, far) == ""
 
@@ -95,25 +95,25 @@ def test_options_that_differ_in_looks_alone_are_told_apart_by_look(slot: int) ->
     mine = picture("mujoco", 0.0, 0.0, 0.4, looks=looks, slot=slot)
     near = picture("pybullet", 0.01, 0.01, 0.41, looks=looks, slot=slot)
     blue = picture("sapien", 0.0, 0.0, 0.4, looks=("blue", "red", "red"), slot=slot)
-    assert picked(mine, near) == slot
+    assert picked_option(mine, near) == slot
     assert agree(mine, near)
-    assert mine.options[picked(mine, blue) or 0].name == "other_1"
+    assert mine.options[picked_option(mine, blue) or 0].name == "other_1"
     assert not agree(mine, blue)
 
 
 @pytest.mark.parametrize("slot", [0, 1, 2])
 def test_what_nothing_tells_apart_is_not_picked(slot: int) -> None:
     mine, other = picture("mujoco", 0.0, 0.0, 0.4, slot=slot), picture("sapien", 0.01, 0.01, 0.4, slot=slot)
-    assert picked(mine, other) is None
+    assert picked_option(mine, other) is None
     assert not agree(mine, other)
 
 
 def test_a_body_that_is_gone_is_far_from_one_that_is_there() -> None:
     mine, other = picture("mujoco", 0.0, 0.2, 0.4), picture("sapien", 0.21, 0.2, 0.4)
-    assert picked(mine, other) == 1
+    assert picked_option(mine, other) == 1
     assert isinstance(other.evidence, PictureAnswer)
     gone = replace(other, evidence=replace(other.evidence, outcomes=np.full_like(other.evidence.outcomes, np.nan)))
-    assert picked(mine, gone) is None, "no nearer to one than to another"
+    assert picked_option(mine, gone) is None, "no nearer to one than to another"
 
 
 def test_open_numbers_agree_within_what_is_allowed() -> None:

@@ -60,7 +60,7 @@ def test_open_numbers_and_named_questions_and_truths() -> None:
 def test_bodies_inside_one_another_are_refused() -> None:
     body = """object a { size: 8 cm  on: table at (0, 0) } object b { size: 8 cm  color: red  on: table at (%s cm, 0) }
       observe front at [0 s]  question "Large?" { options [a, b]  answer largest([a, b]) }"""
-    assert refused(body % "7.8") == "overlap: a and b are 2.0 mm deep in one another at the start"
+    assert refused(body % "7.8") == "overlap: a and b are 2.0 mm deep in each other at the start"
     assert one(body % "7.95").options  # half a millimetre is touching
 
 

@@ -92,7 +92,7 @@ def test_what_differs_in_looks_alone_is_an_option_wherever_the_truth_stands(chan
     engines = [TraceCache("mujoco"), TraceCache("pybullet")]
     (verdict,) = check(design, 0, engines, Tolerances()).verdicts
     assert verdict.agree
-    assert verdict.asked
+    assert verdict.is_accepted
 
 
 def test_options_in_the_same_place_that_look_the_same_are_too_near() -> None:

@@ -12,7 +12,7 @@ from tests.engines import ENGINES
 from tests.language.specs import task_from
 from wmspec.compile.design.design import Design
 from wmspec.lang.check.ir.evaluate import evaluate
-from wmspec.runtime.questions.question_context import Asking
+from wmspec.runtime.questions.question_context import QuestionContext
 from wmspec.runtime.questions.runs import execute
 
 G = 9.81
@@ -103,7 +103,7 @@ def answers(engine: str) -> dict[str, object]:
     run = execute(design, design[1], None, engines)
     found = {}
     for text, question in zip(asked, design.spec.questions, strict=True):
-        asking = Asking(question, run, partial(execute, design, design[1], pair=engines), engines)
+        asking = QuestionContext(question, run, partial(execute, design, design[1], pair=engines), engines)
         found[text] = evaluate(question.answer, asking.measured)
     return found
 

@@ -13,7 +13,7 @@ from tests.ask.asking import SCENE, pair
 from tests.language.specs import task_from
 from wmspec.compile.design.design import Design
 from wmspec.runtime.questions.ask import ask, closed_slot
-from wmspec.runtime.questions.closed_sets import ask_whole, kept_whole
+from wmspec.runtime.questions.closed_sets import ask_complete, drop_incomplete_groups
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.kinds.pictures import PictureAnswer
 from wmspec.runtime.questions.model import QuestionRow, Rejected
@@ -108,12 +108,12 @@ def test_a_member_that_fails_rejects_its_group() -> None:
     spec = design().spec
     kept: Any = [_Row()]
     broken = Rejected("t", 2, 0, "a", "unseen", "the box: 3 pixels")
-    found = kept_whole(spec, {1: kept, 2: [broken]})
+    found = drop_incomplete_groups(spec, {1: kept, 2: [broken]})
     assert found[2] == [broken]
     assert found[1] == [Rejected("t", 1, 0, "a", "group", "instance 2 in a: unseen: the box: 3 pixels")]
-    assert kept_whole(spec, {1: kept})[1] == kept
+    assert drop_incomplete_groups(spec, {1: kept})[1] == kept
     opened = replace(spec, questions=(replace(spec.questions[0], orbit=()),))
-    assert kept_whole(opened, {1: kept, 2: [broken]})[1] == kept
+    assert drop_incomplete_groups(opened, {1: kept, 2: [broken]})[1] == kept
 
 
 class _Row:
@@ -125,7 +125,7 @@ class _Row:
 @pytest.mark.engine
 def test_an_instance_is_asked_as_its_group_is() -> None:
     of = design("distinct by 0.3 cm  ensure displacement(crate) > 8 cm")
-    reasons = {i: [getattr(a, "reason", "") for a in ask_whole(of, i, pair())] for i in of.blocks.members(0)}
+    reasons = {i: [getattr(a, "reason", "") for a in ask_complete(of, i, pair())] for i in of.blocks.members(0)}
     assert {reason for found in reasons.values() for reason in found} == {"ensure", "group"}
 
 
@@ -143,7 +143,7 @@ def test_an_outcome_that_is_of_no_kind_is_not_asked_about() -> None:
     question = replace(of.spec.questions[0], kinds=of.spec.questions[0].kinds[:1])
     (found,) = ask(Design(replace(of.spec, questions=(question,))), 0, pair())
     assert isinstance(found, Rejected)
-    assert (found.reason, found.detail.partition(" is ")[2]) == ("ensure", "of none of the kinds shoved")
+    assert (found.reason, found.detail.partition(" matches ")[2]) == ("ensure", "none of the kinds shoved")
 
 
 # ---------------------------------------------------------------- turns
@@ -168,9 +168,9 @@ def test_what_differs_in_a_turn_alone_is_decided_by_the_turn(lever: float) -> No
 
 def test_a_turn_that_cannot_be_seen_counts_for_nothing() -> None:
     ball = answer(0.0, 0.6, axis=0.0)
-    assert ball.apart(ball.outcomes[0], ball.outcomes[1]) == 0
+    assert ball.distance(ball.outcomes[0], ball.outcomes[1]) == 0
     bar = answer(0.0, 0.6)
-    assert bar.apart(bar.outcomes[0], bar.outcomes[1]) == pytest.approx(0.06)
+    assert bar.distance(bar.outcomes[0], bar.outcomes[1]) == pytest.approx(0.06)
 
 
 TIPPED = """
@@ -191,7 +191,7 @@ def test_options_are_told_apart_by_a_turn_that_is_large_enough(by: str, kept: bo
     assert isinstance(found, QuestionRow) == kept, found
     if isinstance(found, Rejected):
         assert found.reason == "alike"
-        assert ("turned by 60°" in found.detail) == ("deg" in by)
+        assert ("rotated by 60°" in found.detail) == ("deg" in by)
 
 
 # ---------------------------------------------------------------- each other level, and an action more

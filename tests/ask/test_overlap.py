@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wmspec.runtime.questions.runs import DEEP, _near, _touched
+from wmspec.runtime.questions.runs import MAX_OVERLAP, _near, _touched
 from wmspec.sim.scene.model import Body, Geom, Pose
 from wmspec.sim.scene.model.bounds import bounds
 from wmspec.sim.scene.model.transform import apply, compose
@@ -101,6 +101,8 @@ def test_every_pair_is_looked_at_that_may_lie_in_one_another(places: list[tuple[
         for i, j in combinations(range(len(pieces)), 2)
         if pieces[i][0] is not pieces[j][0]
         and "kinematic" in (pieces[i][0].motion, pieces[j][0].motion)
-        and (np.minimum(pieces[i][3][1], pieces[j][3][1]) - np.maximum(pieces[i][3][0], pieces[j][3][0]) > DEEP).all()
+        and (
+            np.minimum(pieces[i][3][1], pieces[j][3][1]) - np.maximum(pieces[i][3][0], pieces[j][3][0]) > MAX_OVERLAP
+        ).all()
     ]
     assert [(a[0].name, b[0].name) for a, b in _near(pieces)] == expected

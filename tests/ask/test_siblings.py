@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import wmspec
-from wmspec.compile.stage.episode import built
+from wmspec.compile.stage.episode import build_document
 from wmspec.core.resources import resource
 from wmspec.runtime.caches.scene_cache import SceneCache
 from wmspec.runtime.questions.runs import values_of
@@ -26,7 +26,7 @@ def test_an_option_is_a_sibling(path: str) -> None:
             index = task.design.index(one.factors | change.levels, one.block)
             assert index is not None
             sibling = values_of(task.design, task.design[index])
-            assert built(values) == built(sibling)
+            assert build_document(values) == build_document(sibling)
             assert scenes.of(values) is scenes.of(sibling)
             assert scenes.of(values) is not mine
             shared += 1

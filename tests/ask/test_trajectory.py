@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmspec.compile.layout.paths import named, turned, walked
-from wmspec.runtime.questions.trajectory import form
+from wmspec.compile.layout.paths import named_path, rotated_points, timed_points
+from wmspec.runtime.questions.trajectory import path_form
 
 FORMS = ("straight", "arc", "zigzag", "circle", "back_and_forth", "square", "triangle")
 
 
 def path(form: str, length: float, width: float, angle: float, samples: int) -> np.ndarray:
-    points, times = walked(turned(named(form, length, width), angle), 2.0)
+    points, times = timed_points(rotated_points(named_path(form, length, width), angle), 2.0)
     at = np.linspace(0, 2, samples)
     return np.stack([np.interp(at, times, [p[i] for p in points]) for i in range(3)], axis=1)
 
@@ -27,30 +27,30 @@ def test_the_paths_of_follow_are_told_with_a_millimetre_of_noise(
     name: str, length: float, share: float, angle: float, samples: int, seed: int
 ) -> None:
     made = path(name, length, max(share * length, 0.04), angle, samples)
-    assert form(made) == name
+    assert path_form(made) == name
     noise = np.random.default_rng(seed).uniform(-0.001, 0.001, made.shape)
-    assert form(made + noise) == name
+    assert path_form(made + noise) == name
 
 
 @pytest.mark.parametrize("name", sorted({*FORMS} - {"triangle"}))  # of which two corners lie between nine places
 def test_a_few_relocations_are_enough(name: str) -> None:
     """What is put from place to place between pictures is told by where it was."""
-    assert form(np.repeat(path(name, 0.4, 0.12, 0.3, 9), 60, axis=0)) == name
+    assert path_form(np.repeat(path(name, 0.4, 0.12, 0.3, 9), 60, axis=0)) == name
 
 
 def test_what_is_thrown_flies_an_arc() -> None:
     t = np.linspace(0, 0.5, 121)
-    assert form(np.stack([2 * t, 0 * t, 2.4 * t - 4.905 * t**2], axis=1)) == "arc"
+    assert path_form(np.stack([2 * t, 0 * t, 2.4 * t - 4.905 * t**2], axis=1)) == "arc"
 
 
 def test_a_single_sharp_corner_has_no_name() -> None:
     t = np.linspace(0, 1, 200)[:, None]
     legs = np.concatenate([t * [0.3, 0, 0], [0.3, 0, 0] + t * [0, 0.3, 0]])
-    assert form(legs) is None
+    assert path_form(legs) is None
 
 
 def test_a_short_rest_before_and_after_changes_nothing() -> None:
     for name in FORMS:
         made = path(name, 0.4, 0.1, 1.0, 300)
         rested = np.concatenate([np.repeat(made[:1], 80, axis=0), made, np.repeat(made[-1:], 80, axis=0)])
-        assert form(rested) == name
+        assert path_form(rested) == name

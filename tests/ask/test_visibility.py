@@ -34,7 +34,7 @@ def test_a_silhouette_is_what_the_engine_draws(shape: str) -> None:
     assert outline.inside == outline.all
     assert drawn == pytest.approx(outline.inside, rel=0.05, abs=6)
     assert visibility.occluded(observed, "a", "front") < 0.05
-    assert visibility.hidden_at_most(observed, i, LOOK) >= visibility.hidden(observed, i, LOOK)
+    assert visibility.hidden_share_bound(observed, i, LOOK) >= visibility.hidden_share(observed, i, LOOK)
     assert visibility.visible(observed, "a", "front") == drawn / observed.picture(*LOOK).ids.size
 
 
@@ -46,7 +46,7 @@ def test_half_of_it_is_behind_another() -> None:
     alone = int((seen(an("far", "0 cm, 11 cm")).picture(*LOOK).ids == i - 1).sum())
     assert hidden == pytest.approx(1 - (ids == i).sum() / alone, abs=0.05)
     assert visibility.occluded(observed, "near", "front") < 0.05
-    assert 1 > visibility.hidden_at_most(observed, i, LOOK) >= hidden
+    assert 1 > visibility.hidden_share_bound(observed, i, LOOK) >= hidden
 
 
 def test_the_same_color_does_not_stand_out() -> None:
@@ -60,7 +60,7 @@ def test_what_is_outside_has_no_silhouette() -> None:
     i = observed.index("b")
     outline = visibility.outline(observed, i, LOOK)
     assert (outline.inside, outline.all) == (0, 0)
-    assert visibility.hidden(observed, i, LOOK) == visibility.hidden_at_most(observed, i, LOOK) == 1
+    assert visibility.hidden_share(observed, i, LOOK) == visibility.hidden_share_bound(observed, i, LOOK) == 1
     assert visibility.contrast(observed, "b", "front") == 0
 
 
@@ -127,7 +127,9 @@ def test_a_silhouette_is_that_of_a_camera_where_it_has_been_taken() -> None:
     for view in observed.views:
         drawn = int((observed.picture(*view).ids == i).sum())
         assert drawn == pytest.approx(visibility.outline(observed, i, view).inside, rel=0.05, abs=6)
-    assert visibility.visible(observed, "block", "eye") == pytest.approx(visibility.share(observed, i, ("eye", 0.0)))
+    assert visibility.visible(observed, "block", "eye") == pytest.approx(
+        visibility.visible_share(observed, i, ("eye", 0.0))
+    )
 
 
 SCREEN = "object wall { shape: box  size: (80 cm, 4 cm, 40 cm)  color: gray  on: table at (0, -10 cm) }"

@@ -6,9 +6,9 @@ import pytest
 
 from tests.ask.asking import SCENE
 from tests.language.specs import task_from
-from wmspec.compile.layout.values import Values
-from wmspec.runtime.questions.referring_expressions import Ambiguous, described, together
-from wmspec.runtime.questions.verbalize import question_text, say, say_option, written
+from wmspec.compile.layout.evaluator import Evaluator
+from wmspec.runtime.questions.referring_expressions import Ambiguous, group_expression, referring_expression
+from wmspec.runtime.questions.verbalize import format_expression, question_text, verbalize, verbalize_option
 
 TASK = """{objects}
   object other {{ shape: cone  color: green  on: table at (0, 20 cm) }}
@@ -16,11 +16,11 @@ TASK = """{objects}
   {more}"""
 
 
-def values(objects: str, more: str = "") -> Values:
-    return Values(task_from(SCENE.format(body=TASK.format(objects=objects, more=more))), {})
+def values(objects: str, more: str = "") -> Evaluator:
+    return Evaluator(task_from(SCENE.format(body=TASK.format(objects=objects, more=more))), {})
 
 
-def two(first: str, second: str) -> Values:
+def two(first: str, second: str) -> Evaluator:
     return values(f"object a {{ color: red  {first} }}  object b {{ color: red  {second} }}")
 
 
@@ -40,7 +40,7 @@ def two(first: str, second: str) -> Values:
 )
 def test_what_tells_two_objects_apart(first: str, second: str, a: str, b: str) -> None:
     both = two(first, second) if "color" not in first else values(f"object a {{ {first} }}  object b {{ {second} }}")
-    assert (described("a", both), described("b", both)) == (a, b)
+    assert (referring_expression("a", both), referring_expression("b", both)) == (a, b)
 
 
 @pytest.mark.parametrize(
@@ -59,24 +59,24 @@ def test_what_is_on_the_left_is_so_in_the_pictures(cameras: tuple[str, ...], sai
       camera other { at: (5 cm, 1 m, 50 cm)  look_at: (0, 0, 0) }
       camera rider { ride: b  at: (0, 0, 10 cm)  look_at: (-1 m, 0, 0) }
       """ + " ".join(f"observe {camera} at [0 s]" for camera in cameras)
-    assert described("a", Values(task_from(SCENE.format(body=body)), {})) == f"the red cube {said}"
+    assert referring_expression("a", Evaluator(task_from(SCENE.format(body=body)), {})) == f"the red cube {said}"
 
 
 def test_what_is_not_there_needs_no_telling_apart() -> None:
-    assert described("b", two("present: false", "")) == "the red cube"
+    assert referring_expression("b", two("present: false", "")) == "the red cube"
 
 
 def test_the_largest_of_three() -> None:
     three = values("".join(f"object {n} {{ color: red  size: {s} cm }} " for n, s in (("a", 4), ("b", 6), ("c", 9))))
-    assert described("a", three) == "the smallest red cube"
-    assert described("c", three) == "the largest red cube"
+    assert referring_expression("a", three) == "the smallest red cube"
+    assert referring_expression("c", three) == "the largest red cube"
     with pytest.raises(Ambiguous):
-        described("b", three)
+        referring_expression("b", three)
 
 
 def test_nothing_tells_them_apart() -> None:
     with pytest.raises(Ambiguous, match="`a` and `b` are both a red cube"):
-        described("a", two("", ""))
+        referring_expression("a", two("", ""))
 
 
 @pytest.mark.parametrize(
@@ -100,8 +100,8 @@ def test_nothing_tells_them_apart() -> None:
 )
 def test_values(value: object, sort: str, said: str, option: str) -> None:
     there = values("")
-    assert say(value, sort, there) == said
-    assert say_option(value, sort, there) == option
+    assert verbalize(value, sort, there) == said
+    assert verbalize_option(value, sort, there) == option
 
 
 def test_expressions_read_as_they_were_written() -> None:
@@ -113,10 +113,10 @@ def test_expressions_read_as_they_were_written() -> None:
     first, second = spec.questions
     assert first.difference is not None
     assert second.difference is not None
-    assert written(first.answer) == "count(blocks)"
-    assert written(first.difference.value) == "(speed(other) + 1) / speed(other)"
-    assert written(second.difference.value) == "- other.size"
-    assert written(second.answer) == "if moved(other) then yes else no"
+    assert format_expression(first.answer) == "count(blocks)"
+    assert format_expression(first.difference.value) == "(speed(other) + 1) / speed(other)"
+    assert format_expression(second.difference.value) == "- other.size"
+    assert format_expression(second.answer) == "if moved(other) then yes else no"
 
 
 @pytest.mark.parametrize(
@@ -130,9 +130,9 @@ def test_expressions_read_as_they_were_written() -> None:
 def test_several_are_said_together_where_nothing_else_is_called_so(look: str, said: str) -> None:
     many = f"objects many[3] {{ {look}  at: (index * 20 cm, 0, 0) }}"
     names = tuple(t.name for t in values(many).spec.things if t.set == "many")
-    assert say(names, "list of objects", values(many)) == said
+    assert verbalize(names, "list of objects", values(many)) == said
     others = f"objects others[3] {{ {look}  at: (index * 20 cm, 50 cm, 0) }}"
-    assert together(names, values(f"{many} {others}")) is None
+    assert group_expression(names, values(f"{many} {others}")) is None
 
 
 def test_an_article_before_an_object_is_that_of_the_text() -> None:

@@ -17,7 +17,7 @@ from tests.assets.specs import CABINET, here, named, scene, spec
 from tests.assets.test_usd_meshes import written
 from tests.engines import ENGINES, installed
 from wmspec.sim.scene.model import Array, Pose, Scene, Trace
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 
 #: What tests/assets/pendulum.urdf says: mass (kg), from the pivot to the centre of mass (m), moment about that (kg m²).
 MASS, ARM, MOMENT = 0.8, 0.3, 0.02
@@ -108,7 +108,7 @@ def test_a_mesh_of_usd_falls_and_rests_as_the_cube_that_it_is(engine: str, tmp_p
         trace = executed(engine, found)
         i = [b.name for b in found.bodies].index("a")
         bodies = replace(named(found, "a"), pose=Pose(trace.position[-1, i], trace.orientation[-1, i]))
-        ends.append(upright(bodies.geoms, bodies.pose))
+        ends.append(world_box(bodies.geoms, bodies.pose))
         assert np.linalg.norm(trace.position[-1, i] - trace.position[-10, i]) < 1e-4
     for low, high in ends:
         assert low[2] == pytest.approx(0, abs=1e-3)

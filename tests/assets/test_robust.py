@@ -1,4 +1,4 @@
-"""Whatever is in the file of an asset, the answer is a diagnostic, soon, and never a traceback."""
+"""Any content of an asset file leads to a diagnostic in bounded time, and never to a traceback."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ SPEC = 'task t : custom {\nobject a { file: "NAME" }\ncamera front { at: (0, -3 
 
 
 def told(folder: Path, content: bytes, name: str = "a.urdf") -> list[str]:
-    """The codes of all that is wrong with a spec that names this asset, each of which can be shown."""
+    """The codes of all diagnostics of a spec that names this asset; each can be formatted."""
     (folder / name).write_bytes(content)
     report = Report()
     source = Source(str(folder / "spec.wms"), SPEC.replace("NAME", name))
@@ -72,7 +72,7 @@ def test_mutated_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataO
 @examples(60, 600)
 @given(data=st.data())
 def test_mutated_words_of_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
-    """Well formed, but names and numbers go astray."""
+    """Well-formed, with wrong names and numbers."""
     words = data.draw(st.sampled_from(TEXTS)).split('"')
     for _ in range(data.draw(st.integers(1, 4))):
         i = 1 + 2 * data.draw(st.integers(0, len(words) // 2 - 1))
@@ -109,7 +109,7 @@ def test_what_is_too_large_is_refused_soon(tmp_path: Path, what: str) -> None:
 
 
 def test_a_long_chain_is_no_problem(tmp_path: Path) -> None:
-    """As many links as there may be, each held by the one before: nothing recurses."""
+    """A chain of the maximum number of links: nothing recurses."""
     robot = ["<robot>", LINK.format(0)]
     for i in range(1, 500):
         robot += [LINK.format(i), JOINT.format(i, i - 1).replace("<child", '<origin xyz="0.3 0 0"/><child')]
@@ -136,7 +136,7 @@ STAGES = [(HERE / name).read_text() for name in ("balance.usda", "box.usda")]
 @examples(20, 200)
 @given(data=st.data())
 def test_mutated_stages(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
-    """A new file for each, since USD remembers those that it has opened."""
+    """A new file for each, since USD caches opened files."""
     lines = data.draw(st.sampled_from(STAGES)).split("\n")
     for _ in range(data.draw(st.integers(1, 4))):
         i = data.draw(st.integers(4, len(lines) - 1))

@@ -10,7 +10,7 @@ import trimesh
 
 from tests.assets.specs import HERE, named, scene, spec
 from wmspec.sim.scene.model import Body
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.scene.model.transform import apply
 from wmspec.sim.shapes import Mesh
 
@@ -57,7 +57,7 @@ def test_a_scaled_mesh_is_the_mesh_that_was_scaled(folder: Path, scale: tuple[fl
     assert one.inertia is not None
     assert other.inertia is not None
     assert one.inertia.mass == pytest.approx(other.inertia.mass, rel=1e-6)
-    assert upright(one.geoms, one.pose)[0][2] == pytest.approx(0, abs=1e-6)
+    assert world_box(one.geoms, one.pose)[0][2] == pytest.approx(0, abs=1e-6)
 
 
 @pytest.mark.parametrize("scale", SCALES)

@@ -15,7 +15,7 @@ from wmspec.compile.design.design import Design
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose as composed
 from wmspec.sim.scene.model import Body, Scene
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.scene.model.transform import apply, compose, rotation
 from wmspec.sim.usd import read
 
@@ -49,7 +49,7 @@ def test_bodies_are_those_of_the_stage(tmp_path: Path, name: str) -> None:
 
 
 def corners(body: Body) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
-    return np.asarray(upright(body.geoms, body.pose))
+    return np.asarray(world_box(body.geoms, body.pose))
 
 
 @pytest.mark.parametrize("name", ["pivot", "string", "hook"])

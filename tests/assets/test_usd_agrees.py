@@ -20,9 +20,9 @@ from wmspec.compile.design.design import Design
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose as composed
 from wmspec.core.diagnostics import WmsError
-from wmspec.sim.scene.joints.articulations import coordinate, relative
+from wmspec.sim.scene.joints.articulations import joint_coordinate, relative_frame
 from wmspec.sim.scene.model import Array, Body, Geom, Joint, Scene, Trace
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.scene.model.transform import apply, compose, inverse, multiply, rotate, rotation
 from wmspec.sim.shapes import SHAPES
 from wmspec.sim.usd import read
@@ -245,7 +245,7 @@ def middle(body: Body) -> Array:
     """
     if body.inertia is not None:
         return body.inertia.center
-    return np.asarray(apply(inverse(body.pose), np.mean(upright(body.geoms, body.pose), axis=0)))
+    return np.asarray(apply(inverse(body.pose), np.mean(world_box(body.geoms, body.pose), axis=0)))
 
 
 def surfaces(bodies: list[Body]) -> list[tuple[float, ...]]:
@@ -255,7 +255,7 @@ def surfaces(bodies: list[Body]) -> list[tuple[float, ...]]:
 
 
 def touched(body: Body, geom: Geom) -> Array:
-    return np.concatenate([*upright((geom,), body.pose), (geom.friction.dynamic, geom.friction.restitution)])
+    return np.concatenate([*world_box((geom,), body.pose), (geom.friction.dynamic, geom.friction.restitution)])
 
 
 def agree(found: Scene, wanted: Scene, names: dict[str, str]) -> None:
@@ -299,10 +299,10 @@ def _alike(wanted: Joint, found: Scene, of: Scene, names: dict[str, str]) -> Non
     places = []
     for one, scene_ in ((joint, found), (wanted, of)):
         bodies = {body.name: body for body in scene_.bodies}
-        start = relative(bodies, one.first, one.second, one.first_frame, one.second_frame)
+        start = relative_frame(bodies, one.first, one.second, one.first_frame, one.second_frame)
         at = compose(bodies[one.second].pose, one.second_frame)
         axis = rotate(at.orientation, np.array([1.0, 0, 0]))
-        places.append((coordinate(one, start) if one.kind != "fixed" else 0.0, at.position, axis))
+        places.append((joint_coordinate(one, start) if one.kind != "fixed" else 0.0, at.position, axis))
     if joint.kind != "fixed":
         np.testing.assert_allclose(places[0][1], places[1][1], atol=1e-5)
         assert places[0][0] == pytest.approx(places[1][0], abs=1e-5)
@@ -385,7 +385,7 @@ def test_shapes_of_ours_that_usd_does_not_have(tmp_path: Path) -> None:
         f"object o{i} {{ shape: {kind}  {more}  at: ({i} m, 0, 1 m)  fixed: {str(kind == 'plane').lower()} }}\n"
         for i, (kind, more) in enumerate(
             {
-                **{kind: "size: 20 cm" for kind, shape in SHAPES.items() if shape.takes("size")},
+                **{kind: "size: 20 cm" for kind, shape in SHAPES.items() if shape.accepts("size")},
                 "sweep": "thickness: 2 cm  along: [(0 cm, 0 cm, 0 cm), (20 cm, 0 cm, 0 cm), (20 cm, 10 cm, 5 cm)]",
                 "lathe": "profile: [(0 cm, 0 cm), (10 cm, 0 cm), (4 cm, 20 cm)]",
                 "extrude": "depth: 10 cm  outline: [(0 cm, 0 cm), (20 cm, 0 cm), (20 cm, 10 cm), (10 cm, 20 cm)]",

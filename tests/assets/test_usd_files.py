@@ -11,7 +11,7 @@ from pxr import Usd, UsdGeom
 from tests.assets.specs import checked
 from tests.assets.test_usd_meshes import ANGLE, QUADS, body, quads, solid, ways, written
 from tests.work import calls
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 
 # ---------------------------------------------------------------- without any physics
 
@@ -48,7 +48,7 @@ def Xform "cup" {{
     assert found.motion == "dynamic"
     assert [(g.collides, g.visible) for g in found.geoms] == [(True, True), (True, True), (False, True)]
     np.testing.assert_allclose(found.pose.position, (0, 0, 0.05), atol=1e-6)
-    np.testing.assert_allclose(upright(found.geoms, found.pose), [(-0.03, -0.03, 0), (0.03, 0.03, 0.12)], atol=1e-6)
+    np.testing.assert_allclose(world_box(found.geoms, found.pose), [(-0.03, -0.03, 0), (0.03, 0.03, 0.12)], atol=1e-6)
     assert found.inertia is not None
     assert found.inertia.mass == pytest.approx(500 * (0.06 * 0.06 * 0.1 + 4 / 3 * np.pi * 0.01**3), rel=1e-5)
 
@@ -80,7 +80,7 @@ def test_instances_are_meshes_like_others(tmp_path: Path) -> None:
     (tmp_path / "pair.usda").write_text(f'#usda 1.0\n(\nmetersPerUnit = 1\nupAxis = "Z"\n)\n{wrapped}\n{held}')
     found = body(tmp_path, 'object a { file: "pair.usda"  at: (0, 0, 0) }')
     assert [g.collides for g in found.geoms] == [True] * 4
-    np.testing.assert_allclose(upright(found.geoms, found.pose), [(-1, -2, -2), (7, 2, 2)], atol=1e-6)
+    np.testing.assert_allclose(world_box(found.geoms, found.pose), [(-1, -2, -2), (7, 2, 2)], atol=1e-6)
     proxy = body(tmp_path, 'object a { file: "pair.usda#/pair/b"  at: (0, 0, 0) }')
     assert solid(proxy).volume == pytest.approx(64, rel=1e-5)
 

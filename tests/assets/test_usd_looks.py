@@ -153,13 +153,13 @@ def test_a_package_is_read_but_for_its_pictures(tmp_path: Path) -> None:
 #: What is changed of a material: the shader, its input, the value, and what is said about it.
 ODD = [
     ("texture", "sourceColorSpace", "raw", "not in sRGB"),
-    ("texture", "bias", (0.1, 0, 0, 0), "not only tinted"),
-    ("texture", "scale", (2, 1, 1, 1), "not only tinted"),
+    ("texture", "bias", (0.1, 0, 0, 0), "has a bias or a scale outside"),
+    ("texture", "scale", (2, 1, 1, 1), "has a bias or a scale outside"),
     ("texture", "file", "none.png", "is not found"),
     ("texture", "file", "box.usda", "no picture that can be read"),
     ("texture", "file", "../four.png", "is not found"),
     ("texture", "file", "../outside.png", "there is no picture `outside.png` below the spec's folder"),
-    ("reader", "varname", "other", "its image lies by the texture coordinates 'other'"),
+    ("reader", "varname", "other", "its image uses the texture coordinates 'other'"),
     ("surface", "opacity", 0.5, "transparency"),
 ]
 TYPES = {"sourceColorSpace": "Token", "varname": "String", "file": "Asset", "opacity": "Float"}

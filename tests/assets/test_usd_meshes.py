@@ -12,7 +12,7 @@ import trimesh
 
 from tests.assets.specs import checked, named, scene, spec, tensor
 from wmspec.sim.scene.model import Body
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.scene.model.transform import apply
 from wmspec.sim.shapes import Box, Mesh
 
@@ -91,7 +91,7 @@ def test_a_cube_of_polygons_is_a_cube(tmp_path: Path, said: dict[str, Any], left
         assert isinstance(other.geoms[0].shape, Box)
         size = float(said["meters"])
         assert solid(one).volume == pytest.approx(other.geoms[0].shape.volume, rel=1e-5)
-        np.testing.assert_allclose(upright(one.geoms, one.pose), upright(other.geoms, other.pose), atol=1e-5 * size)
+        np.testing.assert_allclose(world_box(one.geoms, one.pose), world_box(other.geoms, other.pose), atol=1e-5 * size)
         assert one.inertia is not None
         assert other.inertia is not None
         assert one.inertia.mass == pytest.approx(other.inertia.mass, rel=1e-5)

@@ -19,8 +19,8 @@ from tests.shared import Shared
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.audit import balance
 from wmspec.dataset.audit.audit import audit
-from wmspec.dataset.audit.cases import Enlarging, units
-from wmspec.dataset.audit.duplicates import duplicates, enlarged, judged
+from wmspec.dataset.audit.cases import FullSizePictures, units
+from wmspec.dataset.audit.duplicates import duplicate_findings, duplicates, mark_faint
 from wmspec.dataset.audit.model import Audit, Finding
 from wmspec.dataset.build.files import digest
 from wmspec.dataset.build.reader import DatasetReader
@@ -69,14 +69,14 @@ def doubled(folder: Path) -> list[Finding]:
     dataset = DatasetReader.open(folder)
     (task,) = dataset.tasks
     (unit,) = units(dataset, task, 2000)
-    return judged(unit, enlarged(unit, duplicates(unit), Enlarging(dataset, task)))
+    return duplicate_findings(unit, mark_faint(unit, duplicates(unit), FullSizePictures(dataset, task)))
 
 
 def balanced(folder: Path) -> list[Finding]:
     """What it finds about the balance of places and answers, likewise."""
     dataset = DatasetReader.open(folder)
     tested = (balance.tests(unit) for task in dataset.tasks for unit in units(dataset, task, 2000))
-    return [balance.judge(test) for test in balance.weighed([test for tests in tested for test in tests])]
+    return [balance.judge(test) for test in balance.corrected_tests([test for tests in tested for test in tests])]
 
 
 def share(found: Audit, sees: str) -> float:
@@ -107,7 +107,7 @@ def test_a_sound_dataset_passes(name: str, audited: Audited) -> None:
     (line,) = found.summaries
     assert line.verdict != "fails"
     assert line.groups >= 30
-    assert all("would have been found" in f.what for f in held)
+    assert all("would have been detected" in f.what for f in held)
 
 
 # ---------------------------------------------------------------- shortcuts
@@ -136,7 +136,7 @@ def test_the_other_probes_see_nothing_of_a_last_picture_that_tells(audited: Audi
     assert all("from the best single picture (picture 2: pixels)" in f.what for f in failing(found))
     (told,) = [f for f in found.findings if "from picture 2: pixels alone" in f.what]
     assert told.verdict == "told"
-    assert "the best of them is judged" in told.what
+    assert "only the best of these probes is judged" in told.what
 
 
 def still(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
@@ -151,7 +151,7 @@ def test_a_question_about_one_moment_may_be_answered_from_its_picture(tmp_path: 
     assert found.passed
     (told,) = [f for f in found.findings if "from picture 1: pixels alone" in f.what]
     assert told.verdict == "told"
-    assert "no more moments than it sees" in told.what
+    assert "as many moments as the answer requires" in told.what
 
 
 def test_what_holds_from_the_start_may_be_seen_at_any_moment(tmp_path: Path) -> None:
@@ -170,12 +170,12 @@ def test_too_few_questions_are_said_to_be_too_few(audited: Audited) -> None:
     assert any("groups are too few" in f.what and f.verdict == "unclear" for f in found.findings)
     assert found.summaries[0].verdict == "unclear"
     found = audited("race of 40")
-    assert any(f.verdict == "unclear" and "too few questions to tell" in f.what for f in found.findings)
+    assert any(f.verdict == "unclear" and "too few questions for a conclusion" in f.what for f in found.findings)
 
 
 def test_engines_are_not_counted_as_questions(tmp_path: Path) -> None:
     found = look(make(tmp_path / "made", "race", race(), 40, engines=("mujoco", "pybullet")))
-    assert {p.asked for p in found.probes} == {40}
+    assert {p.questions for p in found.probes} == {40}
     assert max(sum(map(sum, t.counts)) for t in found.tests) == 40
 
 
@@ -192,13 +192,13 @@ def leaning(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
 
 def test_a_place_that_goes_with_a_factor_fails(tmp_path: Path) -> None:
     found = balanced(make(tmp_path / "made", "race", leaning, 240))
-    assert any("place of the truth goes with tone" in f.what for f in found if f.verdict == "fails")
+    assert any("place of the truth depends on tone" in f.what for f in found if f.verdict == "fails")
 
 
 def test_a_favoured_place_fails_and_the_deciding_factor_is_told(audited: Audited) -> None:
     found = audited("race favoured")
     assert any("the place of the truth is not uniform" in f.what for f in failing(found, "balance"))
-    (decides,) = [f for f in found.findings if "answer goes with faster" in f.what]
+    (decides,) = [f for f in found.findings if "answer depends on faster" in f.what]
     assert decides.verdict == "told"
 
 
@@ -246,7 +246,7 @@ def test_the_same_question_with_another_answer_fails(noise: int, tmp_path: Path)
 def test_what_only_who_enlarges_can_tell_apart_is_told(tmp_path: Path) -> None:
     (finding,) = doubled(make(tmp_path / "made", "race", copied(True, darker=5), 320))
     assert finding.verdict == "told"
-    assert "1 pair of questions can be told apart by who enlarges" in finding.what
+    assert "1 pair of questions are distinguishable only at full picture size" in finding.what
 
 
 @pytest.mark.parametrize(("noise", "exact"), [(0, "1 to the byte"), (3, "0 to the byte")])
@@ -326,7 +326,7 @@ def cut(path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("damage", "said"),
-    [(flip, "not as it was written"), (cut, "not as it was written"), (Path.unlink, "gone")],
+    [(flip, "was modified"), (cut, "was modified"), (Path.unlink, "is missing")],
 )
 def test_every_damaged_file_is_named_and_what_is_whole_is_looked_at(
     damage: Callable[[Path], None], said: str, tmp_path: Path
@@ -338,7 +338,7 @@ def test_every_damaged_file_is_named_and_what_is_whole_is_looked_at(
     found = look(tmp_path)
     (files,) = failing(found, "files")
     assert files.task == "collide"
-    assert all(f"{path.relative_to(tmp_path)} is {said}" in files.what for path in wrong)
+    assert all(f"{path.relative_to(tmp_path)} {said}" in files.what for path in wrong)
     assert "wmspec generate" in files.what
     assert [f.check for f in found.findings if f.task == "collide"] == ["files"]
     assert any(f.task == "motion_speed" and f.check == "counts" for f in found.findings)
@@ -349,7 +349,7 @@ def test_a_document_that_is_gone_is_named_and_everything_else_looked_at(name: st
     folder = make(tmp_path, "race", race(), 16)
     (folder / name).unlink()
     found = look(folder)
-    assert [f.what.partition(" is gone")[0] for f in failing(found)] == [name]
+    assert [f.what.partition(" is missing")[0] for f in failing(found)] == [name]
     assert found.tests
 
 
@@ -380,5 +380,5 @@ def test_a_damaged_manifest_is_told(key: str, tmp_path: Path) -> None:
     text = manifest.read_text()
     for damaged in (text.partition(key)[0] if key else "", text.replace(key, '"x' + key[1:]), "{}", "[]"):
         manifest.write_text(damaged)
-        with pytest.raises(WmsError, match="not one that `wmspec generate` writes"):
+        with pytest.raises(WmsError, match="not a manifest of `wmspec generate`"):
             look(tmp_path)

@@ -22,9 +22,9 @@ def pictured(kinds: Sequence[str]) -> Case:
 
 
 def test_of_a_closed_set_what_begins_in_another_state_is_struck_out() -> None:
-    (struck,) = state.struck_out([pictured(["both", "truth", "action", "state"])])
+    (struck,) = state.eliminated_options([pictured(["both", "truth", "action", "state"])])
     assert struck.tolist() == [True, False, False, True]
-    (kept,) = state.struck_out([pictured(["state", "truth", "both", "state"])])  # all that differs is the state
+    (kept,) = state.eliminated_options([pictured(["state", "truth", "both", "state"])])  # all that differs is the state
     assert not kept.any()
 
 
@@ -37,11 +37,11 @@ def test_the_object_that_is_asked_for_comes_first_whatever_its_name() -> None:
         }
         return Case(row, (b"", b""), ())
 
-    red, blue = state.of_questions([asked("red"), asked("blue")], (0,))
+    red, blue = state.question_states([asked("red"), asked("blue")], (0,))
     assert (red[0], blue[0]) == (0.7, 0.2)
 
 
 def test_of_two_pictures_it_sees_how_far_things_go() -> None:
     seen = [thing(0, "ball", "red ball", 0.2), thing(1, "ball", "red ball", 0.5)]
-    (row,) = state.of_questions([Case({"context_objects": seen, "text": "Where to?"}, (b"", b""), ())], (0, 1))
+    (row,) = state.question_states([Case({"context_objects": seen, "text": "Where to?"}, (b"", b""), ())], (0, 1))
     assert np.allclose(row[-3:], [0.3, 0.0, 0.3])

@@ -15,9 +15,18 @@ from sklearn.ensemble import RandomForestClassifier
 from sklearn.model_selection import cross_val_predict
 
 from wmspec.dataset.audit import power
-from wmspec.dataset.audit.classify import LEAF, NUMBERS, SEED, TREES, Asked, Seen, held_out, held_out_twice
-from wmspec.dataset.audit.probe_selection import Rivals
-from wmspec.dataset.audit.statistics import clopper_pearson, dependence, detectable, goodness, holm, independence
+from wmspec.dataset.audit.classify import (
+    FEATURE_SHARE,
+    FOREST_TREES,
+    MIN_LEAF,
+    SEED,
+    ProbeDataset,
+    ProbeFeatures,
+    cross_validated_scores,
+    nested_scores,
+)
+from wmspec.dataset.audit.probe_selection import CandidateProbes
+from wmspec.dataset.audit.statistics import clopper_pearson, dependence, detectable, goodness_of_fit, holm, independence
 
 
 def test_a_large_table_has_the_chi_square_of_scipy() -> None:
@@ -121,9 +130,9 @@ def _table(random: np.random.Generator, count: int) -> np.ndarray:
 
 def test_goodness_of_fit() -> None:
     counts, expected = np.array([30, 50, 40]), np.full(3, 40.0)
-    assert goodness(counts, expected)[1] == pytest.approx(stats.chisquare(counts).pvalue)
-    assert goodness(np.array([1, 7]), np.full(2, 4.0))[1] == pytest.approx(stats.binomtest(1, 8).pvalue)
-    assert goodness(np.array([9, 0, 0]), np.full(3, 3.0))[1] < 0.001
+    assert goodness_of_fit(counts, expected)[1] == pytest.approx(stats.chisquare(counts).pvalue)
+    assert goodness_of_fit(np.array([1, 7]), np.full(2, 4.0))[1] == pytest.approx(stats.binomtest(1, 8).pvalue)
+    assert goodness_of_fit(np.array([9, 0, 0]), np.full(3, 3.0))[1] < 0.001
 
 
 def test_holm_by_hand() -> None:
@@ -150,23 +159,28 @@ def test_the_strength_that_is_found_is_found_as_often_as_is_said() -> None:
 # ---------------------------------------------------------------- classifiers
 
 
-def _asked(count: int, of: int, together: int = 1, seed: int = 1) -> tuple[Asked, np.random.Generator]:
+def _asked(count: int, of: int, together: int = 1, seed: int = 1) -> tuple[ProbeDataset, np.random.Generator]:
     """Questions whose true option is drawn, `together` of them in a group."""
     random = np.random.default_rng(seed)
     truth = (np.arange(of) == random.integers(of, size=count)[:, None]).ravel()
     names = np.tile([f"option {i}" for i in range(of)], count)
-    return Asked(np.repeat(np.arange(count), of), names, truth, [str(i // together) for i in range(count)]), random
+    return ProbeDataset(
+        np.repeat(np.arange(count), of), names, truth, [str(i // together) for i in range(count)]
+    ), random
 
 
 def test_noise_is_answered_by_chance_and_a_clue_is_not() -> None:
     asked, random = _asked(200, 4)
     for model in ("linear", "forest"):
-        right = [held_out(Seen(random.normal(size=(800, 10)), "options", model), asked).sum() for _ in range(5)]
+        right = [
+            cross_validated_scores(ProbeFeatures(random.normal(size=(800, 10)), "options", model), asked).sum()
+            for _ in range(5)
+        ]
         low, high = clopper_pearson(sum(right), 1000, 0.999)
         assert low < 0.25 < high
         noise = random.normal(size=(800, 10))
         clue = np.c_[noise, 4 * asked.truth + random.normal(size=800)]
-        assert held_out(Seen(clue, "options", model), asked).mean() > 0.8
+        assert cross_validated_scores(ProbeFeatures(clue, "options", model), asked).mean() > 0.8
 
 
 @pytest.mark.parametrize("model", ["linear", "forest"])
@@ -174,7 +188,7 @@ def test_a_clue_of_the_whole_question_tells_options_by_their_names(model: Any) -
     asked, random = _asked(300, 3)
     true = asked.truth.reshape(300, 3).argmax(1)
     seen = np.c_[random.normal(size=(300, 5)), np.eye(3)[true] + 0.2 * random.normal(size=(300, 3))]
-    assert held_out(Seen(seen, "questions", model), asked).mean() > 0.95
+    assert cross_validated_scores(ProbeFeatures(seen, "questions", model), asked).mean() > 0.95
 
 
 def test_it_answers_as_scikit_learn_does() -> None:
@@ -182,27 +196,31 @@ def test_it_answers_as_scikit_learn_does() -> None:
     asked, random = _asked(200, 2, 4)
     side = asked.truth.reshape(200, 2)[:, 0]
     seen = np.c_[random.normal(size=(200, 4)), side + random.normal(size=200)]
-    forest = RandomForestClassifier(TREES, min_samples_leaf=LEAF, max_features=NUMBERS, random_state=SEED)
+    forest = RandomForestClassifier(
+        FOREST_TREES, min_samples_leaf=MIN_LEAF, max_features=FEATURE_SHARE, random_state=SEED
+    )
     folds = [(np.setdiff1d(np.arange(200), held), held) for held in asked.folds]
     there = cross_val_predict(forest, seen, np.where(side, "option 0", "option 1"), cv=folds, method="predict_proba")
     right = np.where(there[:, 0] == there[:, 1], 0.5, (there[:, 0] > there[:, 1]) == side)
-    assert held_out(Seen(seen, "questions", "forest"), asked) == pytest.approx(right)
+    assert cross_validated_scores(ProbeFeatures(seen, "questions", "forest"), asked) == pytest.approx(right)
 
 
 def test_options_that_cannot_be_told_apart_count_as_a_guess() -> None:
     asked, _ = _asked(40, 4)
-    assert held_out(Seen(np.ones((160, 2)), "options", "linear"), asked) == pytest.approx(np.full(40, 0.25))
+    assert cross_validated_scores(ProbeFeatures(np.ones((160, 2)), "options", "linear"), asked) == pytest.approx(
+        np.full(40, 0.25)
+    )
 
 
 def test_what_is_known_of_a_group_does_not_help_with_that_group() -> None:
     asked, random = _asked(300, 2, 10)
     lucky = random.integers(2, size=30)[np.arange(300) // 10]  # in each group the truth is where its others have it
-    asked = asked.retold(lucky)
+    asked = asked.with_labels(lucky)
     features = np.zeros((600, 60))
     features[np.arange(600), np.repeat(np.arange(300) // 10, 2) * 2 + np.tile([0, 1], 300)] = 1
-    assert held_out(Seen(features, "options", "linear"), asked).mean() == pytest.approx(0.5)
+    assert cross_validated_scores(ProbeFeatures(features, "options", "linear"), asked).mean() == pytest.approx(0.5)
     apart = replace(asked, groups=[str(i) for i in range(300)])
-    assert held_out(Seen(features, "options", "linear"), apart).mean() > 0.95
+    assert cross_validated_scores(ProbeFeatures(features, "options", "linear"), apart).mean() > 0.95
 
 
 def test_no_group_is_on_both_sides() -> None:
@@ -219,12 +237,12 @@ def test_accuracies_of_alike_questions_vary_more() -> None:
     groups = [str(i // 10) for i in range(200)]
     chance = np.full(200, 0.5)
     alone = power.deviation(np.tile([0.0, 1.0], 100), chance, groups)
-    assert alone == pytest.approx(power.SHARED * np.sqrt(0.25 / 200))
+    assert alone == pytest.approx(power.FOLD_INFLATION * np.sqrt(0.25 / 200))
     assert power.deviation(np.repeat(np.tile([0.0, 1.0], 10), 10), chance, groups) > 3 * alone
 
 
-def _alarm(seen: Seen, asked: Asked, tests: int) -> bool:
-    right = held_out(seen, asked)
+def _alarm(seen: ProbeFeatures, asked: ProbeDataset, tests: int) -> bool:
+    right = cross_validated_scores(seen, asked)
     chance = 1 / asked.sizes
     above = float((right - chance).mean()) / power.deviation(right, chance, asked.groups)
     return above > power.threshold(tests)
@@ -242,26 +260,28 @@ def test_a_shortcut_of_the_size_told_is_found_in_four_of_five_draws(
     asked, random = _asked(400, choices, 4)
     rows, tests, chance = 400 * (choices if of == "options" else 1), 20, 1 / asked.sizes
 
-    def blank() -> Seen:
-        return Seen(random.normal(size=(rows, 8)), of, model)
+    def blank() -> ProbeFeatures:
+        return ProbeFeatures(random.normal(size=(rows, 8)), of, model)
 
     seen = blank()
-    spread = power.deviation(held_out(seen, asked), chance, asked.groups)
-    reach = power.Reach(1 / choices, spread, power.learned(seen, asked, chance))
-    size = power.smallest(reach, power.threshold(tests))
+    spread = power.deviation(cross_validated_scores(seen, asked), chance, asked.groups)
+    reach = power.ProbePower(1 / choices, spread, power.learned_gains(seen, asked, chance))
+    size = power.smallest_detectable(reach, power.threshold(tests))
     assert 0.08 < size < 0.3
-    found = [_alarm(*power.planted(blank(), asked, size, random), tests) for _ in range(draws)]
+    found = [_alarm(*power.inject_shortcut(blank(), asked, size, random), tests) for _ in range(draws)]
     false = [_alarm(blank(), _asked(400, choices, 4, seed)[0], 1) for seed in range(draws)]
     assert stats.binomtest(sum(found), draws, 0.8, alternative="less").pvalue > 0.01, np.mean(found)
-    assert stats.binomtest(sum(false), draws, power.ALARMS, alternative="greater").pvalue > 0.01
+    assert stats.binomtest(sum(false), draws, power.FALSE_ALARMS, alternative="greater").pvalue > 0.01
 
 
-def _rivals(asked: Asked, random: np.random.Generator, told: float = 0.0, count: int = 8) -> tuple[Rivals, Asked]:
+def _rivals(
+    asked: ProbeDataset, random: np.random.Generator, told: float = 0.0, count: int = 8
+) -> tuple[CandidateProbes, ProbeDataset]:
     """Probes that see noise, and the questions; the first one sees a shortcut of size `told`."""
-    seen = [Seen(random.normal(size=(len(asked.owner), 8)), "options", "forest") for _ in range(count)]
+    seen = [ProbeFeatures(random.normal(size=(len(asked.owner), 8)), "options", "forest") for _ in range(count)]
     if told:
-        seen[0], asked = power.planted(seen[0], asked, told, random)
-    return Rivals.of([lambda s=s: s for s in seen], asked), asked  # type: ignore[misc]
+        seen[0], asked = power.inject_shortcut(seen[0], asked, told, random)
+    return CandidateProbes.of([lambda s=s: s for s in seen], asked), asked  # type: ignore[misc]
 
 
 def test_the_one_that_sees_a_shortcut_is_picked_and_judged_by_what_it_answers() -> None:
@@ -276,14 +296,14 @@ def test_the_one_that_sees_a_shortcut_is_picked_and_judged_by_what_it_answers() 
 def test_what_picks_has_seen_nothing_of_what_is_judged() -> None:
     """If the truths of a fold are others, all that picks for it, and all that is fitted to judge it, stays the same."""
     asked, random = _asked(80, 2, 4)
-    seen = Seen(random.normal(size=(160, 4)), "options", "forest")
+    seen = ProbeFeatures(random.normal(size=(160, 4)), "options", "forest")
     places = asked.truth.reshape(80, 2).argmax(1)
     for fold, held in enumerate(asked.folds):
         turned = places.copy()
         turned[held] = 1 - turned[held]
-        other = asked.retold(turned)
-        assert held_out_twice(seen, asked)[fold] == pytest.approx(held_out_twice(seen, other)[fold])
-        assert held_out(seen, asked)[held] == pytest.approx(1 - held_out(seen, other)[held])
+        other = asked.with_labels(turned)
+        assert nested_scores(seen, asked)[fold] == pytest.approx(nested_scores(seen, other)[fold])
+        assert cross_validated_scores(seen, asked)[held] == pytest.approx(1 - cross_validated_scores(seen, other)[held])
 
 
 @pytest.mark.slow
@@ -297,19 +317,19 @@ def test_the_best_of_probes_that_see_noise_is_as_good_as_guessing() -> None:
         alarms += gained[-1] > power.threshold(1) * power.deviation(right, np.full(120, 0.5), asked.groups)
     assert abs(np.mean(gained)) < 3 * np.std(gained) / np.sqrt(draws)
     assert np.std(gained) / np.sqrt(draws) < 0.01, "no more than 3 points could have been overlooked"
-    assert stats.binomtest(alarms, draws, power.ALARMS, alternative="greater").pvalue > 0.01
+    assert stats.binomtest(alarms, draws, power.FALSE_ALARMS, alternative="greater").pvalue > 0.01
 
 
 @pytest.mark.slow
 def test_a_shortcut_of_the_size_told_is_found_by_the_best() -> None:
     draws, tests, chance = 40, 6, np.full(160, 0.25)
     asked, random = _asked(160, 4, 4)
-    noise = [Seen(random.normal(size=(640, 8)), "options", "forest") for _ in range(6)]
+    noise = [ProbeFeatures(random.normal(size=(640, 8)), "options", "forest") for _ in range(6)]
     looks = [lambda s=s: s for s in noise]
-    rivals = Rivals.of(looks, asked)
+    rivals = CandidateProbes.of(looks, asked)
     spread = power.deviation(rivals.best(asked)[0], chance, asked.groups)
-    reach = power.Reach(0.25, spread, rivals.learned(looks, asked, chance))
-    size = power.smallest(reach, power.threshold(tests))
+    reach = power.ProbePower(0.25, spread, rivals.learned(looks, asked, chance))
+    size = power.smallest_detectable(reach, power.threshold(tests))
     assert 0.1 < size < 0.3
     found = 0
     for _ in range(draws):
@@ -323,7 +343,7 @@ def test_what_is_too_faint_is_said_to_be_overlooked() -> None:
     beyond = power.threshold(20)
 
     def least(learned: tuple[float, ...] | None) -> float:
-        return power.smallest(power.Reach(0.5, 0.1 / beyond, learned), beyond)
+        return power.smallest_detectable(power.ProbePower(0.5, 0.1 / beyond, learned), beyond)
 
     assert least((0.01, 0.03, 0.09)) == 1.0
     assert least((0.08, 0.12, 0.25)) == pytest.approx(0.15)
@@ -341,12 +361,12 @@ def test_what_is_too_faint_is_said_to_be_overlooked() -> None:
     )
 )
 def test_the_alarms_are_shared_out_and_those_that_find_least_get_more(probes: list[Any]) -> None:
-    reaches = [power.Reach(*probe) for probe in probes]
+    reaches = [power.ProbePower(*probe) for probe in probes]
     beyond = power.thresholds(reaches)
-    assert sum(stats.norm.sf(beyond)) <= power.ALARMS + 1e-9
+    assert sum(stats.norm.sf(beyond)) <= power.FALSE_ALARMS + 1e-9
     even = power.threshold(len(reaches))
-    worst = max(power.smallest(reach, even) for reach in reaches)
-    halved = power.threshold(len(reaches), power.ALARMS / 2)
+    worst = max(power.smallest_detectable(reach, even) for reach in reaches)
+    halved = power.threshold(len(reaches), power.FALSE_ALARMS / 2)
     assert all(mine <= max(halved, even) + 1e-9 for mine in beyond)
-    if worst == 1.0 and max(power.smallest(r, b) for r, b in zip(reaches, beyond, strict=True)) < 1.0:
+    if worst == 1.0 and max(power.smallest_detectable(r, b) for r, b in zip(reaches, beyond, strict=True)) < 1.0:
         assert min(beyond) < even, "the one that found nothing was given some of the others' alarms"

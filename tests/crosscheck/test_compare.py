@@ -20,7 +20,7 @@ from wmspec.runtime.compare.tolerance import Tolerances, tolerances
 from wmspec.runtime.engines.registry import backend
 from wmspec.sim.scene.model import Body, Geom, Pose, Scene, Trace
 from wmspec.sim.scene.model.transform import identity
-from wmspec.sim.scene.render.turn import turned
+from wmspec.sim.scene.render.visible_rotation import visible_angle
 from wmspec.sim.shapes import Box, Cylinder, Shape, Sphere
 from wmspec.sim.usd import read
 
@@ -143,9 +143,11 @@ def body(shape: Shape) -> Body:
 def test_only_the_turn_that_can_be_seen_counts(angle: float, axis: int) -> None:
     rest = np.array([[1.0, 0, 0, 0]])
     about = np.array([[np.cos(angle / 2), *(np.sin(angle / 2) * np.eye(3)[axis])]])
-    assert turned(body(Sphere(0.1)), rest, about) == pytest.approx(0)
-    assert turned(body(Box((0.1,) * 3)), rest, about) == pytest.approx(abs(angle))
-    assert turned(body(Cylinder(0.1, 0.2)), rest, about) == pytest.approx(abs(angle) if axis == 0 else 0, abs=1e-12)
+    assert visible_angle(body(Sphere(0.1)), rest, about) == pytest.approx(0)
+    assert visible_angle(body(Box((0.1,) * 3)), rest, about) == pytest.approx(abs(angle))
+    assert visible_angle(body(Cylinder(0.1, 0.2)), rest, about) == pytest.approx(
+        abs(angle) if axis == 0 else 0, abs=1e-12
+    )
 
 
 def test_tolerances_are_read_with_units() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from wmspec.core.diagnostics import GraphicsError, WmsError
 from wmspec.runtime.workers import pool
-from wmspec.runtime.workers.pool import Effort, Helper, Lost, in_order
+from wmspec.runtime.workers.pool import HelperProcess, JobFailure, PoolConfig, map_ordered
 
 
 def square(i: int) -> int:
@@ -39,18 +39,18 @@ class Unforeseen(Exception):
 
 
 def test_results_are_in_order_and_what_is_lost_is_told() -> None:
-    found = list(in_order(square, ((i,) for i in (0, 1, 2, 4, 5)), Effort(workers=2, timeout=60)))
-    assert found == [0, 1, Lost("crashed", "the worker process died twice (exit code 7)"), 16, 25]
+    found = list(map_ordered(square, ((i,) for i in (0, 1, 2, 4, 5)), PoolConfig(workers=2, timeout=60)))
+    assert found == [0, 1, JobFailure("crashed", "the worker process died twice (exit code 7)"), 16, 25]
 
 
 @pytest.mark.parametrize("workers", [0, 2])
 def test_whatever_goes_wrong_costs_its_own_piece(workers: int) -> None:
-    results = list(in_order(square, ((i,) for i in (1, 6, 7, 9, 4)), Effort(workers, timeout=60)))
+    results = list(map_ordered(square, ((i,) for i in (1, 6, 7, 9, 4)), PoolConfig(workers, timeout=60)))
     assert results == [
         1,
-        Lost("error", "Unforeseen: at 0x..., all of it"),
-        Lost("crashed", "there was not enough memory"),
-        Lost("error", "it cannot be so; make it otherwise"),
+        JobFailure("error", "Unforeseen: at 0x..., all of it"),
+        JobFailure("crashed", "there was not enough memory"),
+        JobFailure("error", "it cannot be so; make it otherwise"),
         16,
     ]
 
@@ -59,18 +59,20 @@ def test_whatever_goes_wrong_costs_its_own_piece(workers: int) -> None:
 def test_a_reason_names_our_code_wherever_it_lies(module: str, place: str) -> None:
     names: dict[str, Any] = {"__name__": module}
     exec(compile("def work(i):\n    raise ValueError('no')", "/home/me/wmspec/other.py", "exec"), names)
-    assert list(in_order(names["work"], [(1,)], Effort(0, timeout=60))) == [Lost("error", f"ValueError: no{place}")]
+    assert list(map_ordered(names["work"], [(1,)], PoolConfig(0, timeout=60))) == [
+        JobFailure("error", f"ValueError: no{place}")
+    ]
 
 
 @pytest.mark.parametrize("workers", [0, 2])
 def test_a_machine_that_cannot_draw_is_no_fault_of_a_piece(workers: int) -> None:
     with pytest.raises(GraphicsError, match="no display"):
-        list(in_order(square, ((i,) for i in (1, 8, 4)), Effort(workers, timeout=60)))
+        list(map_ordered(square, ((i,) for i in (1, 8, 4)), PoolConfig(workers, timeout=60)))
 
 
 def test_an_idle_process_that_is_killed_costs_nothing() -> None:
     """As the kernel does where memory runs out: the pool is broken then, and another takes over."""
-    helper = Helper(timeout=60)
+    helper = HelperProcess(timeout=60)
     try:
         for i in (4, 5):
             assert helper.do(square, i) == i * i
@@ -90,18 +92,18 @@ def test_there_are_no_more_workers_than_pieces(monkeypatch: pytest.MonkeyPatch) 
         return real(max_workers=max_workers, **options)
 
     monkeypatch.setattr(pool, "ProcessPool", noted)
-    assert list(in_order(square, ((i,) for i in (4, 5)), Effort(workers=500, timeout=60))) == [16, 25]
-    assert list(in_order(square, (), Effort(workers=500, timeout=60))) == []
+    assert list(map_ordered(square, ((i,) for i in (4, 5)), PoolConfig(workers=500, timeout=60))) == [16, 25]
+    assert list(map_ordered(square, (), PoolConfig(workers=500, timeout=60))) == []
     assert asked == [2]
 
 
 def test_what_hangs_is_given_up() -> None:
-    found = list(in_order(square, ((i,) for i in (3,)), Effort(workers=2, timeout=3)))
-    assert found == [Lost("timeout", "took longer than 3 s, twice")]
+    found = list(map_ordered(square, ((i,) for i in (3,)), PoolConfig(workers=2, timeout=3)))
+    assert found == [JobFailure("timeout", "took longer than 3 s, twice")]
 
 
 def test_a_pool_that_is_closed_stops_its_work() -> None:
-    results = in_order(square, ((i,) for i in (1, 3)), Effort(workers=2, timeout=600))
+    results = map_ordered(square, ((i,) for i in (1, 3)), PoolConfig(workers=2, timeout=600))
     assert next(results) == 1
     started = time.monotonic()
     results.close()
@@ -110,7 +112,7 @@ def test_a_pool_that_is_closed_stops_its_work() -> None:
 
 INTERRUPTED = """
 import signal, threading, time
-from wmspec.runtime.workers.pool import Effort, by_units
+from wmspec.runtime.workers.pool import PoolConfig, map_batches
 
 notify = threading.Condition.notify
 
@@ -126,7 +128,7 @@ def interrupted(self, n=1):
 signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell has jobs in the background ignore
 on = []
 threading.Condition.notify = interrupted
-results = by_units(time.sleep, [[(30,)] * 2, [(0.2,)] * 20], Effort(workers=2, timeout=60))
+results = map_batches(time.sleep, [[(30,)] * 2, [(0.2,)] * 20], PoolConfig(workers=2, timeout=60))
 next(results)
 on.append(True)
 try:

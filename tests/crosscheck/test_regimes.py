@@ -11,7 +11,7 @@ from pxr import Usd
 import wmspec
 from tests.engines import installed
 from usdphysics_conformance.stages import ball, body, box, cylinder, floor, joint, prism, stage
-from wmspec.runtime.compare.regimes import entered
+from wmspec.runtime.compare.regimes import trace_regimes
 from wmspec.sim.usd import read
 
 CUBE = box(0.2, 0.2, 0.2)
@@ -21,7 +21,7 @@ def kinds(text: str, engine: str, seconds: float = 0.6) -> list[str]:
     made = Usd.Stage.CreateInMemory()
     made.GetRootLayer().ImportFromString(text)
     scene = replace(read(made, strict=False), duration=seconds, rate=240)
-    return [regime.kind for regime in entered(scene, installed(engine).execute(scene), 0.01)]
+    return [regime.kind for regime in trace_regimes(scene, installed(engine).execute(scene), 0.01)]
 
 
 def slope(degrees: float, *prims: str) -> str:

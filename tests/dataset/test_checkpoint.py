@@ -16,10 +16,10 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.generate import generate
 from wmspec.dataset.build.plan import Shard
-from wmspec.dataset.build.reuse import Before
-from wmspec.dataset.build.worker import Job, Made, Outcome
+from wmspec.dataset.build.reuse import PriorInstances
+from wmspec.dataset.build.worker import BatchResult, Job, Outcome
 from wmspec.runtime.questions.model import Rejected
-from wmspec.runtime.workers.pool import Effort
+from wmspec.runtime.workers.pool import PoolConfig
 
 Listed = list[tuple[str, int]]
 Run = Callable[..., Listed]
@@ -44,9 +44,9 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
     def made_by(most: int = len(ALL), before: Iterable[Path] = ()) -> Listed:
         made: Listed = []
 
-        def by_units(
-            work: Any, units: Iterable[list[tuple[Any, str, tuple[int]]]], effort: Effort, weight: Any
-        ) -> Iterator[tuple[tuple[Any, str, tuple[int]], Made]]:
+        def map_batches(
+            work: Any, units: Iterable[list[tuple[Any, str, tuple[int]]]], effort: PoolConfig, weight: Any
+        ) -> Iterator[tuple[tuple[Any, str, tuple[int]], BatchResult]]:
             for _, task, (index,) in sorted(
                 (piece for unit in units for piece in unit), key=lambda p: ALL.index((p[1], p[2][0]))
             ):
@@ -55,12 +55,12 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
                 made.append((task, index))
                 yield (
                     (None, task, (index,)),
-                    Made((outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),)),
+                    BatchResult((outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),)),
                 )
 
-        monkeypatch.setattr("wmspec.dataset.build.generate.by_units", by_units)
+        monkeypatch.setattr("wmspec.dataset.build.generate.map_batches", map_batches)
         with Dataset.open(tmp_path / "out", PLAN) as dataset:
-            generate(dataset, Effort(1, 1), lambda task, count: None, Before(before, PLAN))
+            generate(dataset, PoolConfig(1, 1), lambda task, count: None, PriorInstances(before, PLAN))
             dataset.finish()
         return made
 
@@ -167,18 +167,18 @@ def test_a_full_disk_is_told_when_an_instance_is_kept(tmp_path: Path, whole: dic
 # ---------------------------------------------------------------- what failed
 
 
-def fails(job: Job, task: str, indices: tuple[int]) -> Made:
+def fails(job: Job, task: str, indices: tuple[int]) -> BatchResult:
     """An instance in which something unforeseen happens, as the third of each task does."""
     (index,) = indices
     if (task, index) in (ALL[2], ALL[13]):
         raise ZeroDivisionError("division by zero")
-    return Made((outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),))
+    return BatchResult((outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),))
 
 
 def test_an_instance_that_fails_costs_no_other_and_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wmspec.dataset.build.generate.work", fails)
+    monkeypatch.setattr("wmspec.dataset.build.generate.make_instances", fails)
     with Dataset.open(tmp_path, PLAN) as dataset:
-        generate(dataset, Effort(0, 1), lambda task, count: None, Before((), PLAN))
+        generate(dataset, PoolConfig(0, 1), lambda task, count: None, PriorInstances((), PLAN))
         summary = dataset.finish()
     assert summary.rejected["error"] == 2 * len(PLAN.engines)
     listed = json.loads((tmp_path / "manifest.json").read_bytes())["rejected"]["list"]

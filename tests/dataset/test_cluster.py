@@ -16,7 +16,7 @@ from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.resources import resource
 from wmspec.runtime.workers.cluster import ray_cluster
-from wmspec.runtime.workers.pool import Lost, by_units
+from wmspec.runtime.workers.pool import JobFailure, map_batches
 
 ray = pytest.importorskip("ray")
 startable = pytest.mark.skipif(
@@ -63,12 +63,12 @@ def test_a_piece_costs_there_what_it_costs_here(cluster: Any) -> None:
     units = [[(1,), (2,)], [(6,), (3,)], [(4,)]]
     with ray_cluster(cluster.address, None, 5, {}) as effort:
         assert effort.workers == 2
-        done = dict(by_units(square, units, effort))
+        done = dict(map_batches(square, units, effort))
     assert done == {
         (1,): 1,
-        (2,): Lost("crashed", "the worker process died twice (exit code 7)"),
-        (6,): Lost("error", "Unforeseen: at 0x..., all of it"),
-        (3,): Lost("timeout", "took longer than 5 s, twice"),
+        (2,): JobFailure("crashed", "the worker process died twice (exit code 7)"),
+        (6,): JobFailure("error", "Unforeseen: at 0x..., all of it"),
+        (3,): JobFailure("timeout", "took longer than 5 s, twice"),
         (4,): 16,
     }
 
@@ -86,7 +86,7 @@ def test_no_cluster_is_told(tmp_path: Path) -> None:
     command = ["generate", str(SPEC), "-o", str(tmp_path / "out"), "-b", "mujoco", "--per-task", "1"]
     told = CliRunner().invoke(main, [*command, "--address", "auto"])
     assert told.exit_code != 0
-    assert "give `executor` ray" in told.output
+    assert "set `executor` to ray" in told.output
     for address in ("127.0.0.1:1", "ray://127.0.0.1:10001", "somewhere"):
         told = CliRunner().invoke(main, [*command, "--executor", "ray", "--address", address])
         assert told.exit_code != 0

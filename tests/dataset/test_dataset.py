@@ -80,7 +80,7 @@ def test_a_lost_shard_is_made_again_and_no_other(tmp_path: Path, whole: dict[str
     (tmp_path / lost).unlink()
     with Dataset.open(tmp_path, plan()) as dataset:
         assert [s.path for s in dataset.pending()] == [lost]
-        assert dataset.notices == [f"{lost} is gone; it is made again"]
+        assert dataset.notices == [f"{lost} is missing; it will be made again"]
         assert not (tmp_path / "manifest.json").exists()
     make(tmp_path, plan())
     assert contents(tmp_path) == whole

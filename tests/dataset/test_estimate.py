@@ -7,11 +7,11 @@ import pytest
 
 import wmspec
 from wmspec.core.resources import resource
-from wmspec.dataset.build.estimate import _few, _rate, _seconds, _spread, _Trial, _Unit
+from wmspec.dataset.build.batching import batches
+from wmspec.dataset.build.estimate import _first_pieces, _rate, _seconds, _spaced_units, _Trial, _Unit
 from wmspec.dataset.build.plan import Task
-from wmspec.dataset.build.units import units
 from wmspec.dataset.build.worker import Balance
-from wmspec.runtime.workers.pool import Effort, Lost
+from wmspec.runtime.workers.pool import JobFailure, PoolConfig
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +21,7 @@ def task() -> Task:
 
 
 def test_units_from_all_over_a_task_are_tried(task: Task) -> None:
-    tried, every = list(_spread(task, 0)), list(units(task.spec, 0, task.indices))
+    tried, every = list(_spaced_units(task, 0)), list(batches(task.spec, 0, task.indices))
     where = [next(i for i, unit in enumerate(every) if one.pieces[0] in unit) for one in tried]
     assert where == sorted(set(where))
     assert max(b - a for a, b in pairwise(where)) <= math.ceil(len(every) / len(tried))
@@ -31,18 +31,18 @@ def test_units_from_all_over_a_task_are_tried(task: Task) -> None:
 
 def test_the_first_piece_is_tried_however_large_it_is() -> None:
     large, small = (1, 2, 3, 4, 5), (6,)
-    assert _few([large, small], 4) == [large]
-    assert _few([small, large, small], 4) == [small]
-    assert _few([small] * 9, 4) == [small] * 4
+    assert _first_pieces([large, small], 4) == [large]
+    assert _first_pieces([small, large, small], 4) == [small]
+    assert _first_pieces([small] * 9, 4) == [small] * 4
 
 
 def test_the_rest_of_a_unit_is_like_those_after_its_first() -> None:
     unit = _Unit(12, [(0,), (1,), (2,)], (99,))
-    effort = Effort(2, 100)
+    effort = PoolConfig(2, 100)
     assert _seconds(unit, _Trial((5.0, 1.0, 2.0), (), Balance()), effort) == pytest.approx(5 + 11 * 1.5)
     assert _seconds(_Unit(12, [(0, 1, 2)], (99,)), _Trial((6.0,), (), Balance()), effort) == pytest.approx(24)
-    assert _seconds(unit, Lost("timeout", ""), effort) == 12 * 2 * 100
-    assert _seconds(unit, Lost("error", ""), effort) == 0
+    assert _seconds(unit, JobFailure("timeout", ""), effort) == 12 * 2 * 100
+    assert _seconds(unit, JobFailure("error", ""), effort) == 0
 
 
 def test_the_error_is_that_of_a_ratio() -> None:

@@ -16,7 +16,7 @@ from wmspec.compile.design.design import share
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.plan import Plan, Task
-from wmspec.dataset.build.reuse import Before
+from wmspec.dataset.build.reuse import PriorInstances
 
 SHARES = 3
 
@@ -38,7 +38,7 @@ def parts(tmp_path: Path) -> list[Path]:
 
 def reuse(folder: Path, made: Plan, folders: list[Path]) -> dict[str, list[int]]:
     """Make a dataset of what is in folders; returns what had to be made, by task."""
-    before, new = Before(folders, made), dict[str, list[int]]()
+    before, new = PriorInstances(folders, made), dict[str, list[int]]()
     with Dataset.open(folder, made) as dataset:
         for shard in dataset.pending():
             rows, rejected = filling(made, replace(shard, indices=before.missing(shard)))
@@ -102,7 +102,7 @@ def test_more_shares_than_instances(tmp_path: Path) -> None:
 def test_what_was_made_otherwise_is_refused(tmp_path: Path, other: Plan, said: str) -> None:
     make(tmp_path, other)
     with pytest.raises(WmsError, match=f"cannot be reused, .* {said}"):
-        Before([tmp_path], plan())
+        PriorInstances([tmp_path], plan())
 
 
 @pytest.mark.parametrize("text", [None, "", "[]", "{}", '{"tasks": {"collide": 3}}'])
@@ -110,4 +110,4 @@ def test_what_is_no_dataset_is_refused(tmp_path: Path, text: str | None) -> None
     if text is not None:
         (tmp_path / "plan.json").write_text(text)
     with pytest.raises(WmsError, match="holds no dataset that could be reused"):
-        Before([tmp_path], plan())
+        PriorInstances([tmp_path], plan())

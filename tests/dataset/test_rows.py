@@ -16,7 +16,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.dataset.made import ENGINES, asked, make, plan, spec
-from wmspec.dataset.build.pictures import as_png, form, lossless, opened
+from wmspec.dataset.build.images import as_png, decode_image, encode_webp, image_format
 from wmspec.dataset.build.rows import COLUMNS, encode, schema, table
 
 SHARDS = "data/{}/test-*.parquet"
@@ -76,13 +76,13 @@ def test_all_tasks_are_one_configuration(folder: Path, tmp_path: Path) -> None:
 def test_pictures_are_kept_without_loss() -> None:
     noise = np.random.default_rng(0).integers(0, 256, (48, 48, 3), np.uint8)
     for pixels in (noise, np.tile(np.arange(48, dtype=np.uint8)[:, None, None], (1, 48, 3))):
-        content = lossless(pixels)
-        assert np.array_equal(np.asarray(opened(content)), pixels)
-        assert np.array_equal(np.asarray(opened(as_png(content))), pixels)
-        assert form(content) == "WEBP"
-        assert content == lossless(pixels)
-    assert form(as_png(content)) == "PNG"
-    assert form(b"GIF89a") == ""
+        content = encode_webp(pixels)
+        assert np.array_equal(np.asarray(decode_image(content)), pixels)
+        assert np.array_equal(np.asarray(decode_image(as_png(content))), pixels)
+        assert image_format(content) == "WEBP"
+        assert content == encode_webp(pixels)
+    assert image_format(as_png(content)) == "PNG"
+    assert image_format(b"GIF89a") == ""
 
 
 def test_datasets_streams_the_files_alone(folder: Path) -> None:

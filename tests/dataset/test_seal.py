@@ -9,7 +9,7 @@ import pytest
 from tests.endtoend.test_commands import SPEED, wmspec
 from tests.engines import installed
 from wmspec.api import generate
-from wmspec.api.sealing import check, seal
+from wmspec.api.attesting import attest, check
 from wmspec.core.diagnostics import WmsError
 
 SEED = 2**62 + 12345
@@ -24,7 +24,7 @@ def private(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_what_was_sealed_is_known_again_and_nothing_else(private: Path, tmp_path: Path) -> None:
-    seal(private, tmp_path / "public", workers=0)
+    attest(private, tmp_path / "public", workers=0)
     public = [path for path in (tmp_path / "public").rglob("*") if path.is_file()]
     assert all(str(SEED).encode() not in path.read_bytes() for path in public)
     ids = [shard["sha256"] for shard in json.loads((private / "manifest.json").read_bytes())["shards"].values()]
@@ -32,14 +32,14 @@ def test_what_was_sealed_is_known_again_and_nothing_else(private: Path, tmp_path
     assert debug["seed"] == 0
     assert not {shard["sha256"] for shard in debug["shards"].values()} & {*ids}
 
-    done = wmspec("seal", private, "--check", tmp_path / "public" / "seal.json", folder=tmp_path)
+    done = wmspec("attest", private, "--check", tmp_path / "public" / "seal.json", folder=tmp_path)
     assert (done.returncode, done.stdout) == (0, "this is the dataset that was sealed\n")
     again = tmp_path / "again"
     generate(SPEED, again, per_task=2, backend="mujoco", size=64, seed=SEED, workers=0)
     assert check(again, tmp_path / "public" / "seal.json") == ()
     other = tmp_path / "other"
     generate(SPEED, other, per_task=2, backend="mujoco", size=64, seed=SEED + 1, workers=0)
-    assert check(other, tmp_path / "public" / "seal.json")[0] == "the seed is another"
+    assert check(other, tmp_path / "public" / "seal.json")[0] == "the seed differs"
 
 
 def test_what_is_shown_is_drawn_as_what_is_not(tmp_path: Path) -> None:
@@ -47,7 +47,7 @@ def test_what_is_shown_is_drawn_as_what_is_not(tmp_path: Path) -> None:
         installed(engine)
     choices: Any = {"per_task": 1, "size": 48, "seed": SEED, "workers": 0}
     generate(SPEED, tmp_path / "private", backend="pybullet", renderer="mujoco", **choices)
-    seal(tmp_path / "private", tmp_path / "public", workers=0)
+    attest(tmp_path / "private", tmp_path / "public", workers=0)
     plans = [json.loads((tmp_path / one / "plan.json").read_bytes()) for one in ("private", "public/debug")]
     assert [plan["renderer"] for plan in plans] == ["mujoco", "mujoco"]
 
@@ -55,12 +55,12 @@ def test_what_is_shown_is_drawn_as_what_is_not(tmp_path: Path) -> None:
 def test_a_seed_that_can_be_guessed_is_refused(tmp_path: Path) -> None:
     generate(SPEED, tmp_path / "out", per_task=1, backend="mujoco", size=64, seed=7, workers=0)
     with pytest.raises(WmsError, match="anyone can find by trying"):
-        seal(tmp_path / "out", tmp_path / "public")
+        attest(tmp_path / "out", tmp_path / "public")
     assert not (tmp_path / "public").exists()
 
 
 def test_a_seed_that_no_column_holds_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(WmsError, match="a seed is a number from"):
+    with pytest.raises(WmsError, match="a seed is an integer from"):
         generate(SPEED, tmp_path / "out", per_task=1, backend="mujoco", seed=2**63)
 
 

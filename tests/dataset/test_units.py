@@ -6,8 +6,8 @@ import pytest
 
 import wmspec
 from wmspec.core.resources import resource
-from wmspec.dataset.build.units import MOST, units
-from wmspec.runtime.questions.closed_sets import has_closed
+from wmspec.dataset.build.batching import MAX_BATCH, batches
+from wmspec.runtime.questions.closed_sets import has_closed_set
 
 TASKS = {
     "positioning_tabletop": "perception/space/positioning.wms",  # closed sets in groups that cross more
@@ -23,18 +23,18 @@ def test_units(name: str, part: float) -> None:
     task = wmspec.load(resource("specs") / TASKS[name], task=name)
     chance = random.Random(name)
     indices = [index for index in range(len(task)) if chance.random() < part]
-    made = list(units(task.spec, 0, indices))
+    made = list(batches(task.spec, 0, indices))
     assert sorted(index for unit in made for piece in unit for index in piece) == indices
-    assert all(len(unit) == 1 or sum(map(len, unit)) <= MOST for unit in made)
+    assert all(len(unit) == 1 or sum(map(len, unit)) <= MAX_BATCH for unit in made)
     pieces = [piece for unit in made for piece in unit]
     blocks = [{task.design.blocks.locate(index)[0] for index in piece} for piece in pieces]
     assert all(len(of) == 1 for of in blocks)
-    if has_closed(task.spec):  # each group is asked once
+    if has_closed_set(task.spec):  # each group is asked once
         assert len(pieces) == len({block for (block,) in blocks})
 
 
 def test_a_group_that_draws_what_physics_reads_goes_to_one_worker() -> None:
     task = wmspec.load(resource("specs") / TASKS["direction_room"], task="direction_room")
-    for unit in units(task.spec, 0, range(400)):
+    for unit in batches(task.spec, 0, range(400)):
         assert len({task.design.blocks.locate(index)[0] for piece in unit for index in piece}) == 1
-    assert len(list(units(task.spec, 0, range(400)))) <= 400 // 8
+    assert len(list(batches(task.spec, 0, range(400)))) <= 400 // 8

@@ -65,7 +65,7 @@ def test_drivers_pointed_nowhere_are_to_be_unset(monkeypatch: pytest.MonkeyPatch
     assert result.exit_code == 1
     marks = {line[4:].split("  ")[0]: line[:2] for line in result.output.splitlines() if line[:2] in {"ok", "--"}}
     assert (marks["sapien executes"], marks["sapien renders"]) == ("ok", "--")
-    assert "to mend sapien renders:\n  unset VK_DRIVER_FILES\n" in result.output
+    assert "to fix sapien renders:\n  unset VK_DRIVER_FILES\n" in result.output
     assert result.output.count("unset") == 1
 
 

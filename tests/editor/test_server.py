@@ -101,8 +101,8 @@ class Session:
                 return found
 
     async def offers(self, after: str) -> list[str]:
-        asked = lsp.CompletionParams(self.document, self.after(after))
-        listed = await self.client.text_document_completion_async(asked)
+        params = lsp.CompletionParams(self.document, self.after(after))
+        listed = await self.client.text_document_completion_async(params)
         return [item.label for item in listed.items]
 
     async def hover(self, after: str) -> str:
@@ -134,8 +134,8 @@ def test_diagnostics_come_as_one_types(tmp_path: Path) -> None:
         assert mistake.message == f"{checked.message}\nhelp: {checked.help}"
         assert (mistake.code, editor.slice(mistake.range)) == ("WMS203", "desnity")
         assert mistake.code_description.href.endswith("/WMS203.md")
-        asked = lsp.CodeActionParams(editor.document, mistake.range, lsp.CodeActionContext([mistake]))
-        (fix,) = await editor.client.text_document_code_action_async(asked)
+        params = lsp.CodeActionParams(editor.document, mistake.range, lsp.CodeActionContext([mistake]))
+        (fix,) = await editor.client.text_document_code_action_async(params)
         assert fix.title == "write `density`"
         ((edit,),) = fix.edit.changes.values()
         assert (editor.slice(edit.range), edit.new_text) == ("desnity", "density")
@@ -249,13 +249,13 @@ def test_definitions_lead_into_libraries_and_names_change_everywhere(tmp_path: P
 
         async def references(after: str) -> list[Any]:
             context = lsp.ReferenceContext(include_declaration=True)
-            asked = lsp.ReferenceParams(context, editor.document, editor.after(after))
-            found: list[Any] = await editor.client.text_document_references_async(asked)
+            params = lsp.ReferenceParams(context, editor.document, editor.after(after))
+            found: list[Any] = await editor.client.text_document_references_async(params)
             return found
 
         async def rename(after: str, name: str) -> dict[str, list[Any]]:
-            asked = lsp.RenameParams(text_document=editor.document, position=editor.after(after), new_name=name)
-            edit = await editor.client.text_document_rename_async(asked)
+            params = lsp.RenameParams(text_document=editor.document, position=editor.after(after), new_name=name)
+            edit = await editor.client.text_document_rename_async(params)
             changes: dict[str, list[Any]] = edit.changes
             return changes
 
@@ -281,10 +281,10 @@ def test_definitions_lead_into_libraries_and_names_change_everywhere(tmp_path: P
         editor.path.write_text(text)
         assert diagnose(editor.path).passed
         for after, name, told in (
-            ("observe fro", "ahead", "comes with wmspec"),
+            ("observe fro", "ahead", "a library of wmspec"),
             ("factor   ti", "ball", "already"),
             ("factor   ti", "factor", "a word of the language"),
-            ("factor   ti", "no-name", "no name"),
+            ("factor   ti", "no-name", "not a name"),
         ):
             with pytest.raises(Exception, match=told):
                 await rename(after, name)
@@ -315,12 +315,12 @@ def test_the_instance_under_the_cursor_is_drawn(tmp_path: Path) -> None:
         editor.open(GOOD)
         where = editor.after("[0, 1, ")
         position = {"line": where.line, "character": where.character}
-        asked = lsp.ExecuteCommandParams(command="wmspec.preview", arguments=[editor.uri, position])
-        drawn = await editor.client.workspace_execute_command_async(asked)
+        params = lsp.ExecuteCommandParams(command="wmspec.preview", arguments=[editor.uri, position])
+        drawn = await editor.client.workspace_execute_command_async(params)
         answer = drawn if isinstance(drawn, dict) else vars(drawn) if hasattr(drawn, "__dict__") else drawn._asdict()
         editor.edit("launch(", "lunch(")
         with pytest.raises(Exception, match="no verb `lunch`"):
-            await editor.client.workspace_execute_command_async(asked)
+            await editor.client.workspace_execute_command_async(params)
         return answer, Path(answer["uri"].removeprefix("file://")).read_bytes()
 
     answer, png = session(tmp_path, work)

@@ -12,7 +12,7 @@ from tests.engines import installed
 from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import Source
-from wmspec.editor.start import about, first_spec, templates
+from wmspec.editor.start import first_spec, template_titles, templates
 from wmspec.lang.parse.format import format_spec
 
 
@@ -24,7 +24,7 @@ def test_a_first_spec_is_without_mistakes_and_well_formed(template: str, tmp_pat
     assert not diagnosis.diagnostics
     assert [name for name, _ in diagnosis.tasks] == ["marbles"]
     assert format_spec(Source("marbles.wms", path.read_text())) == path.read_text()
-    assert about()[template]
+    assert template_titles()[template]
 
 
 @pytest.mark.engine
@@ -43,7 +43,7 @@ def test_a_file_that_is_there_stays_as_it_is(tmp_path: Path, monkeypatch: pytest
     for name in ("mine", "mine.wms"):
         done = CliRunner().invoke(main, ["new", name])
         assert done.exit_code == 2
-        assert "is there already" in done.output
+        assert "already exists" in done.output
     assert Path("mine.wms").read_text() == "mine\n"
     done = CliRunner().invoke(main, ["new", "other", "--template", "perception"])
     assert done.exit_code == 0

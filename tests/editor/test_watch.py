@@ -17,7 +17,7 @@ from wmspec.api.loading import diagnose_text
 from wmspec.core.diagnostics import WmsError
 from wmspec.editor.page import PageServer
 from wmspec.editor.start import first_spec
-from wmspec.editor.watch import Drawing, State, Watch, picture_name
+from wmspec.editor.watch import PreviewOptions, State, Watch, picture_name
 
 
 @dataclass
@@ -41,7 +41,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
     installed("mujoco")
     path = tmp_path_factory.mktemp("watch") / "marbles.wms"
     path.write_text(first_spec("marbles", "perception"))
-    watch = Watch(path, Drawing("mujoco", instances=2, size=64))
+    watch = Watch(path, PreviewOptions("mujoco", instances=2, size=64))
     server = PageServer(watch, 0)
     threads = [threading.Thread(target=watch.run), threading.Thread(target=server.serve_forever, args=(0.05,))]
     for thread in threads:
@@ -63,8 +63,8 @@ def test_it_follows_the_file(served: Page) -> None:
     assert state.tasks == (("marbles", 90),)
     rows = state.rows
     assert len(rows) == 2
-    assert all(cell.png for row in rows for asked in row.asked for cell in asked.shown)
-    assert [sum(cell.true for cell in asked.options) for row in rows for asked in row.asked] == [1, 1]
+    assert all(cell.png for row in rows for each in row.questions for cell in each.context)
+    assert [sum(cell.true for cell in each.options) for row in rows for each in row.questions] == [1, 1]
 
     served.path.write_text(good.replace("size: if", "siez: if"))
     broken = served.settled(state.version)
@@ -90,7 +90,7 @@ def test_a_text_may_be_gone_before_its_mistakes_are_told(tmp_path: Path, monkeyp
         return diagnose_text(text, at)
 
     monkeypatch.setattr("wmspec.editor.watch.diagnose_text", then_gone)
-    watch = Watch(path, Drawing("mujoco", instances=1, size=32))
+    watch = Watch(path, PreviewOptions("mujoco", instances=1, size=32))
     page = Page(path, watch, PageServer(watch, 0))
     worker = threading.Thread(target=watch.run)
     worker.start()
@@ -112,7 +112,9 @@ def test_pictures_that_a_page_was_told_of_outlive_the_next_sheet(served: Page) -
         version = served.watch.state.version
         served.path.write_text(text + "\n")
         rows = served.settled(version).rows
-        sheets.append({picture_name(c.png) for row in rows for a in row.asked for c in (*a.shown, *a.options) if c.png})
+        sheets.append(
+            {picture_name(c.png) for row in rows for a in row.questions for c in (*a.context, *a.options) if c.png}
+        )
     assert sheets[0] - sheets[1]
     assert all(served.watch.png(name) for name in sheets[0] | sheets[1])
 

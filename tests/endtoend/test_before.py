@@ -8,8 +8,8 @@ import pytest
 from tests.endtoend.test_commands import SPECS, SPEED, wmspec
 from tests.engines import installed
 from wmspec.api import load_all
-from wmspec.api.making import indices
-from wmspec.core.wm_abench import COLUMNS, REBUILT, column
+from wmspec.api.generating import instance_indices
+from wmspec.core.wm_abench import COLUMN_OF_TASK, COLUMNS, column
 
 VISION = SPECS / "perception/vision"
 
@@ -19,13 +19,13 @@ def test_the_numbers_are_the_papers() -> None:
     assert len({c.letters for c in COLUMNS}) == 23
     names = [c.name for c in COLUMNS]
     assert len(names) == len(set(names))
-    assert set(REBUILT.values()) <= set(names)
-    assert len(set(REBUILT.values())) == len(REBUILT), "two tasks rebuild the same one"
+    assert set(COLUMN_OF_TASK.values()) <= set(names)
+    assert len(set(COLUMN_OF_TASK.values())) == len(COLUMN_OF_TASK), "two tasks rebuild the same one"
 
 
 def test_every_rebuilt_task_has_at_least_the_papers_images_and_cases(tmp_path: Path) -> None:
     rows = {r["task"]: r for r in json.loads(wmspec("list", "--json", folder=tmp_path).stdout)}
-    assert set(REBUILT) <= set(rows), "a task of the table does not ship"
+    assert set(COLUMN_OF_TASK) <= set(rows), "a task of the table does not ship"
     for name, row in rows.items():
         there = column(name)
         assert (row["paper"] is None) == (there is None)
@@ -37,13 +37,13 @@ def test_every_rebuilt_task_has_at_least_the_papers_images_and_cases(tmp_path: P
 
 def test_a_dimension_is_chosen_by_its_path(tmp_path: Path) -> None:
     def listed(*dimensions: str) -> set[str]:
-        chosen = [part for d in dimensions for part in ("--only-dimension", d)]
+        chosen = [part for d in dimensions for part in ("--dimension", d)]
         return {r["task"] for r in json.loads(wmspec("list", "--json", *chosen, folder=tmp_path).stdout)}
 
     assert "speed_tabletop" in listed("perception.motion") - listed("prediction")
     assert "collide" in listed("prediction") - listed("perception.motion")
     assert listed("perception", "prediction") <= listed()
-    told = wmspec("list", "--only-dimension", "perception.moton", folder=tmp_path, code=2).stderr
+    told = wmspec("list", "--dimension", "perception.moton", folder=tmp_path, code=2).stderr
     assert "did you mean `perception.motion`?" in told
 
 
@@ -68,7 +68,7 @@ def test_a_dry_run_tries_a_few_and_writes_nothing(tmp_path: Path) -> None:
 def test_the_papers_tasks_are_as_large_as_the_papers_unless_all_is_asked_for() -> None:
     def made(name: str, per_task: int | None = None, full: bool = False) -> tuple[int, ...]:
         (task,) = (t for t in load_all(SPEED, VISION / "color.wms") if t.name == name)
-        return indices(task, per_task, full, (1, 1))
+        return instance_indices(task, per_task, full, (1, 1))
 
     assert len(made("speed_tabletop")) == 2304
     assert made("speed_tabletop", full=True) == tuple(range(2376))
@@ -81,7 +81,7 @@ def test_the_papers_tasks_are_as_large_as_the_papers_unless_all_is_asked_for() -
     [
         (["--full", "--per-task", 3, "-o", "out"], "give one of the two"),
         ([], "give the folder of the dataset with -o, or --dry-run"),
-        (["--only-dimension", "taste", "-o", "out"], "no task has the dimension `taste`"),
+        (["--dimension", "taste", "-o", "out"], "no task has the dimension `taste`"),
     ],
 )
 def test_what_cannot_be_generated_is_told(args: list[object], said: str, tmp_path: Path) -> None:

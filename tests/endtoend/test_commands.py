@@ -85,7 +85,7 @@ def test_three_mistakes_give_three_diagnostics(tmp_path: Path) -> None:
         (["run", STAGE, "--for", "soon"], "expected a time such as 2s"),
         (["render", COLLIDE, "--size", "7", "-o", "out"], "expected pixels such as 384"),
         (["generate", COLLIDE, "-o", "/proc/nowhere"], "/proc"),
-        (["generate", COLLIDE, "-o", "out", "--shard", "3/2"], "shard `3/2`: expected one of so many, from 1/8"),
+        (["generate", COLLIDE, "-o", "out", "--shard", "3/2"], "shard `3/2`: expected I/N, such as 1/8"),
         (["generate", COLLIDE, "-o", "out", "--shard", "0/2"], "shard `0/2`: expected"),
         (["generate", COLLIDE, "-o", "out", "--shard", "half"], "shard `half`: expected"),
         (["generate", COLLIDE, "-o", "out", "--reuse", "nowhere"], "nowhere holds no dataset"),
@@ -98,6 +98,24 @@ def test_a_mistake_on_the_command_line_is_told_in_a_sentence(args: list[object],
     (tmp_path / "a.usdc").write_bytes(b"PXR-USDC\xff\xfe")
     (tmp_path / "unnamed").write_text("#usda 1.0\n")
     assert said in wmspec(*args, folder=tmp_path, code=2).stderr
+
+
+@pytest.mark.parametrize(
+    ("args", "current"),
+    [
+        (["recast", "photos.csv"], "import-images"),
+        (["seal", "private"], "attest"),
+        (["arm", "iiwa.toml"], "import-arm"),
+        (["conform"], "conformance"),
+        (["run", COLLIDE, "--redrawn", "3"], "--redraw"),
+        (["audit", "out", "--pictures-of=400"], "--max-images"),
+        (["list", "--only-dimension", "perception"], "--dimension"),
+    ],
+)
+def test_a_former_name_gives_one_line_with_the_current_name(args: list[object], current: str, tmp_path: Path) -> None:
+    (line,) = wmspec(*args, folder=tmp_path, code=2).stderr.splitlines()
+    assert line.startswith("error: `")
+    assert line.endswith(f"{current}`")
 
 
 STIFF = """#usda 1.0

@@ -12,10 +12,10 @@ import pytest
 
 import wmspec
 from tests.engines import installed
-from wmspec.compile.layout.values import Values
-from wmspec.dataset.build.words import human
+from wmspec.compile.layout.evaluator import Evaluator
+from wmspec.dataset.build.format_units import format_value
 from wmspec.lang.check.statements.builder import observe, task, thing
-from wmspec.runtime.questions.verbalize import say
+from wmspec.runtime.questions.verbalize import verbalize
 
 BALL = "object ball { shape: sphere  size: 6 cm  color: red  on: table }"
 SPEC = "use tabletop\ntask t : custom {{ factor n in [1, 2]  {body}  observe front at [0 s, 0.1 s] }}"
@@ -84,9 +84,9 @@ def test_run_tells_the_middle_of_a_compound_as_measures_do(tmp_path: Path) -> No
 
 @pytest.mark.parametrize(("mass", "words"), [(0.2, "200 g"), (0.9994, "999.4 g"), (1.0, "1 kg"), (1.5, "1.5 kg")])
 def test_a_mass_is_said_as_people_do(mass: float, words: str) -> None:
-    values = Values(task("t", thing("camera", "front", at=(0, -1, 1)), observe("front", [0.0])), {})
-    assert say(mass, "mass", values) == words
-    assert mass < 1 or human(mass, "kg") == words
+    values = Evaluator(task("t", thing("camera", "front", at=(0, -1, 1)), observe("front", [0.0])), {})
+    assert verbalize(mass, "mass", values) == words
+    assert mass < 1 or format_value(mass, "kg") == words
 
 
 def test_who_reads_no_further_is_no_failure() -> None:
@@ -101,12 +101,12 @@ def test_who_reads_no_further_is_no_failure() -> None:
 
 def test_a_camera_that_is_not_there_is_told_in_a_sentence() -> None:
     from wmspec.core.diagnostics import WmsError
-    from wmspec.sim.scene.render.camera import find
+    from wmspec.sim.scene.render.camera import find_camera
     from wmspec.sim.usd import read
 
     (first, _) = wmspec.load(text=SPEC.format(body=BALL))
     with pytest.raises(WmsError, match=r"there is no camera `frnt`; did you mean `front`\?"):
-        find(read(first.stage()), "frnt")
+        find_camera(read(first.stage()), "frnt")
 
 
 def test_distinct_by_is_told_where_it_says_nothing() -> None:

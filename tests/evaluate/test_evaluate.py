@@ -105,7 +105,7 @@ def test_every_reply_is_accounted_for(rules: str, status: str, tries: int, words
         assert row["right"] == (status == "ok" and row["answer"] == 0)
         assert (row["error"] is not None) == (status == "error")
         assert row["model"] == f"openai:{rules}"
-    about = json.loads(results.sidecar(out).read_text())
+    about = json.loads(results.settings_path(out).read_text())
     assert about["replies"] == 6
     assert about["status"] == {status: 6}
 
@@ -238,7 +238,7 @@ def test_options_are_turned_with_their_labels(pictures: Path, words: Path) -> No
 
 
 def test_what_is_left_out_is_not_there(pictures: Path, words: Path) -> None:
-    for name in prompt.known():
+    for name in prompt.builtin_prompts():
         for one in (asked(pictures)[0], asked(words)[0]):
             blind = Ask(one, prompt.load(name), ablation="pictures").request
             assert all(isinstance(part, Text) for part in blind.parts)
@@ -307,7 +307,7 @@ def test_a_wrong_prompt_is_told(text: str, told: str, words: Path, tmp_path: Pat
     ("args", "told"),
     [
         (["-m", "oracle"], "add -o results.parquet"),
-        (["-o", "r.parquet"], "what is asked, and who?"),
+        (["-o", "r.parquet"], "missing DATASET or --model"),
         (["-m", "orcale", "-o", "r.parquet"], "did you mean `oracle`?"),
         (["-m", "openai:x", "--base-url", "http://me:pw@localhost/v1"], "without user, key"),
         (["-m", "openai:x", "--base-url", "localhost:80"], "expected an address"),

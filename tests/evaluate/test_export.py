@@ -145,7 +145,7 @@ def test_every_export_has_the_parser_and_is_the_same_again(tool: str, tmp_path: 
 
 def test_what_is_not_an_export_stays_and_logs_too(tmp_path: Path) -> None:
     dataset = in_words(tmp_path / "d", 2)
-    assert "something else than an export" in wmspec("export", dataset, "--to", "hf", "-o", dataset, code=2).output
+    assert "files that are not an export" in wmspec("export", dataset, "--to", "hf", "-o", dataset, code=2).output
     wmspec("export", dataset, "--to", "inspect", "-o", tmp_path / "x")
     (tmp_path / "x/logs").mkdir()
     (tmp_path / "x/logs/one.eval").write_text("log")
@@ -163,7 +163,7 @@ def test_films_are_not_exported(tmp_path: Path) -> None:
     pytest.importorskip("imageio_ffmpeg")
     dataset = in_words(tmp_path / "d", 2)
     args = ("--to", "hf", "-o", tmp_path / "x", "--prompt", "clip")
-    assert "films cannot be exported" in wmspec("export", dataset, *args, code=2).output
+    assert "videos cannot be exported" in wmspec("export", dataset, *args, code=2).output
 
 
 @pytest.mark.slow

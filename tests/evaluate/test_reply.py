@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmspec.eval.models import reply
-from wmspec.eval.models.reply import LETTERS, ORDINALS, choice, mark, near, number_in
+from wmspec.eval.models.reply import LETTERS, ORDINALS, choice, is_near, mark, number_in
 from wmspec.eval.models.results import COLUMNS
 
 PICTURES = (None, None, None, None)
@@ -130,7 +130,7 @@ def test_no_reply_is_too_odd(text: str, options: list[str | None], labels: str) 
 )
 def test_long_replies_take_no_longer_than_they_must(piece: str) -> None:
     """A rule whose time grows faster than the reply would not come back from this."""
-    text = piece * (reply.LONGEST // len(piece))
+    text = piece * (reply.MAX_REPLY_LENGTH // len(piece))
     choice(text, CUBES)
     number_in(text, "m")
 
@@ -159,9 +159,9 @@ def test_a_number_is_read_in_its_unit(text: str, unit: str, value: float | None)
 @given(st.floats(-100, 100), st.floats(-3, 3))
 def test_of_angles_the_shorter_way_counts(truth: float, off: float) -> None:
     turned = truth + off + math.tau
-    assert near(turned, truth, abs(off) + 1e-6, "rad")
-    assert not near(turned, truth, abs(off) - 1e-3, "rad") or abs(off) <= 1e-3
-    assert not near(turned, truth, 3.1)
+    assert is_near(turned, truth, abs(off) + 1e-6, "rad")
+    assert not is_near(turned, truth, abs(off) - 1e-3, "rad") or abs(off) <= 1e-3
+    assert not is_near(turned, truth, 3.1)
 
 
 def test_what_is_within_is_right() -> None:

@@ -15,7 +15,7 @@ from PIL import Image
 from tests.browser import opened
 from tests.endtoend.test_commands import wmspec
 from tests.gallery.test_browser import chosen, counted, questions
-from wmspec.dataset.build.pictures import png
+from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.gallery.gallery import folder, html
 from wmspec.eval.gallery.paths import paths
@@ -101,7 +101,7 @@ def test_ways_are_those_of_what_moves() -> None:
         return seen
 
     row = {
-        "context_ids": [{"bytes": png(ids(x))} for x in (3, 8, 20)],
+        "context_ids": [{"bytes": encode_png(ids(x))} for x in (3, 8, 20)],
         "context_names": ["post", "ball"],
         "context_camera": ["front"] * 3,
     }

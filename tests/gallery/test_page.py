@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from tests.endtoend.test_commands import wmspec
+from wmspec.dataset.build.format_units import format_reading, format_value
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.dataset.build.words import human, reading
 from wmspec.eval.gallery.gallery import folder, html, page
 from wmspec.eval.gallery.records import about, records
 
@@ -83,13 +83,13 @@ def test_no_text_of_a_spec_can_break_out(dataset: DatasetReader) -> None:
 
 
 def test_values_in_words() -> None:
-    assert human(0.2, "m/s") == "20 cm/s"
-    assert human(0.5236, "rad") == "30°"
-    assert human([0.1, 0.25], "m") == "(10, 25) cm"
-    assert human(True) == "yes"
-    assert human("red") == "red"
-    assert reading("speed(ball)", 0.31) == "31 cm/s"
-    assert reading("contact(a, b)", 1.0) == "yes"
+    assert format_value(0.2, "m/s") == "20 cm/s"
+    assert format_value(0.5236, "rad") == "30°"
+    assert format_value([0.1, 0.25], "m") == "(10, 25) cm"
+    assert format_value(True) == "yes"
+    assert format_value("red") == "red"
+    assert format_reading("speed(ball)", 0.31) == "31 cm/s"
+    assert format_reading("contact(a, b)", 1.0) == "yes"
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from wmspec.compile.design.levels import Level
 from wmspec.lang.check.ir.ir import Choices, Operation, Plan, Ref, Require, TaskSpec, Value
-from wmspec.lang.check.statements.builder import HERE, factor, nuisance, observe, task, thing
+from wmspec.lang.check.statements.builder import PYTHON_LOCATION, factor, nuisance, observe, task, thing
 
 _COMPARE = {
     "==": lambda a, b: a == b,
@@ -26,7 +26,7 @@ def compare(operator: str, a: str, b: str | float) -> Operation:
 
 def require(condition: Any, text: str = "condition") -> Require:
     """A `require` that stands in no text."""
-    return Require(condition=condition, text=text, place=HERE)
+    return Require(condition=condition, text=text, place=PYTHON_LOCATION)
 
 
 def design_of(sizes: dict[str, int], *conditions: Any, plan: Plan | None = None, repeat: int = 1) -> TaskSpec:

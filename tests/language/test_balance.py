@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 import wmspec
 from wmspec.compile.design.design import Design
-from wmspec.core.limits import MOST_DRAWS
+from wmspec.core.limits import MAX_DRAWS
 from wmspec.core.rng import bits
 from wmspec.lang.check.ir.ir import Plan
-from wmspec.runtime.questions.balance import balanced, together
+from wmspec.runtime.questions.balance import balanced_batch, pick_assignment
 from wmspec.runtime.questions.kinds.labels import LabelAnswer
 from wmspec.runtime.questions.model import Option, QuestionRow, Rejected
 
@@ -54,7 +54,7 @@ COUNTS = st.lists(st.tuples(*[st.integers(0, 3)] * 3), min_size=1, max_size=4, u
 
 @given(ways=st.lists(COUNTS, min_size=1, max_size=4), most=st.integers(1, 6))
 def test_groups_come_together_whenever_they_can(ways: list[list[tuple[int, ...]]], most: int) -> None:
-    chosen = together([dict.fromkeys(way, None) for way in ways], most)
+    chosen = pick_assignment([dict.fromkeys(way, None) for way in ways], most)
     fitting = [one for one in product(*ways) if all(sum(answer) <= most for answer in zip(*one, strict=True))]
     assert chosen in fitting if fitting else chosen is None
 
@@ -95,8 +95,8 @@ SKEW = {"a": 0.7, "b": 0.2, "c": 0.1}
 @given(seed=st.integers(0, 99), block=st.integers(0, 23))
 def test_a_lap_has_every_answer_equally_often_whichever_of_its_groups_asks(seed: int, block: int) -> None:
     task = design(count=24)
-    lap = balanced(task, block, drawn(SKEW, seed))  # type: ignore[arg-type]
-    groups = task.lap(block)
+    lap = balanced_batch(task, block, drawn(SKEW, seed))  # type: ignore[arg-type]
+    groups = task.balance_batch(block)
     assert block in groups
     assert sorted(lap.answers) == sorted(i for b in groups for i in task.blocks.members(b))
     answers = [answer for each in lap.answers.values() for answer in each]
@@ -104,23 +104,23 @@ def test_a_lap_has_every_answer_equally_often_whichever_of_its_groups_asks(seed:
     if lap.kept:
         assert len(rows) == len(answers)
         assert {[r.value for r in rows].count(name) for name in SKEW} == {len(rows) // 3}
-        assert len(groups) <= lap.executed <= MOST_DRAWS * len(groups)
+        assert len(groups) <= lap.executed <= MAX_DRAWS * len(groups)
         for group in groups:  # a group is kept as a whole: all members share their draws
             assert len({lap.answers[i][0].redrawn for i in task.blocks.members(group)}) == 1  # type: ignore[union-attr]
     else:
         assert not rows
         assert {answer.reason for answer in answers if isinstance(answer, Rejected)} <= {"balance", "unstable"}
     for other in groups:
-        assert balanced(task, other, drawn(SKEW, seed)) == lap  # type: ignore[arg-type]
+        assert balanced_batch(task, other, drawn(SKEW, seed)) == lap  # type: ignore[arg-type]
 
 
 def test_an_answer_that_never_comes_is_told_with_how_often_the_others_did() -> None:
-    lap = balanced(design(), 0, drawn({"a": 0.5, "b": 0.5, "c": 0.0}, 1))  # type: ignore[arg-type]
+    lap = balanced_batch(design(), 0, drawn({"a": 0.5, "b": 0.5, "c": 0.0}, 1))  # type: ignore[arg-type]
     (first, *_) = [answer for each in lap.answers.values() for answer in each if answer.reason == "balance"]  # type: ignore[union-attr]
     assert isinstance(first, Rejected)
-    assert first.detail.startswith(f"{3 * MOST_DRAWS} draws gave a ")
+    assert first.detail.startswith(f"{3 * MAX_DRAWS} draws gave a ")
     assert ", c 0, rejected unstable " in first.detail
-    assert first.detail.endswith("no choice of them has each answer equally often")
+    assert first.detail.endswith("no combination has equally frequent answers")
 
 
 # ---------------------------------------------------------------- the design
@@ -128,13 +128,13 @@ def test_an_answer_that_never_comes_is_told_with_how_often_the_others_did() -> N
 
 def test_the_laps_of_a_design_are_its_groups_each_once_with_the_same_crossed() -> None:
     task = design(plan="cross: tone  turn: wood  balance: far", count=20)
-    laps = {task.lap(block) for block in range(20)}
+    laps = {task.balance_batch(block) for block in range(20)}
     assert sorted(block for lap in laps for block in lap) == list(range(20))
     assert all(len({task.blocks.crossed(block) for block in lap}) == 1 for lap in laps)
     two = design(plan="turn: [tone, wood]  balance: far", count=20)
-    assert two.lap(0) == (0, 2, 4)
-    assert two.lap(3) == (1, 3, 5)
-    assert two.lap(19) == (19,)
+    assert two.balance_batch(0) == (0, 2, 4)
+    assert two.balance_batch(3) == (1, 3, 5)
+    assert two.balance_batch(19) == (19,)
 
 
 @settings(max_examples=30, deadline=None)
@@ -153,7 +153,7 @@ def test_a_sample_has_whole_laps(count: int) -> None:
     task = design()
     sampled = set(task.sample(count))
     for index in sampled:
-        lap = task.lap(task.blocks.locate(index)[0])
+        lap = task.balance_batch(task.blocks.locate(index)[0])
         assert sampled >= {i for block in lap for i in task.blocks.members(block)}
 
 

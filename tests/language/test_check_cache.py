@@ -1,4 +1,4 @@
-"""Cached results of `wmspec check` are those of a check, and never older than what they depend on."""
+"""Cached results of `wmspec check` equal those of a check, and are never older than their dependencies."""
 
 import json
 import os
@@ -29,14 +29,14 @@ LIBRARY = "use tabletop\nobject mat {{ shape: box  size: ({} cm, 4 cm, 1 cm)  on
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A cache of the test's own."""
+    """A separate cache for the test."""
     monkeypatch.setenv("WMSPEC_CACHE_DIR", str(tmp_path / "cache"))
     return tmp_path / "cache"
 
 
 @pytest.fixture
 def hits(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
-    """Whether each check was answered from the cache."""
+    """Whether each check was a cache hit."""
     seen: list[bool] = []
 
     def watched(entry: str, path: Path, real: Callable[..., Checked | None] = checking._cached) -> Checked | None:
@@ -49,7 +49,7 @@ def hits(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
 
 
 def seen(checked: Checked) -> object:
-    """All that a user sees of it."""
+    """The complete output for users."""
     return [d.render() for d in checked.diagnostics], [d.record() for d in checked.diagnostics], checked.tasks
 
 
@@ -149,7 +149,7 @@ def test_an_entry_that_cannot_be_trusted_is_ignored(damage: str, folder: Path, h
 
 
 def test_an_entry_that_says_something_else_is_ignored(folder: Path, hits: list[bool]) -> None:
-    """Its checksum is right, but it is not what this version writes."""
+    """Its checksum is right, but this version has another format."""
     path = ROOT / "tests/corpus/three_mistakes.wms"
     plain = check_files([path])
     (entry,) = folder.glob("check-*")
@@ -171,11 +171,11 @@ def test_a_cache_that_cannot_be_written_costs_nothing(tmp_path: Path, monkeypatc
 def test_a_library_from_the_cache_is_the_library(path: Path) -> None:
     source = read_source(path)
     tree = parse(source, Report())
-    library_cache.keep(source, tree)
-    kept = library_cache.kept(source)
-    assert kept == tree
-    assert kept.span.source is source
-    assert library_cache.kept(Source(source.name, source.text + "\n")) is None
+    library_cache.store(source, tree)
+    cached = library_cache.load_cached(source)
+    assert cached == tree
+    assert cached.span.source is source
+    assert library_cache.load_cached(Source(source.name, source.text + "\n")) is None
 
 
 class _Forged:
@@ -188,7 +188,7 @@ def test_a_forged_library_executes_nothing(forged: object, tmp_path: Path, monke
     monkeypatch.chdir(tmp_path)
     source = Source("x.wms", "object o { }\n")
     disk_cache.write(library_cache._entry(source), pickle.dumps(forged))
-    assert library_cache.kept(source) is None
+    assert library_cache.load_cached(source) is None
     assert not (tmp_path / "forged").exists()
 
 

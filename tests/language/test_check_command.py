@@ -70,9 +70,9 @@ def test_colours_are_for_terminals_that_want_them(monkeypatch: pytest.MonkeyPatc
 def test_no_color_is_respected(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     monkeypatch.setenv("NO_COLOR", "1")
-    assert not common._in_colour()
+    assert not common._has_colour()
     monkeypatch.setenv("NO_COLOR", "")
-    assert common._in_colour()
+    assert common._has_colour()
 
 
 def test_a_mistake_in_one_file_hides_none_in_the_next(tmp_path: Path) -> None:

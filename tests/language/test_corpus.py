@@ -1,4 +1,4 @@
-"""The corpus: every `.wms` file under tests/corpus beside the diagnostics it must give, one a line.
+"""The corpus: every `.wms` file under tests/corpus with its expected diagnostics, one per line.
 
 To add a case, add a `.wms` file, run `UPDATE_CORPUS=1 pytest tests/language/test_corpus.py` and read what it wrote.
 """
@@ -25,13 +25,13 @@ def diagnose(path: Path) -> str:
     for d in report.diagnostics:
         assert d.code in CODES
         helped = f" | {d.help}" if d.help else ""
-        lines.append(f"{d.severity} {d.code} {told(d.place, path)} {d.message}{helped}\n")
-        lines += [f"    note {told(n.place, path)} {n.message}\n" for n in d.notes]
+        lines.append(f"{d.severity} {d.code} {format_place(d.place, path)} {d.message}{helped}\n")
+        lines += [f"    note {format_place(n.place, path)} {n.message}\n" for n in d.notes]
     return "".join(lines) or "no mistakes\n"
 
 
-def told(span: Place | None, path: Path) -> str:
-    """Where in the case's own text, or in which library, whose lines may move."""
+def format_place(span: Place | None, path: Path) -> str:
+    """The position in the case's own text, or the name of the library, whose lines may move."""
     assert isinstance(span, Span)
     return f"{span.line}:{span.column}" if span.source.name == str(path) else f"in {Path(span.source.name).name}"
 
@@ -46,6 +46,6 @@ def test_corpus(path: Path) -> None:
 
 
 def test_every_code_but_a_few_is_in_the_corpus() -> None:
-    """A code that no case shows is a message that nobody has read."""
+    """Every code needs a case in the corpus."""
     shown = {word for p in CORPUS for word in p.with_suffix(".expected").read_text().split() if word.startswith("WMS")}
     assert set(CODES) - shown <= {"WMS208"}

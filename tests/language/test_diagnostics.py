@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from wmspec.cli.sarif import sarif
 from wmspec.compile.lint import change_rules, design_rules, option_rules, scene_rules, task_rules
-from wmspec.core.diagnostics import Diagnostic, Note, Report, SpecError, StageError, WmsError, visible
+from wmspec.core.diagnostics import Diagnostic, Note, Report, SpecError, StageError, WmsError, escape_controls
 from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Source, Span
 from wmspec.lang.parse.codes import CODES
-from wmspec.lang.parse.load import pointed
+from wmspec.lang.parse.load import with_source_text
 
 RULES = [r for room in (task_rules, design_rules, option_rules, scene_rules, change_rules) for r in room.RULES]
 SOURCE = Source("a.wms", "task t : custom {\n  horizon 1 s\n}\n")
@@ -65,7 +65,7 @@ def test_a_report_tells_each_once_in_the_order_of_the_text(told: list[Diagnostic
 @given(diagnostics())
 def test_what_is_wrong_is_in_every_form_of_it(told: Diagnostic) -> None:
     for text in (str(told), told.render()):
-        shown = visible if text == told.render() else str  # what a terminal would obey is shown instead
+        shown = escape_controls if text == told.render() else str  # what a terminal would obey is shown instead
         assert shown(told.message) in text
         assert shown(told.help) in text
         assert told.place is None or shown(str(told.place)) in text
@@ -76,7 +76,7 @@ def test_what_is_wrong_is_in_every_form_of_it(told: Diagnostic) -> None:
 
 @given(spans())
 def test_the_text_of_a_location_is_found_again(span: Span) -> None:
-    (again,) = pointed([Diagnostic("m", Location.of(span))])
+    (again,) = with_source_text([Diagnostic("m", Location.of(span))])
     assert again.place == Location.of(span)  # there is no such file
 
 
@@ -85,7 +85,7 @@ def test_the_text_at_a_location_is_read_from_its_file(tmp_path: Path) -> None:
     Path(source.name).write_text(source.text)
     span = Span(source, source.text.index("horizon"), source.text.index(" s\n"))
     note = Note("here", Location.of(span))
-    (again,) = pointed([Diagnostic("m", Location.of(span), notes=(note,))])
+    (again,) = with_source_text([Diagnostic("m", Location.of(span), notes=(note,))])
     assert again.place == span
     assert again.notes[0].place == span
     assert "2 |   horizon 1 s" in again.render()

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from tests.language.specs import random_text, task_from
 from wmspec.compile.design.design import Design
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.rng import Permutation
 
 # ---------------------------------------------------------------- domains
@@ -122,7 +122,7 @@ def test_what_is_added_fixed_or_reordered_moves_no_other_draw(text: str, data: s
 
 def _scattered(design: Design, index: int) -> list[object]:
     instance = design[index]
-    values = Values(design.spec, instance.values, None, instance.key)
+    values = Evaluator(design.spec, instance.values, None, instance.key)
     return [values.pose(f"bricks_{i}") for i in range(4)]
 
 

@@ -30,7 +30,7 @@ def test_examples_do_what_they_say(code: str, tmp_path: Path) -> None:
     shown = page(code)
     assert shown.title == CODES[code]
     assert shown.markdown.startswith(f"# {code}: ")
-    assert "## How to mend it" in shown.markdown
+    assert "## How to fix it" in shown.markdown
     assert codes(shown.wrong, tmp_path / "wrong") == {code}
     assert codes(shown.right, tmp_path / "right") == set()
 

@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from wmspec.compile.design.design import Design
-from wmspec.compile.layout.cavities import room
-from wmspec.compile.layout.values import Values
-from wmspec.compile.layout.view import gaze, seen
+from wmspec.compile.layout.cavities import has_room
+from wmspec.compile.layout.evaluator import Evaluator
+from wmspec.compile.layout.view import gaze_direction, view_coordinates
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.statements.builder import compound, objects, observe, task, thing
@@ -28,10 +28,10 @@ TRAY = {
 """A hollow of 10 x 10 x 10 cm, open at the front and the back."""
 
 
-def values(*parts: Any) -> Values:
+def values(*parts: Any) -> Evaluator:
     """What the only instance of a task of these things is."""
     spec = task("t", CAMERA, *parts, observe("front", [0.0]))
-    return Values(spec, Design(spec)[0].values)
+    return Evaluator(spec, Design(spec)[0].values)
 
 
 @pytest.mark.parametrize(
@@ -154,7 +154,7 @@ def test_a_box_has_room_where_trying_every_place_finds_some(
     whole = ((0.0, 0.0, 0.0), (5.0, 5.0, 5.0))
     starts = product(*(range(6 - e) for e in edges))
     tried = any(not full[tuple(slice(s, s + e) for s, e in zip(start, edges, strict=True))].any() for start in starts)
-    assert room(tuple(map(float, edges)), whole, boxes) is tried  # type: ignore[arg-type]
+    assert has_room(tuple(map(float, edges)), whole, boxes) is tried  # type: ignore[arg-type]
 
 
 def test_the_place_of_a_property_that_is_out_of_bounds_is_told() -> None:
@@ -188,7 +188,7 @@ def test_what_is_placed_for_a_viewer_is_seen_there_by_it(turned: float, far: flo
         "in_front_of": (0, -far),
     }.items():
         _, x, y = found.call(name, ("a", far), seen_from="eye")
-        assert seen(gaze(found, "eye"), x - 1, y - 2) == pytest.approx(expected, abs=1e-9)
+        assert view_coordinates(gaze_direction(found, "eye"), x - 1, y - 2) == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_property_is_read_as_its_kind_and_as_no_other() -> None:

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 import wmspec
 from tests.examples import examples
-from wmspec.compile.lint.hidden_rules import _between
-from wmspec.core.space import Pose, turn
+from wmspec.compile.lint.hidden_rules import _is_between
+from wmspec.core.space import Pose, from_ypr
 
 SPEC = """use room
 
@@ -65,14 +65,14 @@ def test_a_box_between_two_points_has_a_point_of_the_way_between_them(
     eye: tuple[float, float, float], point: tuple[float, float, float], yaw: float
 ) -> None:
     half = (0.5, 0.3, 0.4)
-    pose = Pose((0.1, 0.2, 0.3), turn(yaw, 0.0, 0.0))
+    pose = Pose((0.1, 0.2, 0.3), from_ypr(yaw, 0.0, 0.0))
     inside = [
         _inside(tuple(a + (b - a) * i / 200 for a, b in zip(eye, point, strict=True)), half, yaw) for i in range(201)
     ]
     border = tuple(edge + 1e-9 for edge in half)
     if any(inside[1:]) and not _inside(eye, border, yaw):
-        assert _between(eye, point, half, pose)
-    if _between(eye, point, half, pose):
+        assert _is_between(eye, point, half, pose)
+    if _is_between(eye, point, half, pose):
         grown = tuple(edge + 0.05 for edge in half)
         steps = (tuple(a + (b - a) * i / 200 for a, b in zip(eye, point, strict=True)) for i in range(201))
         assert any(_inside(step, grown, yaw) for step in steps)

@@ -13,10 +13,10 @@ from scipy.optimize import linprog
 
 from tests.language.specs import random_text, task_from
 from wmspec.compile.design.design import Design
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.values import Values
-from wmspec.compile.lint.overlap import SLACK, Overlap, overlaps
-from wmspec.compile.lint.visibility import blind
+from wmspec.compile.lint.overlap import MAX_OVERLAP, Overlap, overlaps
+from wmspec.compile.lint.visibility import blind_cameras
 from wmspec.lang.check.statements.builder import action, observe, task, thing
 
 ANGLES = st.floats(-3, 3)
@@ -36,7 +36,7 @@ FORMS = st.sampled_from(
 
 def found(*things: object) -> list[Overlap]:
     spec = task("t", *things, observe("front", [0.0]))  # type: ignore[arg-type]
-    return list(overlaps(Values(spec, {})))
+    return list(overlaps(Evaluator(spec, {})))
 
 
 @given(r=st.floats(0.01, 0.1), s=st.floats(0.01, 0.1), at=PLACES)
@@ -47,7 +47,7 @@ def test_spheres_are_as_deep_in_one_another_as_their_radii_exceed_their_distance
     other = thing("object", "other", shape="sphere", radius=s, at=at)
     depth = min(r + s - math.hypot(*at), 2 * r, 2 * s)
     told = found(ball, other)
-    assert bool(told) == (depth > SLACK)
+    assert bool(told) == (depth > MAX_OVERLAP)
     if told:
         assert told[0].depth == pytest.approx(depth, abs=1e-4)
 
@@ -62,14 +62,14 @@ def test_solids_overlap_if_some_point_is_inside_both(
     a = thing("object", "a", **forms[0], **poses[0], at=(0.0, 0.0, 0.0))
     b = thing("object", "b", **forms[1], **poses[1], at=at)
     told = found(a, b)
-    values = Values(task("t", a, b, observe("front", [0.0])), {})
+    values = Evaluator(task("t", a, b, observe("front", [0.0])), {})
     if told and told[0].depth > 3e-3:  # the surface points of round solids are on polygons within them
         assert _meet(_surface(values, "a"), _surface(values, "b"))
     if not told:
         assert not _meet(0.97 * _surface(values, "a"), _surface(values, "b") * 0.97 + 0.03 * np.array(at))
 
 
-def _surface(values: Values, name: str) -> NDArray[np.float64]:
+def _surface(values: Evaluator, name: str) -> NDArray[np.float64]:
     """Points whose hull is the solid, or for a round one almost."""
     (piece,) = pieces(values, name)
     x, y, z = piece.solid.half_extent
@@ -111,7 +111,7 @@ def test_what_cannot_collide_may_overlap() -> None:
 def test_what_rests_on_a_thing_is_not_inside_it(text: str, data: st.DataObject) -> None:
     design = Design(task_from(text))
     instance = design[data.draw(st.integers(0, len(design) - 1))]
-    values = Values(design.spec, instance.values, None, instance.key)
+    values = Evaluator(design.spec, instance.values, None, instance.key)
     assert "table" not in {pair.first for pair in overlaps(values)}
 
 
@@ -129,15 +129,15 @@ def test_a_camera_is_blind_only_if_the_middle_is_out_of_its_picture(
     camera = thing("camera", "eye", at=eye, look_at=target, fov=fov)
     seen = thing("object", "ball", shape="sphere", size=0.02, at=ball)
     pushed = action("push", "launch", object="ball", direction=0.0, speed=0.0)
-    values = Values(task("t", camera, seen, pushed, observe("eye", [0.0])), {})
+    values = Evaluator(task("t", camera, seen, pushed, observe("eye", [0.0])), {})
     forward = ahead / np.linalg.norm(ahead)
     there = np.array(ball) - eye
     along = float(there @ forward)
     off = math.atan2(float(np.linalg.norm(there - along * forward)), along)
     if off < fov / 2:
-        assert blind(values) == ()
+        assert blind_cameras(values) == ()
     if off > fov / 2 * math.sqrt(2) + 0.1 and np.linalg.norm(there) > 0.2 and fov < 1:
-        assert blind(values) == ("eye",)
+        assert blind_cameras(values) == ("eye",)
 
 
 def test_what_comes_into_view_by_its_own_action_is_seen() -> None:
@@ -146,7 +146,7 @@ def test_what_comes_into_view_by_its_own_action_is_seen() -> None:
     for pace, expected in ((1.5, ()), (0.5, ("eye",))):
         go = action("go", "glide", object="ball", direction=0.0, speed=pace, duration=2.0)
         spec = task("t", camera, ball, go, observe("eye", [0.0, 2.0]))
-        assert blind(Values(spec, {})) == expected
+        assert blind_cameras(Evaluator(spec, {})) == expected
 
 
 def test_nothing_is_said_of_a_camera_that_rides_or_of_a_task_without_a_matter() -> None:
@@ -154,6 +154,6 @@ def test_nothing_is_said_of_a_camera_that_rides_or_of_a_task_without_a_matter() 
     ball = thing("object", "ball", shape="sphere", size=0.1, at=(0.0, 0.0, 0.1))
     go = action("go", "glide", object="ball", direction=0.0, speed=1.0, duration=1.0)
     still, riding = thing("camera", "eye", **away), thing("camera", "eye", **away, ride="ball")
-    assert blind(Values(task("t", still, ball, go, observe("eye", [0.0])), {})) == ("eye",)
-    assert blind(Values(task("t", riding, ball, go, observe("eye", [0.0])), {})) == ()
-    assert blind(Values(task("t", still, ball, observe("eye", [0.0])), {})) == ()
+    assert blind_cameras(Evaluator(task("t", still, ball, go, observe("eye", [0.0])), {})) == ("eye",)
+    assert blind_cameras(Evaluator(task("t", riding, ball, go, observe("eye", [0.0])), {})) == ()
+    assert blind_cameras(Evaluator(task("t", still, ball, observe("eye", [0.0])), {})) == ()

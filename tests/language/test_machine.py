@@ -1,4 +1,4 @@
-"""The machine reads as Lark does, of whose tables it is made: the same words, and the same trees."""
+"""The LR parser agrees with Lark, which generates its tables: same tokens, same trees."""
 
 import re
 from functools import cache
@@ -14,8 +14,8 @@ from lark.exceptions import UnexpectedInput
 
 from tests.language.specs import SPECS, random_text
 from tests.language.trees import expressions, files, statements, written
-from wmspec.lang.parse.lexer import Token, read
-from wmspec.lang.parse.machine import END, Machine, Tree
+from wmspec.lang.parse.lexer import Token, tokenize
+from wmspec.lang.parse.lr_parser import END, LRParser, Tree
 from wmspec.lang.parse.syntax import Expr, File, Statement
 from wmspec.lang.parse.tables import grammar, lark_parser, tables
 
@@ -26,8 +26,8 @@ def lark() -> Lark:
 
 
 def ours(text: str) -> Any:
-    machine = Machine("start")
-    tokens = [t for t in read(text) if t.type not in ("WHITE", "COMMENT", "OPEN_STRING")]
+    machine = LRParser("start")
+    tokens = [t for t in tokenize(text) if t.type not in ("WHITE", "COMMENT", "OPEN_STRING")]
     if not all(machine.read(token) for token in [*tokens, Token(END, "", len(text), 0)]):
         return "refused"
     return bare(machine.result)
@@ -41,7 +41,7 @@ def theirs(text: str) -> Any:
 
 
 def bare(node: Any) -> Any:
-    """Rules, words and gaps alone."""
+    """Rules, tokens and gaps only."""
     match node:
         case Tree():
             return node.rule, [bare(child) for child in node.children]
@@ -88,7 +88,7 @@ def test_the_grammar_says_of_every_keyword_that_it_is_no_unit() -> None:
 
 
 def words(text: str) -> list[Token]:
-    return [token for token in read(text) if token.type not in ("WHITE", "COMMENT")]
+    return [token for token in tokenize(text) if token.type not in ("WHITE", "COMMENT")]
 
 
 @given(statements)
@@ -112,7 +112,7 @@ def test_reading_can_go_on_at_all_statements_and_at_nothing_that_stands_in_one()
 
 def test_words_have_their_places() -> None:
     text = 'task a {\n  """two\nlines"""  factor b in [1, 2] cm  # end\n}\n'
-    found = list(read(text, 7))
+    found = list(tokenize(text, 7))
     assert "".join(t.text for t in found) == text
     assert all(text[t.start - 7 : t.end - 7] == t.text for t in found)
     lines = {t.text: (t.line, t.end_line) for t in found}

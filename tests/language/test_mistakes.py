@@ -1,4 +1,4 @@
-"""The mistakes of newcomers, each told once, where it is, with what mends it: in a first spec, one thing is broken."""
+"""Common mistakes in a first spec: each is reported once, at its place, with its correction."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ MISTAKES = {
 
 
 def told(text: str) -> tuple[Diagnostic, ...]:
-    """Everything that `wmspec check` says of a text."""
+    """All diagnostics of a text."""
     report = Report()
     for spec in check_program(load_source(Source("first.wms", text), Path(), report), report):
         dry_run(spec, report)

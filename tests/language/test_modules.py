@@ -6,7 +6,7 @@ import pytest
 
 import wmspec
 from wmspec.compile.design.design import Design
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import Report
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.statements.task import check
@@ -61,7 +61,7 @@ def test_a_parameter_is_the_first_of_its_list_or_what_is_said(tmp_path: Path, gi
     found, errors = tasks(tmp_path, f"use shop{given}\ntask a : custom {{ {when} {TASK.format('')} }}")
     assert not errors
     design = Design(found["a"])
-    assert Values(design.spec, design[0].values, None, design[0].key).property("crate", "color") == wanted
+    assert Evaluator(design.spec, design[0].values, None, design[0].key).property("crate", "color") == wanted
 
 
 def test_a_value_stands_for_no_name(tmp_path: Path) -> None:

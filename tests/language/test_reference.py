@@ -18,7 +18,15 @@ from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.ir.record import plain
 from wmspec.lang.check.statements.dimensions import DIMENSIONS
 from wmspec.lang.check.statements.task import check_program
-from wmspec.lang.check.tables.vocabulary import CONDITIONAL, PLANS, SPREADS, STUDIED, WEIGHTED, Form, Plan
+from wmspec.lang.check.tables.vocabulary import (
+    CONDITIONAL_DOMAINS,
+    CONTINUOUS_DOMAINS,
+    DESIGNS,
+    FACTOR_DOMAINS,
+    WEIGHTED_DOMAINS,
+    DesignForm,
+    SyntaxForm,
+)
 from wmspec.lang.parse.files import read_source
 from wmspec.lang.parse.format import format_spec
 from wmspec.lang.parse.load import load_source
@@ -76,17 +84,21 @@ task t : custom {{
 """
 
 
-@pytest.mark.parametrize("form", [*STUDIED, *CONDITIONAL, *SPREADS, *WEIGHTED], ids=lambda f: f.written)
-def test_the_tables_of_domains_are_what_factors_and_nuisances_take(form: Form) -> None:
+@pytest.mark.parametrize(
+    "form", [*FACTOR_DOMAINS, *CONDITIONAL_DOMAINS, *CONTINUOUS_DOMAINS, *WEIGHTED_DOMAINS], ids=lambda f: f.written
+)
+def test_the_tables_of_domains_are_what_factors_and_nuisances_take(form: SyntaxForm) -> None:
     """What a factor takes, a nuisance takes; the rest is refused with a remedy."""
-    spread = form in SPREADS
-    assert codes(f"nuisance x in {form.written}") == ({"WMS407"} if form in CONDITIONAL else set())
-    assert codes(f"factor x in {form.written}") == ({"WMS401"} if spread or form in WEIGHTED else set())
-    assert codes(f"factor x in {form.written}  design latin of 20") == ({"WMS401"} if form in WEIGHTED else set())
+    spread = form in CONTINUOUS_DOMAINS
+    assert codes(f"nuisance x in {form.written}") == ({"WMS407"} if form in CONDITIONAL_DOMAINS else set())
+    assert codes(f"factor x in {form.written}") == ({"WMS401"} if spread or form in WEIGHTED_DOMAINS else set())
+    assert codes(f"factor x in {form.written}  design latin of 20") == (
+        {"WMS401"} if form in WEIGHTED_DOMAINS else set()
+    )
 
 
-@pytest.mark.parametrize("plan", PLANS.values(), ids=lambda p: p.written)
-def test_the_table_of_designs_is_what_is_taken(plan: Plan) -> None:
+@pytest.mark.parametrize("plan", DESIGNS.values(), ids=lambda p: p.written)
+def test_the_table_of_designs_is_what_is_taken(plan: DesignForm) -> None:
     assert codes(f"factor x in 1 .. 200 by 1  factor y in [1, 2]  {plan.written}") == set()
 
 

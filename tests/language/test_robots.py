@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from tests.language.specs import SPECS, task_from, task_of
 from wmspec.compile.design.design import Design
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
+from wmspec.compile.robots.ground_path import arc_length_at
 from wmspec.compile.robots.obstacles import hull, obstacles
-from wmspec.compile.robots.travel import CLEAR, GIRTH, WALKERS, Travel, travels
-from wmspec.compile.robots.wayfinding import WITHIN
-from wmspec.compile.robots.ways import gone
+from wmspec.compile.robots.travel import STOP_DISTANCE, WALKER_HEIGHTS, WALKER_RADIUS, Travel, travels
+from wmspec.compile.robots.wayfinding import ARRIVAL_DISTANCE
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.ir import TaskSpec
 
@@ -53,7 +53,7 @@ task t : custom {{
 
 def planned(spec: TaskSpec, index: int = 0) -> dict[str, Travel]:
     instance = Design(spec)[index]
-    return travels(Values(spec, instance.values, None, instance.key))
+    return travels(Evaluator(spec, instance.values, None, instance.key))
 
 
 def town(
@@ -104,7 +104,7 @@ def test_a_turn_ends_in_the_lane_behind_the_crossing(
 @given(st.floats(0.1, 50), st.floats(0.5, 10), st.floats(0, 3), st.floats(0, 3))
 def test_nobody_goes_back_on_the_way(length: float, lasts: float, enters: float, leaves: float) -> None:
     pace = length / lasts
-    ways = [gone(length, lasts, enters * pace, leaves * pace, lasts * i / 100) for i in range(101)]
+    ways = [arc_length_at(length, lasts, enters * pace, leaves * pace, lasts * i / 100) for i in range(101)]
     assert ways[0] == 0
     assert ways[-1] == pytest.approx(length)
     assert all(b >= a - 1e-9 for a, b in pairwise(ways))
@@ -216,13 +216,13 @@ def test_a_walker_goes_through_the_door_to_what_is_behind_the_wall_and_faces_it(
     spec = room("action go = someone.go_to(chest) for 10 s", more=DOOR + CHEST % (2.6, -2))
     go = planned(spec)["go"]
     instance = Design(spec)[0]
-    standing = obstacles(Values(spec, instance.values, None, instance.key), *WALKERS)
-    assert all(o.distance(point[:2]) >= GIRTH for point in go.points for o in standing)
+    standing = obstacles(Evaluator(spec, instance.values, None, instance.key), *WALKER_HEIGHTS)
+    assert all(o.distance(point[:2]) >= WALKER_RADIUS for point in go.points for o in standing)
     crossed = next(y for x, y, _ in go.points if x > 2)
     assert 0.5 < crossed < 1.5, "it came through the door"
     x, y, _ = go.points[-1]
     (chest,) = (o for o in standing if o.name == "chest")
-    assert chest.distance((x, y)) <= GIRTH + CLEAR + WITHIN
+    assert chest.distance((x, y)) <= WALKER_RADIUS + STOP_DISTANCE + ARRIVAL_DISTANCE
     assert math.remainder(yaw_of(go) - math.atan2(-2 - y, 2.6 - x), math.tau) == pytest.approx(0, abs=1e-6)
     gone = sum(math.dist(a, b) for a, b in pairwise(go.points))
     assert gone < 1.1 * (math.dist((0, 0), (2, 0.8)) + math.dist((2, 0.8), (x, y)))
@@ -255,7 +255,7 @@ def test_on_its_way_to_a_thing_it_goes_through_nothing(
     )
     spec = room("action go = someone.go_to(chest) for 10 s", more=more + CHEST % (f"{place[0]:.6f}", f"{place[1]:.6f}"))
     instance = Design(spec)[0]
-    standing = obstacles(Values(spec, instance.values, None, instance.key), *WALKERS)
+    standing = obstacles(Evaluator(spec, instance.values, None, instance.key), *WALKER_HEIGHTS)
     try:
         go = planned(spec)["go"]
     except WmsError as error:
@@ -263,17 +263,17 @@ def test_on_its_way_to_a_thing_it_goes_through_nothing(
             raise
         return
     for x, y, _ in go.points:
-        assert min((o.distance((x, y)) for o in standing), default=1.0) >= GIRTH - 1e-3
+        assert min((o.distance((x, y)) for o in standing), default=1.0) >= WALKER_RADIUS - 1e-3
 
 
 def test_a_walker_stops_before_a_wall_and_comes_through_a_door() -> None:
     wall = "object wall { shape: box  size: (10 cm, 4 m, 2 m)  color: oak  on: floor at (2 m, %s)  fixed: true }"
     (go,) = planned(room("action go = someone.move(3 m) for 3 s", more=wall % "0 m")).values()
-    assert go.points[-1][0] == pytest.approx(1.95 - GIRTH - CLEAR, abs=6e-3)
+    assert go.points[-1][0] == pytest.approx(1.95 - WALKER_RADIUS - STOP_DISTANCE, abs=6e-3)
     (go,) = planned(room("action go = someone.move(3 m) for 3 s", more=wall % "2.3 m")).values()
     assert go.points[-1][0] == pytest.approx(3)
     (go,) = planned(room("action go = someone.back(3 m) for 3 s", yaw=180, more=wall % "0 m")).values()
-    assert go.points[-1][0] == pytest.approx(1.95 - GIRTH - CLEAR, abs=6e-3)
+    assert go.points[-1][0] == pytest.approx(1.95 - WALKER_RADIUS - STOP_DISTANCE, abs=6e-3)
 
 
 @settings(max_examples=30, deadline=None)
@@ -296,10 +296,10 @@ def test_a_walker_goes_through_nothing(boxes: list[tuple[float, float, float]], 
     """
     spec = room(acts, yaw=yaw, more=more)
     instance = Design(spec)[0]
-    standing = obstacles(Values(spec, instance.values, None, instance.key), *WALKERS)
+    standing = obstacles(Evaluator(spec, instance.values, None, instance.key), *WALKER_HEIGHTS)
     for travel in planned(spec).values():
         for x, y, _ in travel.points:
-            assert min((o.distance((x, y)) for o in standing), default=1.0) >= GIRTH - 1e-3
+            assert min((o.distance((x, y)) for o in standing), default=1.0) >= WALKER_RADIUS - 1e-3
 
 
 def test_a_walker_looks_up_about_its_neck() -> None:

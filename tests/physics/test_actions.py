@@ -158,9 +158,9 @@ WRONG: dict[str, tuple[tuple[Action, ...], str]] = {
     ),
     "astray": (
         (Follow("a", "k", 0, np.array([0, 1.0]), np.ones((2, 3))),),
-        r"action a: its way begins at \[1. 1. 1.\] m, but 'k' is at \[0. 0. 0.\] m",
+        r"action a: its path starts at \[1. 1. 1.\] m, but 'k' is at \[0. 0. 0.\] m",
     ),
-    "times": ((Follow("a", "k", 0, np.array([0, 1.0, 1.0]), np.zeros((3, 3))),), "expected them to grow"),
+    "times": ((Follow("a", "k", 0, np.array([0, 1.0, 1.0]), np.zeros((3, 3))),), "expected increasing times"),
     "held": (
         (Release("a", "d", 0.5), Launch("b", "d", 0.2, np.zeros(3), np.zeros(3))),
         "action b: 'd' is held until 0.5 s",

@@ -12,7 +12,7 @@ from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.engines.registry import info
-from wmspec.sim.scene.capability import approximated, require
+from wmspec.sim.scene.capability import approximation_warnings, require
 from wmspec.sim.scene.model import Array, Body, Friction, Geom, Glide, Launch, Pose, Scene, Trace
 from wmspec.sim.scene.model.transform import rotate
 from wmspec.sim.scene.physics.inertia import inertia
@@ -200,7 +200,7 @@ def test_of_two_coefficients_of_friction_that_of_motion_counts_and_this_is_told(
     play = scene(*both, duration=0.5)
     trace = installed(engine).execute(play)
     slid = float(np.linalg.norm(trace.position[-1, 1] - trace.position[0, 1]))
-    told = approximated(info(engine).lacks, play)
+    told = approximation_warnings(info(engine).lacks, play)
     assert {str(note.place) for note in told} == {"/World/floor", "/World/b"}
     assert slid == pytest.approx(9.81 * (np.sin(np.radians(27)) - 0.4 * np.cos(np.radians(27))) / 8, rel=0.02)
     with pytest.raises(WmsError, match=r"friction 0\.6 at rest and 0\.4 in motion"):

@@ -46,16 +46,16 @@ def test_what_is_left_out_leaves_nothing_behind(task: str, place: int, monkeypat
     text, recordings, made = mjcf(scene, timeline, whole, seen=False), [], []
     counted = Counted(world.mujoco)
     monkeypatch.setattr(world, "mujoco", counted)
-    for clear in (world.beside, lambda model, data, paths, first: np.zeros(len(next(iter(paths.values()))), bool)):
-        monkeypatch.setattr(world, "beside", clear)
+    for clear in (world.is_clear, lambda model, data, paths, first: np.zeros(len(next(iter(paths.values()))), bool)):
+        monkeypatch.setattr(world, "is_clear", clear)
         counted.steps = 0
-        with physics.unlogged():
+        with physics.suppress_log():
             recordings.append(play(physics._world(text, scene, whole, timeline), timeline))
         made.append(counted.steps)
     some, every = recordings
     assert some.states.tobytes() == every.states.tobytes()
     assert some.touching == every.touching
-    assert some.torn == every.torn
+    assert some.broken_grips == every.broken_grips
     assert made[0] < made[1] == len(every.touching)
 
 
@@ -77,7 +77,7 @@ def test_what_is_clear_of_something_does_not_touch_it(told: str, other: str) -> 
     installed("mujoco")
     import mujoco
 
-    from wmspec.backends.mujoco.clearance import beside
+    from wmspec.backends.mujoco.clearance import is_clear
 
     rng, clear, steps = np.random.default_rng(0), 0, 200
     model = mujoco.MjModel.from_xml_string(TWO.format(told, other))
@@ -87,12 +87,12 @@ def test_what_is_clear_of_something_does_not_touch_it(told: str, other: str) -> 
         path[:, 3:] /= np.linalg.norm(path[:, 3:], axis=1, keepdims=True)
         for moves, first in ((1, 0), (2, 7)):
             mujoco.mj_kinematics(model, data)
-            apart = beside(model, data, {moves: path}, 0)
+            apart = is_clear(model, data, {moves: path}, 0)
             clear += int(apart.sum())
-            for pose, is_clear in zip(path, apart.tolist(), strict=True):
+            for pose, separate in zip(path, apart.tolist(), strict=True):
                 data.qpos[first : first + 7] = pose
                 mujoco.mj_fwdPosition(model, data)
-                assert not (is_clear and data.ncon)
+                assert not (separate and data.ncon)
             at = rotate(pose[3:], model.geom_pos[moves - 1]) + pose[:3]
             assert np.allclose(at, data.geom_xpos[moves - 1]), "paths are those of the bodies' frames"
     assert clear > 0.2 * steps * 6

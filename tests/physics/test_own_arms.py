@@ -9,7 +9,7 @@ import pytest
 import wmspec
 from tests.endtoend.test_commands import wmspec as command
 from tests.engines import installed
-from wmspec.compile.robots.arm_assets import arm_in, make
+from wmspec.compile.robots.arm_assets import read_arm, write_arm
 from wmspec.compile.robots.ik import solve
 from wmspec.core.diagnostics import WmsError
 
@@ -95,7 +95,7 @@ task pick : custom {
 def written(folder: Path, description: str) -> Path:
     """The file of an arm, and a spec that uses it beside it."""
     (folder / "mine.toml").write_text(description)
-    make(folder / "mine.toml", folder / "mine.usdc")
+    write_arm(folder / "mine.toml", folder / "mine.usdc")
     (folder / "pick.wms").write_text(PICK)
     return folder / "mine.usdc"
 
@@ -112,7 +112,7 @@ def test_it_picks_turns_and_puts_down(tmp_path: Path, arm: str, engine: str) -> 
 
 @pytest.mark.parametrize("arm", [IIWA, pytest.param(XARM, marks=pytest.mark.slow)], ids=["iiwa", "xarm6"])
 def test_where_its_tool_is_told_to_be_it_comes(tmp_path: Path, arm: str) -> None:
-    mine = arm_in(written(tmp_path, arm))
+    mine = read_arm(written(tmp_path, arm))
     start = mine.tool(mine.rest, np.eye(4))
     assert start[:3, 2] == pytest.approx([0, 0, -1], abs=0.35)
     for step in np.eye(3):
@@ -127,7 +127,7 @@ def test_where_its_tool_is_told_to_be_it_comes(tmp_path: Path, arm: str) -> None
 def test_an_arm_of_mjcf_or_usd_keeps_its_limits(tmp_path: Path, file: str) -> None:
     (tmp_path / file).write_text(CRANE if file == "crane.xml" else STAGE)
     text = f'file = "{file}"\nrest = [30, 0]\n' + HAND.format(on="wrist", at="[0, 0, -0.1]") + "turn = [180, 0, 0]\n"
-    mine = arm_in(written(tmp_path, text))
+    mine = read_arm(written(tmp_path, text))
     assert np.degrees(mine.low[0]) == pytest.approx(-170)
     reach = 0.4 * np.array([np.cos(radians(30)), np.sin(radians(30))])
     assert mine.tool(mine.rest, np.eye(4))[:3, 3] == pytest.approx([*reach, 0.2 - 0.1 - 0.06 - 0.06 + 0.0095])

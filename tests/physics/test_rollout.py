@@ -34,11 +34,11 @@ def test_the_states_and_what_touches_are_the_same(task: str, place: int) -> None
 
     scene = scene_of(task, place)
     whole, timeline = physics.prepare(scene)
-    assert rollout.uneventful(scene, timeline)
-    text = rollout.sensed(
+    assert rollout.is_uneventful(scene, timeline)
+    text = rollout.with_contact_sensors(
         mjcf(scene, timeline, whole, seen=False), scene
     )  # what stands still and only shows is no matter
-    with physics.unlogged():
+    with physics.suppress_log():
         slow = play(physics._world(mjcf(scene, timeline, whole), scene, whole, timeline), timeline)
         quick = rollout.play(physics._world(text, scene, whole, timeline), scene, timeline)
     assert quick.states.tobytes() == slow.states.tobytes()
@@ -52,7 +52,7 @@ def test_what_lasts_is_made_step_by_step(task: str) -> None:
     from wmspec.backends.mujoco import physics, rollout
 
     scene = scene_of(task, 0)
-    assert not rollout.uneventful(scene, physics.prepare(scene)[1])
+    assert not rollout.is_uneventful(scene, physics.prepare(scene)[1])
 
 
 STRUCK = """task struck : custom {{
@@ -76,18 +76,19 @@ def test_what_strikes_what_moves_as_it_is_told_is_made_step_by_step(door: str, m
 
     scene = read(compose(document(spec := task_from(STRUCK.format(door)), Design(spec)[0])))
     whole, timeline = physics.prepare(scene)
-    assert rollout.uneventful(scene, timeline)
-    text, struck, left_alone = mjcf(scene, timeline, whole, seen=False), [], rollout._left_alone
+    assert rollout.is_uneventful(scene, timeline)
+    text, struck, left_alone = mjcf(scene, timeline, whole, seen=False), [], rollout._advance
 
     def noted(*args: Any) -> Any:
         found = left_alone(*args)
         struck.append(found[2])
         return found
 
-    monkeypatch.setattr(rollout, "_left_alone", noted)
-    with physics.unlogged():
+    monkeypatch.setattr(rollout, "_advance", noted)
+    with physics.suppress_log():
         slow = play(physics._world(text, scene, whole, timeline), timeline)
-        quick = rollout.play(physics._world(rollout.sensed(text, scene), scene, whole, timeline), scene, timeline)
+        world = physics._world(rollout.with_contact_sensors(text, scene), scene, whole, timeline)
+        quick = rollout.play(world, scene, timeline)
     assert quick.states.tobytes() == slow.states.tobytes()
     assert quick.touching == slow.touching
     assert any(struck) == (door == "0.2 m")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tests.pixels.scenes import body, scene
 from wmspec.sim.scene.model import Camera, Light, Scene, Shot, Surface
 from wmspec.sim.scene.render.camera import look_at, unproject
-from wmspec.sim.scene.render.contact_shadow import REACH, STRENGTH, ContactShadows
+from wmspec.sim.scene.render.contact_shadow import SHADOW_REACH, STRENGTH, ContactShadows
 from wmspec.sim.shapes import Box, Sphere
 
 RADIUS, SIZE = 0.1, 101
@@ -38,7 +38,7 @@ def shaded(what: Scene, depth: float = 2.0, seen: int = 0) -> NDArray[np.uint8]:
 def test_floor_loses_the_light_that_a_sphere_hides() -> None:
     places = unproject(EYE, np.full((SIZE, SIZE), 2.0, np.float32))
     away = np.hypot(np.hypot(places[..., 0], places[..., 1]), RADIUS)
-    share = np.clip((RADIUS**2 / away**2 - REACH**-2) / (1 - REACH**-2), 0, 1) * RADIUS / away
+    share = np.clip((RADIUS**2 / away**2 - SHADOW_REACH**-2) / (1 - SHADOW_REACH**-2), 0, 1) * RADIUS / away
     assert np.abs(shaded(ball())[..., 0] - 255 * (1 - STRENGTH * share)).max() < 1.5
 
 

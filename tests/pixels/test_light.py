@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from wmspec.sim.photo.light import directions
-from wmspec.sim.scene.render.environment import PEAK, radiance
+from wmspec.sim.scene.render.environment import MAX_RADIANCE, radiance
 from wmspec.sim.scene.render.tonemap import tonemap
 
 
@@ -18,7 +18,7 @@ def test_the_surroundings_have_a_mean_radiance_of_one() -> None:
     solid = np.broadcast_to(np.sin((np.arange(64) + 0.5) / 64 * math.pi)[:, None], (64, 128))
     light, upper = radiance(toward), toward[..., 2] > 0
     assert (light[upper].mean(axis=-1) * solid[upper]).sum() / solid[upper].sum() == pytest.approx(1, abs=0.15)
-    assert light.max() <= PEAK
+    assert light.max() <= MAX_RADIANCE
 
 
 def test_the_tone_curve_keeps_dark_colours_and_compresses_bright_ones() -> None:

@@ -16,7 +16,7 @@ from wmspec.sim.materials import MATERIALS, TEXTURES, Material
 from wmspec.sim.scene.model import Camera, Frame, Geom, Pose, Scene, Shot, Surface
 from wmspec.sim.scene.model.transform import identity
 from wmspec.sim.scene.render.camera import look_at
-from wmspec.sim.scene.render.color import texture
+from wmspec.sim.scene.render.color import load_texture
 from wmspec.sim.scene.render.texcoords import texcoords
 from wmspec.sim.shapes import Box, Capsule, Cone, Cylinder, Shape, Sphere
 
@@ -52,7 +52,7 @@ def test_files_are_as_the_tool_writes_them(name: str) -> None:
 @pytest.mark.parametrize("name", IMAGES)
 def test_images_repeat_without_seams(name: str) -> None:
     """Across the border texels differ no more than they do anywhere inside."""
-    grey = texture(str(TEXTURES / name))[..., 0].astype(float)
+    grey = load_texture(str(TEXTURES / name))[..., 0].astype(float)
     for axis in (0, 1):
         inside = np.abs(np.diff(grey, axis=axis)).mean(axis=1 - axis)
         across = np.abs(np.take(grey, 0, axis) - np.take(grey, -1, axis)).mean()
@@ -62,7 +62,7 @@ def test_images_repeat_without_seams(name: str) -> None:
 @pytest.mark.parametrize("name", IMAGES)
 def test_images_keep_the_tint_in_sight(name: str) -> None:
     """Grey, with light texels in which the colour is as it was given."""
-    image = texture(str(TEXTURES / name))
+    image = load_texture(str(TEXTURES / name))
     assert np.all(image == image[..., :1])
     assert np.percentile(image, 95) >= 190
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from tests.pixels.scenes import body, scene, turned
 from wmspec.sim.scene.model import Camera, Scene, Shot, Surface
 from wmspec.sim.scene.model.transform import rotation
-from wmspec.sim.scene.render.camera import look_at, project, rays
+from wmspec.sim.scene.render.camera import look_at, pixel_rays, project
 from wmspec.sim.scene.render.near_plane import NearPlane
 from wmspec.sim.shapes import Box
 
@@ -56,7 +56,7 @@ def test_what_is_far_is_known_to_micrometres(engine: str, renderer: Any) -> None
     """The floor, whose triangles reach from behind the camera to the wall: distances follow from the pixels' rows."""
     what = wall()
     frame = renderer(engine, what, 128, 128).draw(Shot("eye", [one.pose for one in what.bodies]), depth=True)
-    _, up = rays(what.cameras[0], 128, 128)
+    _, up = pixel_rays(what.cameras[0], 128, 128)
     with np.errstate(divide="ignore"):
         off = np.abs(frame.depth - (-1 / up)[:, None])[frame.ids == 0]
     assert len(off) > 2000

@@ -11,7 +11,7 @@ import pytest
 from wmspec.lang.check.tables.colors import rgb
 from wmspec.lang.check.tables.vocabulary import COLORS, WORDS
 from wmspec.runtime.questions.difference import ciede2000, lab
-from wmspec.sim.materials import SAFE, SHADES
+from wmspec.sim.materials import DISTINCT_COLORS, SHADES
 from wmspec.sim.scene.render.color import to_linear, to_srgb
 
 #: Machado, Oliveira and Fernandes, "A physiologically-based model for simulation of color vision deficiency", IEEE TVCG
@@ -32,7 +32,7 @@ def seen(color: Any, deficiency: str) -> Any:
 @pytest.mark.parametrize("deficiency", DEFICIENCIES)
 def test_question_colours_are_told_apart(deficiency: str) -> None:
     bar = 16 if deficiency == "none" else 9.5
-    for one, other in combinations(SAFE, 2):
+    for one, other in combinations(DISTINCT_COLORS, 2):
         apart = ciede2000(seen(COLORS[one], deficiency), seen(COLORS[other], deficiency))
         assert apart >= bar, f"{one} and {other}: {apart:.1f}"
 

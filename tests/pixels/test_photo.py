@@ -18,17 +18,17 @@ from tests.endtoend.test_commands import SPEED
 from tests.engines import installed
 from tests.pixels.scenes import body, scene
 from wmspec.api import generate
-from wmspec.api.making import planned
+from wmspec.api.generating import plan_dataset
 from wmspec.api.verifying import verify
 from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.caches.render_cache import RenderCache
-from wmspec.runtime.engines.registry import drawing
+from wmspec.runtime.engines.registry import require_look
 from wmspec.sim.materials import TEXTURES
 from wmspec.sim.photo import library
-from wmspec.sim.photo.light import directions, panels, surroundings
+from wmspec.sim.photo.light import ceiling_lights, directions, environment_map
 from wmspec.sim.scene.model import Camera, Frame, Light, Scene, Shot, Surface
-from wmspec.sim.scene.render.camera import look_at, project, seeing
+from wmspec.sim.scene.render.camera import look_at, project, world_camera
 from wmspec.sim.scene.render.color import to_linear
 from wmspec.sim.shapes import Box, Cylinder, Sphere
 
@@ -118,7 +118,7 @@ def test_outlines_agree_with_the_masks() -> None:
 
     what, size = things(), 96
     ids, tracer = drawn(what, look="parity", size=size).ids, Tracer(what, (size, size))
-    plain = tracer._taken(tracer._plain, tracer._glowing(shot(what)), seeing(what, shot(what)), 16)[..., :3]
+    plain = tracer._taken(tracer._plain, tracer._glowing(shot(what)), world_camera(what, shot(what)), 16)[..., :3]
     apart = np.linalg.norm(plain[:, :, None] - to_linear(np.array(list(COLORS.values()))), axis=-1)
     nearest = apart.argmin(axis=-1)
     for number, name in enumerate(COLORS):
@@ -179,9 +179,9 @@ def test_only_what_is_wide_and_above_the_eye_is_a_ceiling() -> None:
         return np.array([aside - half, -half, low]), np.array([aside + half, half, low + 0.1])
 
     every = [corners(4, 2.5), corners(4, 0), corners(0.5, 2), corners(4, 2.5, 9)]
-    ((low, high),) = panels(light, every, eye)
+    ((low, high),) = ceiling_lights(light, every, eye)
     assert low[2] == high[2] < 2.5
-    assert not panels(Light(light.direction), every, eye)
+    assert not ceiling_lights(Light(light.direction), every, eye)
 
 
 def test_the_sun_is_as_strong_as_the_scene_says() -> None:
@@ -193,7 +193,7 @@ def test_the_sun_is_as_strong_as_the_scene_says() -> None:
 
     def falls(light: Light) -> float:
         cosine = np.clip(directions(rows)[..., 2:], 0, None)
-        return float((surroundings(light, (0.8, 0.8, 0.8), rows) * cosine * solid).sum() / 3 / math.pi)
+        return float((environment_map(light, (0.8, 0.8, 0.8), rows) * cosine * solid).sum() / 3 / math.pi)
 
     assert falls(Light(down, 1.0, 0.0)) == pytest.approx(0.94, abs=0.02)  # its colour is a little warm
     assert falls(Light(down, 0.0, 1.0)) == pytest.approx(1.5, rel=0.15)
@@ -209,8 +209,8 @@ def test_a_dataset_says_what_drew_it_and_is_drawn_again(tmp_path: Path) -> None:
     assert "mitsuba-oidn" in versions
     again = verify(tmp_path / "out", workers=0)
     assert (again.verdict, dict(again.versions)) == ("same", {})
-    parity = planned(SPEED, **{**how, "look": "parity", "samples": None})
-    assert planned(SPEED, **how).fingerprint != parity.fingerprint
+    parity = plan_dataset(SPEED, **{**how, "look": "parity", "samples": None})
+    assert plan_dataset(SPEED, **how).fingerprint != parity.fingerprint
     assert "mitsuba" not in parity.versions
 
 
@@ -218,4 +218,4 @@ def test_an_unknown_look_is_an_error_that_names_the_looks() -> None:
     installed("mujoco")
     unknown: Any = "beauty"
     with pytest.raises(WmsError, match=r"no look `beauty`; choose `parity`, .* or `photo`, for people"):
-        drawing(("mujoco",), unknown)
+        require_look(("mujoco",), unknown)

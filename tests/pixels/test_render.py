@@ -16,7 +16,7 @@ from tests.pixels.scenes import SUN, body, scene, turned
 from wmspec.core.diagnostics import WmsError
 from wmspec.sim.scene.model import Camera, Pose, Scene, Shot, Surface
 from wmspec.sim.scene.render.camera import look_at, project
-from wmspec.sim.scene.render.shadow import SHADE
+from wmspec.sim.scene.render.shadow import SUN_SHADE
 from wmspec.sim.shapes import Box, Sphere
 
 GREY = (0.8, 0.6, 0.4)
@@ -55,7 +55,7 @@ def test_light_and_shadow_have_the_strength_of_the_recipe(engine: str, renderer:
     shadow = np.array([0, 0, 0.3]) - SUN * 0.3 / SUN[2]
     (inside, outside), _ = project(eye, [shadow, shadow * [-1, -1, 0]], 256, 256)
     light = what.light.ambient - what.light.diffuse * SUN[2]
-    shade = what.light.ambient - what.light.diffuse * SUN[2] * (1 - SHADE)
+    shade = what.light.ambient - what.light.diffuse * SUN[2] * (1 - SUN_SHADE)
     assert np.allclose(frame.rgb[int(inside[1]), int(inside[0])], 255 * shade * np.array(GREY), atol=2)
     assert np.allclose(frame.rgb[int(outside[1]), int(outside[0])], 255 * light * np.array(GREY), atol=2)
 

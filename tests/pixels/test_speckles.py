@@ -15,7 +15,7 @@ from tests.pixels.test_materials import surface
 from wmspec.sim.materials import MATERIALS
 from wmspec.sim.scene.model import Camera, Shot
 from wmspec.sim.scene.render.camera import look_at
-from wmspec.sim.scene.render.color import texture
+from wmspec.sim.scene.render.color import load_texture
 from wmspec.sim.shapes import Box
 
 
@@ -26,7 +26,7 @@ def test_a_far_top_is_smooth(material: str, engine: str, renderer: Any) -> None:
     frame = renderer(engine, scene(top, cameras=(eye,)), 96, 96).draw(Shot("eye", [top.pose]), depth=True)
     upper = (frame.ids == 0) & (frame.depth > 1.75)
     assert upper.sum() > 200
-    grain = texture(str(MATERIALS[material].path))[..., 1]
+    grain = load_texture(str(MATERIALS[material].path))[..., 1]
     assert frame.rgb[upper][:, 1].std() < 0.2 * grain.std() + 1
 
 
@@ -34,7 +34,7 @@ def test_a_far_top_is_smooth(material: str, engine: str, renderer: Any) -> None:
 def test_halved_images_keep_their_mean(times: int, seed: int) -> None:
     images = pytest.importorskip("wmspec.backends.pybullet.images")
     image = np.random.default_rng(seed).integers(0, 256, (64, 128, 3)).astype(np.uint8)
-    half = images.halved(image, times)
+    half = images.downsample(image, times)
     assert half.shape == (max(64 >> times, 1), max(128 >> times, 1), 3)
     assert np.abs(half.mean(axis=(0, 1)) - image.mean(axis=(0, 1))).max() < 1
-    assert np.abs(images.soft(half).mean(axis=(0, 1)) - half.mean(axis=(0, 1))).max() < 1
+    assert np.abs(images.smooth_tiled(half).mean(axis=(0, 1)) - half.mean(axis=(0, 1))).max() < 1

@@ -13,9 +13,9 @@ from wmspec.backends.mujoco import render
 from wmspec.backends.mujoco.render import Renderer
 from wmspec.core.resources import resource
 from wmspec.sim.scene.model import Body, Scene, Shot
-from wmspec.sim.scene.render.boxes import edges
-from wmspec.sim.scene.render.camera import look_at, seeing
-from wmspec.sim.scene.render.shadow_culling import Sight, Thrown
+from wmspec.sim.scene.render.boxes import view_edges
+from wmspec.sim.scene.render.camera import look_at, world_camera
+from wmspec.sim.scene.render.shadow_culling import ShadowCulling, VisibleSet
 from wmspec.sim.usd import read
 
 SIZE = 96
@@ -30,17 +30,17 @@ def scene() -> Scene:
 @pytest.fixture(autouse=True)
 def all_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures are drawn whole, not on backdrops."""
-    monkeypatch.setattr(render, "WIDEST", -1.0)
+    monkeypatch.setattr(render, "MAX_WINDOW_SHARE", -1.0)
 
 
 def test_no_pixel_tells(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Thrown, "_ground", lambda self, bottom, *_: np.zeros(len(bottom), bool))
+    monkeypatch.setattr(ShadowCulling, "_ground", lambda self, bottom, *_: np.zeros(len(bottom), bool))
     renderer = Renderer(scene, SIZE, SIZE)
     shots = [Shot(camera.name, tuple(body.pose for body in scene.bodies)) for camera in scene.cameras]
     spared = [renderer.draw(shot) for shot in shots]
     left = renderer._view.ngeom
     every = np.ones(renderer._model.ngeom, bool)
-    monkeypatch.setattr(Thrown, "sight", lambda *_: Sight(every, every))
+    monkeypatch.setattr(ShadowCulling, "sight", lambda *_: VisibleSet(every, every))
     for shot, frame in zip(shots, spared, strict=True):
         whole = renderer.draw(shot)
         assert np.array_equal(whole.rgb, frame.rgb)
@@ -50,13 +50,13 @@ def test_no_pixel_tells(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_what_is_seen_throws_a_shadow_that_may_be_seen(scene: Scene) -> None:
-    thrown = Thrown(scene)
+    thrown = ShadowCulling(scene)
     shown = [body.name for body in scene.bodies for geom in body.geoms if geom.visible]
     counts = {}
     for one in scene.cameras:
         shot = Shot(one.name, tuple(body.pose for body in scene.bodies))
-        camera = seeing(scene, shot)
-        seen = thrown.sight(camera, edges(camera, 1.0), shot, 0.006).seen
+        camera = world_camera(scene, shot)
+        seen = thrown.sight(camera, view_edges(camera, 1.0), shot, 0.006).seen
         assert {"east", "west"} <= {name for name, one in zip(shown, seen, strict=True) if one}
         counts[one.name] = int(seen.sum())
     assert counts["here_top"] < len(shown) / 4  # it sees the table and no more
@@ -83,10 +83,10 @@ def test_hardly_a_pixel_tells_that_the_ground_shades_nothing(scene: Scene, monke
     renderer = Renderer(scene, SIZE, SIZE)
     shots = [Shot(camera.name, tuple(body.pose for body in scene.bodies)) for camera in scene.cameras]
     without = [renderer.draw(shot).rgb.astype(int) for shot in shots]
-    monkeypatch.setattr(Thrown, "_ground", lambda self, bottom, *_: np.zeros(len(bottom), bool))
+    monkeypatch.setattr(ShadowCulling, "_ground", lambda self, bottom, *_: np.zeros(len(bottom), bool))
     apart = [np.abs(renderer.draw(shot).rgb - rgb).max(axis=2) for shot, rgb in zip(shots, without, strict=True)]
     assert max(int((one > 24).sum()) for one in apart) <= 2
-    monkeypatch.setattr(Thrown, "_ground", lambda self, bottom, *_: np.ones(len(bottom), bool))
+    monkeypatch.setattr(ShadowCulling, "_ground", lambda self, bottom, *_: np.ones(len(bottom), bool))
     apart = [np.abs(renderer.draw(shot).rgb - rgb).max(axis=2) for shot, rgb in zip(shots, without, strict=True)]
     assert max(int((one > 24).sum()) for one in apart) > 20
     renderer.close()
@@ -99,8 +99,8 @@ def test_ground_is_a_box_that_all_else_stands_on(scene: Scene) -> None:
     found = []
     for what in (scene, sunk):
         shot = Shot("here_front", tuple(body.pose for body in what.bodies))
-        camera = seeing(what, shot)
-        sight = Thrown(what).sight(camera, edges(camera, 1.0), shot, 0.006)
+        camera = world_camera(what, shot)
+        sight = ShadowCulling(what).sight(camera, view_edges(camera, 1.0), shot, 0.006)
         assert sight.seen[ground].any()
         assert not (sight.seen & ~sight.casts)[~ground].any()
         found.append((sight.seen & ~sight.casts).any())

@@ -12,14 +12,14 @@ from hypothesis import strategies as st
 
 import wmspec
 from wmspec.backends.mujoco import render
-from wmspec.backends.mujoco.backdrop import REMEMBERED
-from wmspec.backends.mujoco.body_subset import Cast
+from wmspec.backends.mujoco.backdrop import MAX_BACKDROPS
+from wmspec.backends.mujoco.body_subset import BodySubset
 from wmspec.backends.mujoco.render import Renderer
 from wmspec.core.memoize import LRU
 from wmspec.core.resources import resource
 from wmspec.sim.scene.model import Pose, Scene, Shot, Surface
 from wmspec.sim.scene.render.camera import project
-from wmspec.sim.scene.render.window import BLOCK, EDGE, Moving, full
+from wmspec.sim.scene.render.window import TILE, WINDOW_MARGIN, MovingBodies, full_window
 from wmspec.sim.usd import read
 
 SIZE = 128
@@ -49,8 +49,8 @@ def test_pictures_are_those_that_are_drawn_at_once(scene: Scene, monkeypatch: py
     drawn = Renderer._layer
     monkeypatch.setattr(Renderer, "_layer", lambda *all: windows.append(all[-1]) or drawn(*all))
     frames = [renderer.draw(shot, depth=True) for shot in shots(scene)]
-    assert any(0 < window.share < render.WIDEST for window in windows)
-    monkeypatch.setattr(render, "WIDEST", -1.0)
+    assert any(0 < window.share < render.MAX_WINDOW_SHARE for window in windows)
+    monkeypatch.setattr(render, "MAX_WINDOW_SHARE", -1.0)
     for shot, frame in zip(shots(scene), frames, strict=True):
         whole = renderer.draw(shot, depth=True)
         apart = np.abs(whole.rgb.astype(int) - frame.rgb).max(axis=2)
@@ -66,14 +66,14 @@ def test_pictures_are_those_that_are_drawn_at_once(scene: Scene, monkeypatch: py
 def test_what_was_drawn_before_changes_no_byte(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     renderer = Renderer(scene, SIZE, SIZE)
     first = [renderer.draw(shot) for shot in shots(scene)]
-    monkeypatch.setattr(render, "_BACKDROPS", LRU(REMEMBERED))
+    monkeypatch.setattr(render, "_BACKDROPS", LRU(MAX_BACKDROPS))
     other = replace(scene, bodies=scene.bodies[::-1])  # bodies have other numbers in it, and pictures are the same
     fresh = Renderer(other, SIZE, SIZE)
     for shot, frame in reversed(list(zip(shots(scene), first, strict=True))):
         again = fresh.draw(Shot(shot.camera, shot.poses[::-1]))
         assert np.array_equal(again.ids, np.where(frame.ids < 0, -1, len(scene.bodies) - 1 - frame.ids))
         assert (again.rgb != frame.rgb).mean() < 0.001  # the order in which things are drawn decides ties
-        monkeypatch.setattr(render, "_BACKDROPS", LRU(REMEMBERED))
+        monkeypatch.setattr(render, "_BACKDROPS", LRU(MAX_BACKDROPS))
         assert np.array_equal(renderer.draw(shot).rgb, frame.rgb)
     renderer.close(), fresh.close()
 
@@ -113,10 +113,10 @@ def test_outside_of_the_window_nothing_tells(name: str, x: float, y: float, z: f
     renderer.draw(shot)
     region, both = renderer._still.region(eye, shot), (renderer._still, renderer._every)
     with pytest.MonkeyPatch.context() as patch:  # another near plane is another rounding of shadows
-        patch.setattr(Cast, "nearest", lambda _, eye, shot: eye)
-        without, within = (renderer._layer(cast, eye, region, shot, full(SIZE, SIZE)) for cast in both)
-    lit = Moving(scene).lit(without.ids, without.depth, eye)
-    window = Moving(scene).window(lit, eye, shot, (SIZE, SIZE), 2 * region.half / render.SHADOW_MAP)
+        patch.setattr(BodySubset, "nearest", lambda _, eye, shot: eye)
+        without, within = (renderer._layer(cast, eye, region, shot, full_window(SIZE, SIZE)) for cast in both)
+    lit = MovingBodies(scene).lit(without.ids, without.depth, eye)
+    window = MovingBodies(scene).window(lit, eye, shot, (SIZE, SIZE), 2 * region.half / render.SHADOW_MAP)
     outside = np.ones((SIZE, SIZE), bool)
     outside[window.part] = False
     assert not (within.ids != without.ids)[outside].any()
@@ -130,13 +130,13 @@ def test_windows_begin_and_end_with_blocks(scene: Scene) -> None:
         eye = next(camera for camera in scene.cameras if camera.name == shot.camera)
         frame = renderer.draw(shot, depth=True)
         assert frame.depth is not None
-        moving = Moving(scene)
+        moving = MovingBodies(scene)
         window = moving.window(moving.lit(frame.ids, frame.depth, eye), eye, shot, (SIZE, SIZE), 0.006)
-        assert not any(n % BLOCK for n in (window.left, window.right, SIZE - window.top, SIZE - window.bottom))
+        assert not any(n % TILE for n in (window.left, window.right, SIZE - window.top, SIZE - window.bottom))
         numbers = [i for i, body in enumerate(scene.bodies) if body.motion != "static"]
         places, depths = project(eye, [shot.poses[i].position for i in numbers], SIZE, SIZE)
-        inside = ((places > EDGE) & (places < SIZE - EDGE)).all(axis=1) & (depths > 0)
+        inside = ((places > WINDOW_MARGIN) & (places < SIZE - WINDOW_MARGIN)).all(axis=1) & (depths > 0)
         for x, y in places[inside]:
-            assert window.left <= x - EDGE < x + EDGE <= window.right
-            assert window.top <= y - EDGE < y + EDGE <= window.bottom
+            assert window.left <= x - WINDOW_MARGIN < x + WINDOW_MARGIN <= window.right
+            assert window.top <= y - WINDOW_MARGIN < y + WINDOW_MARGIN <= window.bottom
     renderer.close()

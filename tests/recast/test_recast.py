@@ -32,7 +32,7 @@ def recast(folder: Path, *lines: str, head: str = HEAD) -> Result:
     """Recast a table of these lines with the pictures of `folder`."""
     table = folder / "table.csv"
     table.write_text("\n".join([head, *lines]) + "\n", encoding="utf-8")
-    return run("recast", table, "--images", folder / "pictures", "-o", folder / "out", "--size", 128)
+    return run("import-images", table, "--images", folder / "pictures", "-o", folder / "out", "--size", 128)
 
 
 def rows(folder: Path) -> list[dict[str, Any]]:
@@ -64,7 +64,7 @@ def folder(tmp_path: Path) -> Path:
 def example(tmp_path_factory: pytest.TempPathFactory) -> Path:
     skimage = pytest.importorskip("skimage")
     out = tmp_path_factory.mktemp("example") / "photographs"
-    done = run("recast", DOCS / "photographs.csv", "--images", Path(skimage.__file__).parent / "data", "-o", out)
+    done = run("import-images", DOCS / "photographs.csv", "--images", Path(skimage.__file__).parent / "data", "-o", out)
     assert done.exit_code == 0, done.output
     return out
 
@@ -117,7 +117,12 @@ def test_the_example_states_every_licence(example: Path) -> None:
 def test_the_same_table_gives_the_same_bytes(example: Path, tmp_path: Path) -> None:
     skimage = pytest.importorskip("skimage")
     run(
-        "recast", DOCS / "photographs.csv", "--images", Path(skimage.__file__).parent / "data", "-o", tmp_path / "again"
+        "import-images",
+        DOCS / "photographs.csv",
+        "--images",
+        Path(skimage.__file__).parent / "data",
+        "-o",
+        tmp_path / "again",
     )
     for path in (p for p in example.rglob("*") if p.is_file()):
         assert path.read_bytes() == (tmp_path / "again" / path.relative_to(example)).read_bytes(), path
@@ -229,7 +234,7 @@ def test_options_may_be_pictures(folder: Path) -> None:
 
 def test_a_spreadsheets_mark_and_line_breaks_are_read(folder: Path) -> None:
     (folder / "table.csv").write_bytes(f'\ufeff{HEAD}\r\n"Which,\r\nthen?",red.png,a;b,a\r\n'.encode())
-    done = run("recast", folder / "table.csv", "--images", folder / "pictures", "-o", folder / "out")
+    done = run("import-images", folder / "table.csv", "--images", folder / "pictures", "-o", folder / "out")
     assert done.exit_code == 0, done.output
     assert rows(folder / "out")[0]["text"] == "Which,\r\nthen?"
 
@@ -244,25 +249,25 @@ def test_a_spreadsheets_mark_and_line_breaks_are_read(folder: Path) -> None:
         ("Q,,a;b,a", "pictures", "it is empty"),
         ("Q,rad.png,a;b,a", "pictures", "there is no `rad.png` in {folder}; did you mean `red.png`?"),
         ("Q,../table.csv,a;b,a", "pictures", "`../table.csv` leads out of the folder"),
-        ("Q,words.txt,a;b,a", "pictures", "`words.txt` is no kind of picture that can be read"),
+        ("Q,words.txt,a;b,a", "pictures", "`words.txt` has an unsupported format"),
         ("Q,torn.png,a;b,a", "pictures", "`torn.png` cannot be read: it is damaged, or no picture"),
         ("Q,tiny.png,a;b,a", "pictures", "`tiny.png` has 3 × 3 pixels"),
-        ("Q,grows.gif;red.png,a;b,a", "pictures", "a clip stands alone"),
-        ("Q,red.png,a,a", "options", "there is one alone"),
+        ("Q,grows.gif;red.png,a;b,a", "pictures", "a clip must be the only file"),
+        ("Q,red.png,a,a", "options", "there is only one option"),
         ("Q,red.png,a;b;a,a", "options", "`a` is there twice"),
         ("Q,red.png,a;;b,a", "options", "one of them is empty"),
-        ("Q,red.png,blue.png;large,large", "options", "`large` is no photograph, but others are"),
+        ("Q,red.png,blue.png;large,large", "options", "`large` is not a photograph, but other options are"),
         ("Q,red.png,blue.png;copy.png,copy.png", "options", "blue.png and copy.png are the same picture"),
-        ("Q,red.png,left;right,rihgt", "answer", "`rihgt` is none of the options; did you mean `right`?"),
-        ("Q,red.png,,seven", "answer", "`seven` is no number"),
+        ("Q,red.png,left;right,rihgt", "answer", "`rihgt` is not one of the options; did you mean `right`?"),
+        ("Q,red.png,,seven", "answer", "`seven` is not a number"),
         ("Q,red.png,,7", "within", "it is empty"),
         ("Q,red.png,a;b,a,,,,,1", "within", "the question has options"),
-        ("Q,red.png,a;b,a,My Task", "task", "`My Task` is no name"),
+        ("Q,red.png,a;b,a,My Task", "task", "`My Task` is not a name"),
         ("Q,red.png,a;b,a,,9", "frames", "there is no clip to take them from"),
-        ("Q,grows.gif,a;b,a,,99", "frames", "99 is no number of pictures"),
+        ("Q,grows.gif,a;b,a,,99", "frames", "99 is not a number of pictures"),
         ("Q,grows.gif,a;b,a,,12", "frames", "`grows.gif` has 9 pictures, 12 are wanted"),
         ("Q,red.png;blue.png,a;b,a,,,1", "times", "1 times for 2 pictures"),
-        ("Q,red.png;blue.png,a;b,a,,,2;1", "times", "they do not rise"),
+        ("Q,red.png;blue.png,a;b,a,,,2;1", "times", "the times are not increasing"),
         ("Q,red.png,a;b,a,,,,5", "quantity", "it is empty"),
     ],
 )
@@ -283,8 +288,14 @@ def test_a_mistake_is_told_with_row_column_and_remedy(folder: Path, line: str, c
 def test_all_mistakes_are_told_at_once(folder: Path) -> None:
     done = recast(folder, ",red.png,a;b,c", "Q,none.png,a;b,a", "Q,red.png,a;b,a", "Q,red.png,b;a,b")
     assert done.exit_code == 2
-    for told in (":2: column `question`", ":2: column `answer`", ":3: column `pictures`", ":5: the row asks the same"):
-        assert f"table.csv{told}" in done.output, done.output
+    wrong = (
+        ":2: column `question`",
+        ":2: column `answer`",
+        ":3: column `pictures`",
+        ":5: the row repeats the question",
+    )
+    for place in wrong:
+        assert f"table.csv{place}" in done.output, done.output
 
 
 @pytest.mark.parametrize(
@@ -302,7 +313,7 @@ def test_all_mistakes_are_told_at_once(folder: Path) -> None:
 )
 def test_a_table_that_is_none_is_told(folder: Path, content: bytes, said: str) -> None:
     (folder / "table.csv").write_bytes(content)
-    done = run("recast", folder / "table.csv", "--images", folder / "pictures", "-o", folder / "out")
+    done = run("import-images", folder / "table.csv", "--images", folder / "pictures", "-o", folder / "out")
     assert (done.exit_code, said in done.output) == (2, True), done.output
 
 
@@ -319,7 +330,7 @@ def test_what_is_not_ours_is_not_overwritten_and_what_is_ours_is_made_again(fold
     assert [row["answer_value"] for row in rows(folder / "out")] == ["b"]
     (folder / "mine").mkdir()
     (folder / "mine" / "letter.txt").write_text("dear")
-    done = run("recast", folder / "table.csv", "--images", folder / "pictures", "-o", folder / "mine")
+    done = run("import-images", folder / "table.csv", "--images", folder / "pictures", "-o", folder / "mine")
     assert done.exit_code == 2
     assert "did not write" in done.output
     assert [p.name for p in (folder / "mine").iterdir()] == ["letter.txt"]
@@ -327,5 +338,5 @@ def test_what_is_not_ours_is_not_overwritten_and_what_is_ours_is_made_again(fold
 
 def test_pictures_that_nobody_asks_about_and_missing_licences_are_told(folder: Path) -> None:
     done = recast(folder, "Q,red.png,a;b,a")
-    assert "1 rows state no licence" in done.output
-    assert "not asked about: blue.png, grows.gif, wide.jpg" in done.output
+    assert "1 rows have no licence" in done.output
+    assert "pictures without a question: blue.png, grows.gif, wide.jpg" in done.output

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Prim
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 
 
-def hop(prim: Prim, action: Thing, values: Values) -> None:
+def hop(prim: Prim, action: Entity, values: Evaluator) -> None:
     """What rises by h sets off with the speed sqrt(2 g h)."""
     name = action.name
     speed = math.sqrt(2 * values.gravity * values.number(name, "height"))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from wmspec.core.space import UP, Vector, dot
-from wmspec.sim.shapes.shape import Flat, Parameter, Shape, Tensor, UnfitError, across_and_up
+from wmspec.sim.shapes.shape import Flat, Parameter, Shape, Tensor, UnfitError, width_and_height
 
 if TYPE_CHECKING:
     from wmspec.sim.shapes.facets import Facets
@@ -30,7 +30,7 @@ class Prism(Shape):
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
         """Its `size` is the diameter of the circle around it, and its height."""
-        across, up = across_and_up(words, tall=True)
+        across, up = width_and_height(words, tall=True)
         sides = words.get("sides", 6)
         if sides != int(sides):
             raise UnfitError(f"cannot have {sides:g} sides")
@@ -52,7 +52,7 @@ class Prism(Shape):
         return max(dot(corner, direction) for corner in self._ring) + abs(direction[2]) * self.height / 2
 
     @property
-    def flats(self) -> tuple[Flat, ...]:
+    def flat_faces(self) -> tuple[Flat, ...]:
         """Its ends, and its sides."""
         away = self.radius * math.cos(math.pi / self.sides)
         turns = [(2 * i + 1) * math.pi / self.sides for i in range(self.sides)]

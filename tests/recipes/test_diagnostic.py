@@ -52,7 +52,7 @@ It is far.
 ```wms
 {right}```
 
-## How to mend it
+## How to fix it
 
 Call it `ball`.
 """

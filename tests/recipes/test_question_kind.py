@@ -54,7 +54,7 @@ MODULE = '''"""Open questions that are answered with a thing."""
 from dataclasses import dataclass
 from typing import ClassVar
 
-from wmspec.runtime.questions.question_context import Asking
+from wmspec.runtime.questions.question_context import QuestionContext
 from wmspec.runtime.questions.kinds.kind import Kind, in_words
 from wmspec.runtime.questions.model import Answer
 from wmspec.runtime.questions.runs import Run
@@ -73,13 +73,13 @@ class NameAnswer(Answer):
 class Names(Kind[NameAnswer]):
     """The answer is a thing."""
 
-    def answer(self, asking: Asking) -> NameAnswer:
+    def answer(self, asking: QuestionContext) -> NameAnswer:
         return NameAnswer(evaluate(asking.question.answer, asking.measured))
 
-    def words(self, asking: Asking, answer: NameAnswer) -> str:
+    def words(self, asking: QuestionContext, answer: NameAnswer) -> str:
         return in_words(asking, answer.name)
 
-    def disturbed(self, asking: Asking, answer: NameAnswer, nudged: Run, by: float) -> str:
+    def change_under_nudge(self, asking: QuestionContext, answer: NameAnswer, nudged: Run, by: float) -> str:
         now = evaluate(asking.question.answer, asking.measured_on(nudged))
         return "" if now == answer.name else f"{answer.name} becomes {now}"
 

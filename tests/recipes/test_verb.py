@@ -8,12 +8,15 @@ import wmspec
 from tests.engines import ENGINES, installed
 from tools.reference import reference
 from wmspec.lang.check.tables.verbs import VERBS, Verb
-from wmspec.lang.check.tables.vocabulary import Slot
+from wmspec.lang.check.tables.vocabulary import PropertySpec
 from wmspec.lang.check.types.types import A_LENGTH, OBJECT
 
 ROW = Verb(
     "sends the object straight up",
-    {"object": Slot((OBJECT,), "what hops"), "height": Slot((A_LENGTH,), "how high it rises", above=0, most=10)},
+    {
+        "object": PropertySpec((OBJECT,), "what hops"),
+        "height": PropertySpec((A_LENGTH,), "how high it rises", above=0, most=10),
+    },
     lasts=False,
     author="tests.recipes.hop:hop",
     staged="launch",

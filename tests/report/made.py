@@ -16,11 +16,11 @@ import pyarrow.parquet as pq
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
 from wmspec.dataset.build.dataset import Dataset
-from wmspec.dataset.build.pictures import png
+from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.rows import COLUMNS, Row, identity, schema
-from wmspec.eval.report.intervals import rng
+from wmspec.eval.report.intervals import seeded_generator
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.statements.task import check
 from wmspec.runtime.questions.ask import groups
@@ -79,10 +79,10 @@ def dataset(folder: Path, count: int | None = None, engines: tuple[str, ...] = (
 def asked(design: Design, index: int, engine: str) -> Iterable[Row]:
     """Every question of an instance, as a row. The true option's place is drawn."""
     instance, spec = design[index], design.spec
-    picture = {"bytes": png(np.full((16, 16, 3), TONES[str(instance.factors["color"])], np.uint8)), "path": None}
+    picture = {"bytes": encode_png(np.full((16, 16, 3), TONES[str(instance.factors["color"])], np.uint8)), "path": None}
     for number, question in enumerate(spec.questions):
         options, value, strength = _options(spec.name, question.name, instance.factors)
-        options = [options[i] for i in rng("place", spec.name, index, number).permutation(len(options))]
+        options = [options[i] for i in seeded_generator("place", spec.name, index, number).permutation(len(options))]
         pictured = any(kind == "counterfactual" for kind, *_ in options)
         known = dict.fromkeys(COLUMNS) | {
             "id": identity(spec.name, index, number, engine), "task": spec.name, "dimension": spec.dimension,
@@ -161,7 +161,7 @@ def answers(questions: list[Row], *raters: Rater) -> pd.DataFrame:
 
 
 def _reply(rater: Rater, row: Row, permutation: int) -> Row:
-    random = rng(rater.name, row["id"], permutation)
+    random = seeded_generator(rater.name, row["id"], permutation)
     kinds, truth, status = row["option_kind"], row["answer"], rater.status(row)
     order = [int(i) for i in np.roll(np.arange(len(kinds)), permutation)]
     wrong = [i for i in range(len(kinds)) if i != truth]

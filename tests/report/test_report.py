@@ -19,7 +19,7 @@ from tests.browser import opened
 from tests.report.conftest import Made
 from tests.report.made import Rater, answers, write
 from wmspec.cli import main
-from wmspec.eval.report.figures.all import figures
+from wmspec.eval.report.figures.sections import figures
 from wmspec.eval.report.write import write as write_report
 
 

@@ -7,13 +7,13 @@ import pytest
 
 from tests.report.conftest import LAPSE, STEEP, THRESHOLD, Made, seer
 from tests.report.made import Rater, answers
-from wmspec.eval.report.choices import change
+from wmspec.eval.report.choices import kind_of_change
 from wmspec.eval.report.compare import comparisons
 from wmspec.eval.report.curves import curves, strength
-from wmspec.eval.report.entanglement import dimension, spread
-from wmspec.eval.report.filtered import EVERYONES, ITS_OWN
-from wmspec.eval.report.intervals import means, rng
-from wmspec.eval.report.items import item_rest, response, sample
+from wmspec.eval.report.entanglement import paper_dimension, relative_entanglement
+from wmspec.eval.report.filtered import ALL_MODELS, OWN_PERCEPTION
+from wmspec.eval.report.intervals import mean_estimates, seeded_generator
+from wmspec.eval.report.items import fit_item_response, item_rest_correlation, stratified_sample
 from wmspec.eval.report.questions import Questions
 from wmspec.eval.report.replies import replies
 
@@ -24,11 +24,11 @@ def test_intervals_hold_what_is_true_as_often_as_they_say() -> None:
     """80 questions in 40 clusters of twins: 95 % of 300 intervals hold the mean, 87 % if clusters were ignored."""
     covered = {True: 0, False: 0}
     for trial in range(300):
-        random = rng("coverage", trial)
+        random = seeded_generator("coverage", trial)
         easy = np.repeat(random.beta(2, 1, 40), 4)
         right = (random.random(160) < easy).astype(float)[:, None]
         for together, cluster in ((True, np.repeat(np.arange(40), 4)), (False, np.arange(160))):
-            (estimate,), _ = means(right, cluster, trial)
+            (estimate,), _ = mean_estimates(right, cluster, trial)
             assert estimate.low is not None
             assert estimate.high is not None
             covered[together] += estimate.low <= 2 / 3 <= estimate.high
@@ -37,13 +37,13 @@ def test_intervals_hold_what_is_true_as_often_as_they_say() -> None:
 
 
 def test_intervals_do_not_move_when_another_system_or_task_is_added() -> None:
-    values = (rng("x").random((200, 3)) < 0.5).astype(float)
+    values = (seeded_generator("x").random((200, 3)) < 0.5).astype(float)
     cluster = np.arange(200) // 4
-    assert means(values, cluster, "task")[0][:2] == means(values[:, :2], cluster, "task")[0]
+    assert mean_estimates(values, cluster, "task")[0][:2] == mean_estimates(values[:, :2], cluster, "task")[0]
 
 
 def test_too_few_clusters_have_no_interval() -> None:
-    (estimate,), _ = means(np.array([[1.0], [0.0], [1.0]]), [0, 0, 1], "few")
+    (estimate,), _ = mean_estimates(np.array([[1.0], [0.0], [1.0]]), [0, 0, 1], "few")
     assert (estimate.value, estimate.low, estimate.questions) == (pytest.approx(2 / 3), None, 3)
 
 
@@ -119,7 +119,7 @@ def test_wrong_predictions_are_told_by_what_was_otherwise_in_them(made: Made) ->
     ],
 )
 def test_what_a_change_changes(said: str | None, what: str) -> None:
-    assert change(said) == what
+    assert kind_of_change(said) == what
 
 
 # ---------------------------------------------------------------- entanglement
@@ -150,8 +150,8 @@ def test_what_a_question_is_about_is_not_called_entangled(made: Made) -> None:
 
 def test_sre_is_the_papers_formula() -> None:
     codes, scores = np.array([0, 0, 1, 1, 2, 2]), np.array([[1, 1, 1, 0, 0, 0]], dtype=float).T
-    assert spread(codes, scores)[0] == pytest.approx((1 + 0 + 1) / 3)
-    assert np.isnan(spread(codes, np.zeros((6, 1))))[0]
+    assert relative_entanglement(codes, scores)[0] == pytest.approx((1 + 0 + 1) / 3)
+    assert np.isnan(relative_entanglement(codes, np.zeros((6, 1))))[0]
 
 
 @pytest.mark.parametrize(
@@ -169,7 +169,7 @@ def test_sre_is_the_papers_formula() -> None:
 def test_factors_are_of_the_papers_dimensions(factor: str, levels: list[str], which: str) -> None:
     import pandas as pd
 
-    assert dimension(factor, pd.Series(levels)) == which
+    assert paper_dimension(factor, pd.Series(levels)) == which
 
 
 # ---------------------------------------------------------------- curves
@@ -217,7 +217,7 @@ def test_a_ratio_counts_from_one_and_no_difference_not_at_all() -> None:
 
 def test_a_known_gain_is_found_and_none_where_there_is_none(made: Made) -> None:
     found = {(f.system, f.by): f for f in made.report.filtered}
-    gain = found["foresees", ITS_OWN]
+    gain = found["foresees", OWN_PERCEPTION]
     # 85 % where it perceives, 25 % where not: 65 % of all; two thirds are left.
     assert gain.kept == pytest.approx(2 / 3)
     assert gain.everything.value == pytest.approx(0.65, abs=0.05)
@@ -225,33 +225,33 @@ def test_a_known_gain_is_found_and_none_where_there_is_none(made: Made) -> None:
     assert gain.gain.low is not None
     assert gain.gain.high is not None
     assert 0.1 < gain.gain.low < 0.2 < gain.gain.high < 0.3
-    none = found["ideal", ITS_OWN].gain
+    none = found["ideal", OWN_PERCEPTION].gain
     assert none.low is not None
     assert none.high is not None
     assert none.low < 0 < none.high
-    assert found["sure", ITS_OWN].kept == 1.0
-    assert found["ideal", EVERYONES].kept < 0.2
+    assert found["sure", OWN_PERCEPTION].kept == 1.0
+    assert found["ideal", ALL_MODELS].kept < 0.2
 
 
 # ---------------------------------------------------------------- items
 
 
 def test_difficulty_and_ability_are_recovered() -> None:
-    random = rng("items")
+    random = seeded_generator("items")
     theta, b = random.normal(0, 1, 15), random.normal(0, 1, 600)
     guess = np.full(600, 0.25)
     p = 0.25 + 0.75 / (1 + np.exp(-1.3 * (theta - b[:, None])))
-    ability, difficulty = response((random.random((600, 15)) < p).astype(float), guess)
+    ability, difficulty = fit_item_response((random.random((600, 15)) < p).astype(float), guess)
     assert np.corrcoef(ability, theta)[0, 1] > 0.97
     assert np.corrcoef(difficulty, b)[0, 1] > 0.7
 
 
 def test_wrong_labels_are_among_the_suspects() -> None:
-    random = rng("labels")
+    random = seeded_generator("labels")
     theta, b = random.normal(0, 1.2, 15), random.normal(0, 1, 500)
     right = (random.random((500, 15)) < 1 / (1 + np.exp(-1.5 * (theta - b[:, None])))).astype(float)
     right[:10] = 1 - right[:10]
-    worst = np.argsort(np.nan_to_num(item_rest(right)))[:20]
+    worst = np.argsort(np.nan_to_num(item_rest_correlation(right)))[:20]
     assert np.isin(np.arange(10), worst).sum() >= 6
 
 
@@ -265,7 +265,7 @@ def test_a_short_form_is_better_than_a_random_one_of_unequal_tasks(made: Made) -
 
 
 def test_a_sample_takes_one_of_every_piece_of_equal_weight() -> None:
-    taken = sample(np.arange(100), np.ones(100), 10, np.full(10, 0.45))
+    taken = stratified_sample(np.arange(100), np.ones(100), 10, np.full(10, 0.45))
     assert list(taken) == list(range(4, 100, 10))
 
 

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from tests.engines import ENGINES, installed
 from wmspec.compile.design.design import Design
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.values import Values
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import ImpossibleValue, StageError
@@ -22,7 +22,7 @@ from wmspec.lang.check.statements.builder import observe, task, thing
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.shapes import SHAPES, Box, Cone, Cylinder, Extrude, Lathe, RoundedBox, Shape, Sphere, Sweep, Torus, Tube
 from wmspec.sim.shapes.facets import tessellate
-from wmspec.sim.shapes.outline import Outline, convex, sound
+from wmspec.sim.shapes.outline import Outline, checked_outline, convex
 from wmspec.sim.shapes.shape import UnfitError
 from wmspec.sim.usd import read
 
@@ -39,7 +39,7 @@ def outlines(draw: st.DrawFn) -> Outline:
     radii = draw(st.lists(st.floats(0.05, 0.4), min_size=count, max_size=count))
     turns = [2 * math.pi * i / count for i in range(count)]
     points = [(0.5 + r * math.cos(t), r * math.sin(t)) for r, t in zip(radii, turns, strict=True)]
-    return sound(points[:: draw(st.sampled_from([1, -1]))], "outline")
+    return checked_outline(points[:: draw(st.sampled_from([1, -1]))], "outline")
 
 
 def meshed(shape: Shape) -> Any:
@@ -211,7 +211,7 @@ BROKEN = {
     "primvars:st": ([(0.5, 0.5)], "primvars:st .* does not fit"),
     "faceVertexCounts": ([3], "faceVertexCounts and faceVertexIndices do not fit"),
     "points": ([(0.0, 0.0, 0.0)], "faceVertexIndices and points do not fit"),
-    "wms:shape:depth": (0.2, "its points are not those of the extrude"),
+    "wms:shape:depth": (0.2, "its points differ from those of the extrude"),
 }
 
 
@@ -260,4 +260,4 @@ def test_what_makes_no_shape(word: str, words: dict[str, Any], message: str) -> 
         SHAPES[word].from_words({"size": 0.1, **words})
     spec = task("t", thing("object", "a", shape=word, at=(0.0, 0.0, 0.0), **words))
     with pytest.raises(ImpossibleValue, match=message):
-        pieces(Values(spec, {}), "a")
+        pieces(Evaluator(spec, {}), "a")

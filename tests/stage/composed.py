@@ -1,7 +1,7 @@
-"""The composed difference of two stages: the oracle of the law of one factor.
+"""The composed difference of two stages: the independent check of the one-factor law.
 
-It knows nothing of how our stages are written. Two stages are equal if no reader of USD can tell them apart by their
-prims, properties and the metadata listed here, however their layers and references are arranged.
+It does not depend on how wmspec writes stages. Two stages are equal if their prims, properties and the metadata listed
+here are equal, independent of layers and references.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ _EVERYTHING = Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)
 
 @dataclass(frozen=True)
 class Difference:
-    """What differs, and its value in either stage, None where it has none.
+    """A difference between two stages, with its value in each, or None where absent.
 
-    `path` is that of a prim (the value is its type), of a property (its value, or a relationship's targets), or either
-    followed by what else about it differs, as in `/World/ball[apiSchemas]` or `/World/ball.points[interpolation]`.
+    `path` is the path of a prim (the value is its type) or of a property (its value, or a relationship's targets). A
+    suffix names other facts, as in `/World/ball[apiSchemas]` or `/World/ball.points[interpolation]`.
     """
 
     path: str
@@ -43,10 +43,10 @@ class Difference:
 
 
 def diff(a: Usd.Stage, b: Usd.Stage) -> tuple[Difference, ...]:
-    """Every difference from stage `a` to stage `b`, sorted by path; of a prim that only one has, just the prim.
+    """Return all differences from stage `a` to stage `b`, sorted by path; a prim in one stage only is one difference.
 
-    Values are compared exactly. A value that is authored equals the same value that is a schema's fallback. Asset paths
-    are compared as they are authored.
+    Values are compared exactly. An authored value equals the same fallback value of a schema. Asset paths are compared
+    as authored.
     """
     facets = list(_facets("/", _stage_metadata(a), _stage_metadata(b)))
     before, after = _prims(a), _prims(b)
@@ -62,7 +62,7 @@ def diff(a: Usd.Stage, b: Usd.Stage) -> tuple[Difference, ...]:
 
 
 def _facets(path: str, a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[Difference]:
-    """The differences of two sets of facts; the fact named '' is the thing itself."""
+    """Yield the differences of two sets of facts; the fact '' is the object itself."""
     for key in a.keys() | b.keys():
         x, y = a.get(key), b.get(key)
         if not _same(x, y):
@@ -70,7 +70,7 @@ def _facets(path: str, a: Mapping[str, Any], b: Mapping[str, Any]) -> Iterator[D
 
 
 def _same(x: Any, y: Any) -> bool:
-    """Equal in type and value; not-a-number equals itself."""
+    """Whether two values are equal in type and value; NaN equals itself."""
     return type(x) is type(y) and (x == y or repr(x) == repr(y))
 
 
@@ -90,7 +90,7 @@ def _type(prim: Usd.Prim | None) -> str | None:
 
 
 def _prim(prim: Usd.Prim, other: Usd.Prim) -> dict[str, Any]:
-    """The facts about a prim; the order of its children is told only of those that `other` has too."""
+    """Return the facts about a prim; the order of children covers only those that `other` also has."""
     shared = set(other.GetAllChildrenNames())
     facts = {key: _plain(prim.GetMetadata(key)) for key in PRIM_METADATA}
     facts["active"] = prim.IsActive()
@@ -111,7 +111,7 @@ def _property_differences(path: str, x: Usd.Property, y: Usd.Property) -> Iterat
 
 
 def _summary(prop: Usd.Property) -> Any:
-    """The value of a property that the other stage has not, or its type if it has none."""
+    """Return the value of a property that the other stage lacks, or its type if it has no value."""
     if not prop:
         return None
     facts = _property(prop)
@@ -119,7 +119,7 @@ def _summary(prop: Usd.Property) -> Any:
 
 
 def _property(prop: Usd.Property) -> dict[str, Any]:
-    """The facts about a property; '' is its value or its targets."""
+    """Return the facts about a property; '' is its value or its targets."""
     facts = {key: _plain(prop.GetMetadata(key)) for key in PROPERTY_METADATA if prop.HasMetadata(key)}
     if isinstance(prop, Usd.Relationship):
         return {"": tuple(map(str, prop.GetTargets())), **facts}
@@ -136,7 +136,7 @@ def _property(prop: Usd.Property) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """The value as something immutable that is compared exactly."""
+    """Return the value as an immutable object with exact equality."""
     if isinstance(value, Sdf.AssetPath):
         return value.path
     if hasattr(value, "__len__") and type(value).__name__.endswith("Array"):

@@ -17,7 +17,7 @@ from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.doctor.probe import falling_cube
 from wmspec.runtime.engines.registry import engine_version, info, names
-from wmspec.sim.scene.capability import JOINTS, NEVER, Lack, friction_above, require, table
+from wmspec.sim.scene.capability import JOINTS, NEVER_SUPPORTED, Lack, capability_table, friction_above, require
 from wmspec.sim.scene.model import Joint
 from wmspec.sim.scene.model.transform import identity
 from wmspec.sim.shapes import Sphere
@@ -32,7 +32,7 @@ def test_the_page_is_current() -> None:
 def test_doctor_prints_it() -> None:
     shown = CliRunner().invoke(main, ["doctor", "--capabilities"])
     assert shown.exit_code == 0
-    assert all(name in shown.output for name, _ in table({n: info(n).lacks for n in names()}))
+    assert all(name in shown.output for name, _ in capability_table({n: info(n).lacks for n in names()}))
     found = json.loads(CliRunner().invoke(main, ["doctor", "--capabilities", "--json"]).output)
     lacking = {row["capability"]: set(row["lacking"]) for row in found}
     assert lacking["ball joints with limits"] == {"mujoco", "pybullet", "sapien"}
@@ -67,8 +67,8 @@ def test_no_engine_is_imported_to_hear_what_it_says_of_itself() -> None:
 
 
 def test_each_row_is_refused_where_the_scene_asks_for_it() -> None:
-    rows = table({"one": (Lack(JOINTS, "no joints"),), "other": (Lack(friction_above(2), "slippery"),)})
-    lacking = {name: reasons for name, reasons in rows if name not in NEVER and any(reasons.values())}
+    rows = capability_table({"one": (Lack(JOINTS, "no joints"),), "other": (Lack(friction_above(2), "slippery"),)})
+    lacking = {name: reasons for name, reasons in rows if name not in NEVER_SUPPORTED and any(reasons.values())}
     assert lacking == {
         JOINTS.name: {"one": "no joints", "other": ""},
         "friction above 2": {"one": "", "other": "slippery"},

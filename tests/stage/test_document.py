@@ -21,7 +21,17 @@ from wmspec.compile.stage.write import write_stages
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.ir.record import from_json, to_json
-from wmspec.lang.check.statements.builder import HERE, action, compound, factor, joint, observe, robot, task, thing
+from wmspec.lang.check.statements.builder import (
+    PYTHON_LOCATION,
+    action,
+    compound,
+    factor,
+    joint,
+    observe,
+    robot,
+    task,
+    thing,
+)
 from wmspec.sim.materials import MATERIALS
 from wmspec.sim.scene.model import Follow, Force, Impulse, Launch, Scene, Steer, Teleport
 from wmspec.sim.scene.model.transform import apply, rotate
@@ -362,7 +372,9 @@ def test_actions_whose_order_is_changed_exchange_their_turns() -> None:
         impulse=1,
         start=ir.Property(owner=ir.Value(value="then"), name="start"),
     )
-    swap = ir.Counterfactual(name="s", change="order", owner="then", property="first", value=None, sort="", place=HERE)
+    swap = ir.Counterfactual(
+        name="s", change="order", owner="then", property="first", value=None, sort="", place=PYTHON_LOCATION
+    )
     starts = {a.name: a.start for a in scene(BALL, first, then, later, change=swap).actions}
     assert starts == pytest.approx({"first": 0.9, "then": 0.2, "later": 1.5})  # the pause of 0.3 s stays, and the end
 

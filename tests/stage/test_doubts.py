@@ -22,7 +22,7 @@ def told(text: str) -> list[str]:
 @pytest.mark.parametrize(("height", "depth"), [(0.03, "20"), (0.044, "6"), (0.046, ""), (0.05, ""), (0.2, "")])
 def test_what_begins_inside_something_else_is_told_from_5_mm_on(height: float, depth: str) -> None:
     notes = told(stage(floor(), body("cube", CUBE, (0, 0, height))))
-    assert [f"/World/cube: it begins {depth} mm inside /World/floor" in note for note in notes] == [True] * bool(depth)
+    assert [f"/World/cube: it starts {depth} mm inside /World/floor" in note for note in notes] == [True] * bool(depth)
 
 
 def test_what_is_filtered_or_joined_may_be_inside() -> None:
@@ -35,5 +35,5 @@ def test_several_joints_between_two_bodies_are_told_and_lock_each_other() -> Non
     bodies = body("one", CUBE), body("other", CUBE, (0.5, 0, 0))
     hinges = [joint("Revolute", f"about_{axis}", "one", "other", (0.25, 0, 0), (-0.25, 0, 0), axis) for axis in "XY"]
     (note,) = [note for note in told(stage(*bodies, *hinges)) if "same two bodies" in note]
-    assert note.startswith("/World/about_X: it holds the same two bodies as /World/about_Y")
+    assert note.startswith("/World/about_X: it joins the same two bodies as /World/about_Y")
     assert not [note for note in told(stage(*bodies, hinges[0])) if "same two bodies" in note]

@@ -71,15 +71,15 @@ def test_without_a_scale_there_is_no_tint() -> None:
 @pytest.mark.parametrize(
     ("shader", "name", "kind", "value", "message"),
     [
-        ("repeat", "rotation", "Float", 30.0, "more to texture coordinates than to scale"),
-        ("repeat", "translation", "Float2", Gf.Vec2f(0.5, 0), "more to texture coordinates than to scale"),
-        ("repeat", "scale", "Float2", Gf.Vec2f(0, 1), "more to texture coordinates than to scale"),
-        ("texture", "bias", "Float4", Gf.Vec4f(0.1), "not only tinted"),
-        ("texture", "scale", "Float4", Gf.Vec4f(2), "not only tinted"),
+        ("repeat", "rotation", "Float", 30.0, "does more than scale"),
+        ("repeat", "translation", "Float2", Gf.Vec2f(0.5, 0), "does more than scale"),
+        ("repeat", "scale", "Float2", Gf.Vec2f(0, 1), "does more than scale"),
+        ("texture", "bias", "Float4", Gf.Vec4f(0.1), "has a bias or a scale outside"),
+        ("texture", "scale", "Float4", Gf.Vec4f(2), "has a bias or a scale outside"),
         ("texture", "wrapS", "Token", "clamp", "wrap mode"),
         ("texture", "sourceColorSpace", "Token", "raw", "not in sRGB"),
         ("texture", "file", "Asset", "lost.png", "'lost.png' is not found"),
-        ("st", "varname", "String", "uv", "those of the mesh are 'st'"),
+        ("st", "varname", "String", "uv", "but the mesh has 'st'"),
     ],
 )
 def test_what_is_not_supported_is_refused(shader: str, name: str, kind: str, value: object, message: str) -> None:

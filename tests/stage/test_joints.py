@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from tests.stage.stages import assert_same, stage
 from wmspec.core.diagnostics import StageError
-from wmspec.sim.scene.joints.articulations import coordinate
+from wmspec.sim.scene.joints.articulations import joint_coordinate
 from wmspec.sim.scene.model import Camera, Drive, Joint, Steer
 from wmspec.sim.scene.model.transform import apply, compose, inverse, rotate
 from wmspec.sim.usd import read
@@ -79,7 +79,7 @@ def test_the_world_at_either_end_keeps_the_sign_of_the_coordinate() -> None:
         (joint,), (body,) = scene.joints, scene.bodies
         assert (joint.first, joint.second) == (None, "b")
         found = compose(inverse(joint.first_frame), compose(body.pose, joint.second_frame))
-        assert_allclose(coordinate(joint, found), expected, atol=1e-6)
+        assert_allclose(joint_coordinate(joint, found), expected, atol=1e-6)
 
 
 def test_static_ends_are_the_world_and_joints_of_nothing_are_left_out() -> None:
@@ -158,15 +158,15 @@ REFUSED = {
     "nobody": (joint("Fixed").replace("/World/b", "/World/c"), "not on the stage"),
     "strange drive": (
         joint("Revolute", DRIVE.replace("%s", "linear"), '"PhysicsDriveAPI:linear"'),
-        "drive 'linear' is of no axis",
+        "drive 'linear' is on a locked axis",
     ),
     "drive of a ball": (
         joint("Spherical", DRIVE.replace("%s", "rotX"), '"PhysicsDriveAPI:rotX"'),
-        "drive 'rotX' is of a ball joint",
+        "drive 'rotX' belongs to a ball joint",
     ),
     "drive of a generic ball": (
         joint("", locked(*SLIDES)[0] + DRIVE_Y, locked(*SLIDES)[1] + ', "PhysicsDriveAPI:rotY"'),
-        "drive 'rotY' is of a ball joint",
+        "drive 'rotY' belongs to a ball joint",
     ),
     "animated drive": (
         joint(
@@ -269,7 +269,7 @@ def test_half_a_body_cannot_pass_through() -> None:
         def Cube "x" (prepend apiSchemas = ["PhysicsCollisionAPI", "PhysicsFilteredPairsAPI"]) {
             rel physics:filteredPairs = </World/b> }
         def Sphere "y" (prepend apiSchemas = ["PhysicsCollisionAPI"]) {} }"""
-    with pytest.raises(StageError, match="/World/a: only some of its colliders pass through /World/b"):
+    with pytest.raises(StageError, match="/World/a: only some of its colliders are filtered against /World/b"):
         read(stage(two + BODY % ("b", "(9, 0, 0)", "(1, 0, 0, 0)")))
 
 

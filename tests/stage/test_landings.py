@@ -6,7 +6,7 @@ import pytest
 from pxr import Usd
 
 from usdphysics_conformance.stages import body, box, floor, joint, stage
-from wmspec.sim.scene.physics.initial_drops import landings
+from wmspec.sim.scene.physics.initial_drops import initial_drops
 from wmspec.sim.usd import read
 
 CUBE = box(0.2, 0.2, 0.2)
@@ -31,4 +31,4 @@ HIGH = body("high", CUBE, (0.1, 0, 0.9))
 def test_what_falls_on_what(prims: tuple[str, ...], material: dict[str, float], found: set[tuple[int, int]]) -> None:
     made = Usd.Stage.CreateInMemory()
     made.GetRootLayer().ImportFromString(stage(floor(), *prims, **material))
-    assert landings(read(made, strict=False)) == found
+    assert initial_drops(read(made, strict=False)) == found

@@ -97,7 +97,7 @@ def test_bounds() -> None:
 @pytest.mark.parametrize("way", ["none", "meshSimplification"])
 def test_exact_meshes_collide_face_by_face_if_they_stand_still_and_are_refused_if_they_fall(way: str) -> None:
     assert len(only(prim(angle(), way, dynamic=False)).geoms) == 1 + 6 + 2 * 4  # as drawn, its sides, its two caps
-    with pytest.raises(StageError, match="/World/m: a dynamic mesh that is not convex"):
+    with pytest.raises(StageError, match="/World/m: a dynamic non-convex mesh"):
         only(prim(angle(), way))
     with pytest.raises(StageError, match="'sdf' is not supported"):
         only(prim(angle(), "sdf"))

@@ -12,7 +12,7 @@ from tests.engines import ENGINES, installed
 from usdphysics_conformance.stages import body, box, joint, stage
 from wmspec.core.diagnostics import StageError
 from wmspec.sim.scene.joints.articulations import trees
-from wmspec.sim.scene.joints.coordinates import gears
+from wmspec.sim.scene.joints.coordinates import mimic_constraints
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.scene.validate import validate
 from wmspec.sim.usd import read
@@ -58,12 +58,12 @@ def test_what_mimics_a_mimic_does_what_that_does() -> None:
 
 def test_what_does_not_start_where_it_should_is_moved_or_refused() -> None:
     text = machine(RAIL, axle(("rail", 30.0, 1.0)))
-    with pytest.raises(StageError, match=r"axle: it starts 0\.524 from where the joint that it mimics puts it"):
+    with pytest.raises(StageError, match=r"axle: it starts 0\.524 off its mimicked coordinate"):
         validate(opened(text))
     scene = opened(text, strict=False)
     validate(scene)
-    assert [str(note) for note in scene.notes if "is moved there" in note.message]
-    (gear,) = gears(scene)
+    assert [str(note) for note in scene.notes if "is moved" in note.message]
+    (gear,) = mimic_constraints(scene)
     assert gear.offset == pytest.approx(math.radians(30))
     # One unit of force between the two moves the cart, 1 kg, and turns the wheel.
     (wheel,) = [b.inertia for b in scene.bodies if b.name == "wheel"]

@@ -16,7 +16,7 @@ from tests.engines import ENGINES, installed
 from tests.stage.stages import assert_same, stage
 from wmspec.cli import main
 from wmspec.core.diagnostics import StageError
-from wmspec.sim.scene.joints.articulations import closing, ties, trees
+from wmspec.sim.scene.joints.articulations import loop_closures, loop_joints, trees
 from wmspec.sim.scene.model import Scene
 from wmspec.sim.usd import read
 
@@ -41,8 +41,8 @@ CASES = {
     "a material": (BALL % "rel material:binding = </nowhere>", "", "left out"),
     "an ellipsoid": (BALL % SQUASHED, "", "less volume"),
     "a group": (GROUP, "", "the geometries below it collide"),
-    "no collider": ("", "", "spread as in a ball of 0.1 m"),
-    "two suns": (BALL % "", 'def DistantLight "a" {}\ndef DistantLight "b" {}', "the first one shines"),
+    "no collider": ("", "", "distributed as in a ball of 0.1 m"),
+    "two suns": (BALL % "", 'def DistantLight "a" {}\ndef DistantLight "b" {}', "the first one is used"),
     "two scenes": (BALL % "", 'def PhysicsScene "a" {}\ndef PhysicsScene "b" {}', "which has the same gravity"),
 }
 
@@ -167,7 +167,7 @@ def ring(kinds: tuple[str, ...], limit: str = "") -> Scene:
 
 def test_a_loop_is_closed_by_points_where_a_joint_is_no_more_than_that() -> None:
     scene = ring(("Revolute", "Prismatic", "Revolute", "Revolute"))
-    (tie,) = ties(scene)
+    (tie,) = loop_closures(scene)
     assert scene.joints[tie.joint].kind == "hinge"
     assert len(tie.above) == 2
 
@@ -177,7 +177,7 @@ def test_else_a_body_is_split_and_weighs_the_same() -> None:
     scene = ring(("Revolute",) * 4, limits)
     assert len(scene.bodies) == 5
     assert sum(body.inertia.mass for body in scene.bodies if body.inertia) == pytest.approx(4)
-    (number,) = closing(scene)
+    (number,) = loop_joints(scene)
     assert scene.joints[number].kind == "fixed"
 
 
@@ -224,7 +224,7 @@ def test_a_drive_by_acceleration_is_a_force_for_what_it_moves() -> None:
     drive = driven.joints[0].drive
     assert drive is not None
     assert (drive.stiffness, drive.damping) == pytest.approx((200, 10))
-    assert any("a force for what it moves" in str(note) for note in driven.notes)
+    assert any("a force drive for its initial load" in str(note) for note in driven.notes)
     with pytest.raises(StageError, match="by acceleration"):
         read(stage(text))
 

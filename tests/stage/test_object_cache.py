@@ -11,16 +11,16 @@ from hypothesis import HealthCheck, given
 from tests.examples import examples
 from tests.language.specs import SPECS, random_spec, task_from, task_of
 from wmspec.compile.design.design import Design
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage import object_cache
 from wmspec.compile.stage.document import Document
-from wmspec.compile.stage.episode import built
+from wmspec.compile.stage.episode import build_document
 from wmspec.compile.stage.object_cache import ObjectCache
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.ir import TaskSpec
 
 
-def worlds(spec: TaskSpec, groups: int, instances: int, most: int | None = None) -> Iterator[Values]:
+def worlds(spec: TaskSpec, groups: int, instances: int, most: int | None = None) -> Iterator[Evaluator]:
     """Neighbours in some places of a task, and each under (so many) counterfactuals."""
     design = Design(spec)
     changes = [None, *[change for question in spec.questions for change in question.counterfactuals][:most]]
@@ -28,14 +28,14 @@ def worlds(spec: TaskSpec, groups: int, instances: int, most: int | None = None)
         first = group * len(design) // groups
         for index in range(first, min(first + instances, len(design))):
             instance = design[index]
-            yield from (Values(spec, instance.values, change, instance.key) for change in changes)
+            yield from (Evaluator(spec, instance.values, change, instance.key) for change in changes)
 
 
-def made(values: Values, objects: ObjectCache | None) -> tuple[list[tuple[str, bytes]], Document] | str:
+def made(values: Evaluator, objects: ObjectCache | None) -> tuple[list[tuple[str, bytes]], Document] | str:
     """What all prims say, in order, with the sources of that; or what is wrong."""
-    anew = Values(values.spec, values.own, values.change, values.key)
+    anew = Evaluator(values.spec, values.own, values.change, values.key)
     try:
-        document = built(anew, objects)
+        document = build_document(anew, objects)
     except WmsError as error:
         return str(error)
     return [(path, prim.content) for path, prim in document.prims.items()], document
@@ -93,7 +93,7 @@ def test_only_what_changed_is_made_again(monkeypatch: pytest.MonkeyPatch) -> Non
 
     def again(key: int = 0, **changed: object) -> set[str]:
         names.clear()
-        built(Values(spec, levels | changed, None, ("seed", key)), objects)
+        build_document(Evaluator(spec, levels | changed, None, ("seed", key)), objects)
         assert len(names) == len(set(names))
         return set(names)
 

@@ -12,9 +12,9 @@ from tests.examples import examples
 from tests.language.specs import SPECS, random_spec, task_from, task_of
 from tests.stage.same import difference
 from wmspec.compile.design.design import Design
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document
-from wmspec.compile.stage.episode import built
+from wmspec.compile.stage.episode import build_document
 from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.ir import TaskSpec
@@ -33,7 +33,7 @@ def documents(spec: TaskSpec, instances: int, most: int | None = None) -> Iterat
         instance = design[k * len(design) // min(instances, len(design))]
         for change in changes:
             try:
-                yield built(Values(spec, instance.values, change, instance.key))
+                yield build_document(Evaluator(spec, instance.values, change, instance.key))
             except WmsError:
                 continue  # it cannot be staged, which is told elsewhere
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from wmspec.compile.design.design import Design
 from wmspec.compile.layout import scatter
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
 from wmspec.core.diagnostics import WmsError
@@ -38,11 +38,11 @@ def made(*parts: Any) -> ir.TaskSpec:
     return task("placed", CAMERA, *parts, observe("front", [0.0]))
 
 
-def values(*parts: Any, seed: int = 0) -> Values:
+def values(*parts: Any, seed: int = 0) -> Evaluator:
     """What the only instance of such a task is."""
     spec = made(*parts)
     instance = Design(spec, seed)[0]
-    return Values(spec, instance.values, None, instance.key)
+    return Evaluator(spec, instance.values, None, instance.key)
 
 
 def scene(*parts: Any) -> Scene:
@@ -166,7 +166,7 @@ def test_a_dropped_object_begins_above_where_it_would_rest_and_is_held() -> None
 # ---------------------------------------------------------------- scattered
 
 
-def dots(count: int, present: int, **more: Any) -> tuple[ir.Thing, ...]:
+def dots(count: int, present: int, **more: Any) -> tuple[ir.Entity, ...]:
     def properties(i: int) -> dict[str, Any]:
         return {"size": 0.02 + 0.001 * i, "on": "table", "scatter": (0.5, 0.3), "gap": 0.02, **more}
 
@@ -193,7 +193,7 @@ def test_scattered_objects_keep_their_gap_and_stay_in_the_field(seed: int, shape
 
 def test_how_many_there_are_moves_none_of_them_nor_does_anything_else_that_is_there() -> None:
     few, many = values(TABLE, *dots(9, 2)), values(TABLE, *dots(9, 7), thing("object", "other", on="table"))
-    assert [few.there(f"dots_{i}") for i in range(9)] == [i < 2 for i in range(9)]
+    assert [few.is_present(f"dots_{i}") for i in range(9)] == [i < 2 for i in range(9)]
     assert all(few.pose(f"dots_{i}") == many.pose(f"dots_{i}") for i in range(9))
 
 
@@ -207,7 +207,7 @@ def test_another_seed_scatters_anew_and_the_tenth_comes_after_the_second() -> No
 def test_where_one_finds_no_room_all_are_laid_anew(monkeypatch: pytest.MonkeyPatch) -> None:
     narrow = [values(TABLE, *dots(9, 9, scatter=(0.16, 0.16)), seed=seed) for seed in range(8)]
     assert all(there.pose("dots_8") for there in narrow)
-    monkeypatch.setattr(scatter, "DEALS", 1)
+    monkeypatch.setattr(scatter, "MAX_ROUNDS", 1)
     refused = 0
     for seed in range(8):
         try:
@@ -236,6 +236,6 @@ def test_a_field_without_room_is_refused_with_a_remedy() -> None:
         ((thing("object", "a", shape="box", size=(0.1, 0.1)),), "only a plane has two edges"),
     ],
 )
-def test_impossible_places_and_sizes_are_refused(parts: tuple[ir.Thing, ...], message: str) -> None:
+def test_impossible_places_and_sizes_are_refused(parts: tuple[ir.Entity, ...], message: str) -> None:
     with pytest.raises(WmsError, match=message):
         document(spec := made(TABLE, *parts), Design(spec)[0])

@@ -495,7 +495,7 @@ REFUSED = {
         f"""def Xform "a" {{ uniform token[] xformOpOrder = ["xformOp:translate"]
         {BALL % ""} def Cube "c" {{}} }}""",
         "a",
-        "its xformOpOrder names xformOp:translate, which it has not",
+        "its xformOpOrder names xformOp:translate, which it does not have",
     ),
     "points without number": (
         f'def Mesh "a" {{ {QUAD_BOX.replace("(9,9,9)", "(nan,9,9)")} }}',
@@ -578,7 +578,7 @@ REFUSED = {
     "hollow collider": (
         f'def Mesh "a" {COLLIDER.replace("[", RIGID)} {{ {QUAD_BOX.replace("(1,1,1)", "(.3,.3,.3)")} }}',
         "a",
-        "not convex",
+        "non-convex",
     ),
     "friction": (
         """def Material "m" (prepend apiSchemas = ["PhysicsMaterialAPI"]) {float physics:restitution = 1.5}
@@ -587,7 +587,7 @@ REFUSED = {
         "m",
         "restitution = 1.5",
     ),
-    "shader": (PREVIEW % ("ND_standard_surface_surfaceshader", ""), "m/s", "no UsdPreviewSurface"),
+    "shader": (PREVIEW % ("ND_standard_surface_surfaceshader", ""), "m/s", "not a UsdPreviewSurface"),
     "transparent": (PREVIEW % ("UsdPreviewSurface", "float inputs:opacity = 0.5"), "m/s", "transparency"),
     "orthographic": ('def Camera "c" {token projection = "orthographic"}', "c", "perspective"),
     "lamp": ('def SphereLight "l" {}', "l", "DistantLight"),
@@ -655,8 +655,11 @@ ICE = "float physics:staticFriction = 0.1"
 def test_a_subset_rubs_as_its_mesh_does() -> None:
     (found,) = problems(SLIPPERY % (ICE, "", QUAD_BOX)).items()
     assert found[0] == "/World/a/lid"
-    assert "physics material /World/ice is not that of its mesh" in found[1]
-    assert "not that of its mesh" in problems(SLIPPERY % ("float physics:density = 9", "", QUAD_BOX))["/World/a/lid"]
+    assert "physics material /World/ice differs from that of its mesh" in found[1]
+    assert (
+        "differs from that of its mesh"
+        in problems(SLIPPERY % ("float physics:density = 9", "", QUAD_BOX))["/World/a/lid"]
+    )
     same = only(SLIPPERY % (ICE, "rel material:binding:physics = </World/ice>", QUAD_BOX))
     assert all(geom.friction.dynamic == pytest.approx(0.1) for geom in same.geoms)
     only(SLIPPERY % (ICE, "bool physics:collisionEnabled = 0", QUAD_BOX))

@@ -15,10 +15,10 @@ from tests.stage.stages import stage
 from tests.stage.test_meshes import RING, angle, prim
 from wmspec.core.diagnostics import StageError
 from wmspec.sim.scene.model import Body
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.shapes import Mesh
 from wmspec.sim.usd import read
-from wmspec.sim.usd.thin_shells import DEPTH, sheets
+from wmspec.sim.usd.thin_shells import SHELL_DEPTH, thin_shells
 
 Points = NDArray[np.float64]
 SHEET = """
@@ -72,16 +72,16 @@ def sheet(text: str) -> Body:
 
 def reach(body: Body) -> Points:
     """The corners (2, 3) of the upright box around what collides."""
-    return upright([geom for geom in body.geoms if geom.collides], body.pose)
+    return world_box([geom for geom in body.geoms if geom.collides], body.pose)
 
 
 @pytest.mark.parametrize("faces", ["0, 1, 2, 3", "3, 2, 1, 0"])
 @pytest.mark.parametrize("turn", [0, 180])
 def test_a_ground_grows_downwards_however_it_is_turned(faces: str, turn: float) -> None:
-    assert_allclose(reach(sheet(square(faces, turn))), [(-1, -1, -DEPTH), (1, 1, 0)], atol=1e-7)
+    assert_allclose(reach(sheet(square(faces, turn))), [(-1, -1, -SHELL_DEPTH), (1, 1, 0)], atol=1e-7)
 
 
-@pytest.mark.parametrize(("faces", "back"), [("0, 1, 2, 3", (0, DEPTH)), ("3, 2, 1, 0", (-DEPTH, 0))])
+@pytest.mark.parametrize(("faces", "back"), [("0, 1, 2, 3", (0, SHELL_DEPTH)), ("3, 2, 1, 0", (-SHELL_DEPTH, 0))])
 def test_a_wall_grows_behind_its_front(faces: str, back: tuple[float, float]) -> None:
     assert_allclose(reach(sheet(square(faces, 90)))[:, 1], back, atol=1e-7)
 
@@ -97,7 +97,7 @@ def test_the_solids_are_closed_and_as_large_as_the_sheet(text: str, area: float)
     ]
     assert all(solid.is_watertight for solid in solids)
     assert sum(s.area_faces[s.face_normals[:, 2] > 0.999].sum() for s in solids) == pytest.approx(area)
-    assert sum(solid.volume for solid in solids) == pytest.approx(area * DEPTH, rel=0.05)
+    assert sum(solid.volume for solid in solids) == pytest.approx(area * SHELL_DEPTH, rel=0.05)
 
 
 THIN = trimesh.creation.box((1, 1, 0.004))
@@ -106,7 +106,7 @@ THIN = trimesh.creation.box((1, 1, 0.004))
 @pytest.mark.parametrize("solid", [angle(), RING, stairs(), THIN], ids=["angle", "ring", "stairs", "thin"])
 def test_a_solid_keeps_its_surface(solid: trimesh.Trimesh) -> None:
     """Just below it something collides everywhere, and nothing sticks out."""
-    made = [trimesh.Trimesh(s.points, s.faces) for s in sheets(Mesh(solid.vertices, solid.faces))]
+    made = [trimesh.Trimesh(s.points, s.faces) for s in thin_shells(Mesh(solid.vertices, solid.faces))]
     on, faces = trimesh.sample.sample_surface(solid, 300, seed=0)
     below = on - 1e-5 * solid.face_normals[faces]
     assert np.mean(np.any([inside(m, below) for m in made], axis=0)) > 0.99  # but for the seams
@@ -118,7 +118,7 @@ def test_a_mesh_of_too_many_faces_is_refused() -> None:
     ball = trimesh.creation.icosphere(4)
     bowl = trimesh.Trimesh(ball.vertices, ball.faces[ball.triangles_center[:, 2] < 0])
     with pytest.raises(
-        StageError, match=r"/World/m: it can't collide as it is: it has .* flat faces.* set physics:approx"
+        StageError, match=r"/World/m: its surface cannot collide: it has .* flat faces.* set physics:approx"
     ):
         read(stage(prim(bowl, "none", dynamic=False)))
 

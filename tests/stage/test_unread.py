@@ -20,7 +20,7 @@ SAID = {
     ),
     "a joint's friction": (
         BALL % ("b", "") + JOINT % (HELD, "double mjc:frictionloss = 5 double mjc:armature = 1"),
-        "mjc:armature, mjc:frictionloss are another engine's own",
+        "mjc:armature, mjc:frictionloss are specific to another engine",
     ),
     "a joint's state": (
         BALL % ("b", "") + JOINT % (HELD, "float state:angular:physics:position = 30"),
@@ -28,25 +28,25 @@ SAID = {
     ),
     "a velocity of no body": (
         'def Cube "b" ( prepend apiSchemas = ["PhysicsCollisionAPI"] ) { vector3f physics:velocity = (1, 0, 0) }',
-        "physics:velocity is of PhysicsRigidBodyAPI, which is not applied: left out",
+        "physics:velocity is of PhysicsRigidBodyAPI, which is not applied: ignored",
     ),
     "a mass without its schema": (
         BALL % ("b", "float physics:mass = 3"),
-        "physics:mass is of PhysicsMassAPI, which is not applied: read all the same",
+        "physics:mass is of PhysicsMassAPI, which is not applied: still read",
     ),
     "a drive without its schema": (
         BALL % ("b", "") + JOINT % (HELD, "float drive:angular:physics:stiffness = 3"),
-        "drive:angular:physics:stiffness is of PhysicsDriveAPI:angular, which is not applied: left out",
+        "drive:angular:physics:stiffness is of PhysicsDriveAPI:angular, which is not applied: ignored",
     ),
     "a velocity of another name": (
         BALL % ("b", "vector3f physics:linearVelocity = (1, 0, 0)"),
-        "physics:linearVelocity is of no schema that it has: left out; did you mean physics:velocity?",
+        "physics:linearVelocity is of a schema that is not applied: ignored; did you mean physics:velocity?",
     ),
     "a misspelt schema": (
         'def Cube "b" ( prepend apiSchemas = ["PhysicsRigidBody"] ) { }',
-        "UsdPhysics has no schema PhysicsRigidBody: left out; did you mean PhysicsRigidBodyAPI?",
+        "UsdPhysics has no schema PhysicsRigidBody: ignored; did you mean PhysicsRigidBodyAPI?",
     ),
-    "a joint of nothing": (BALL % ("b", "") + JOINT % ("", ""), "a joint of no bodies: left out"),
+    "a joint of nothing": (BALL % ("b", "") + JOINT % ("", ""), "a joint without bodies: ignored"),
 }
 """What -> the prims, and what is told."""
 
@@ -79,7 +79,7 @@ def test_what_says_nothing_new_is_not_told(what: str) -> None:
 
 def test_many_prims_of_one_kind_are_one_note() -> None:
     balls = "".join(BALL % (f"b{i}", "bool physxRigidBody:disableGravity = 1") for i in range(5))
-    notes = [note for note in read(stage(balls), strict=False).notes if "another engine's" in str(note)]
+    notes = [note for note in read(stage(balls), strict=False).notes if "another engine" in str(note)]
     assert len(notes) == 1
     assert str(notes[0]).startswith("/World/b0: physxRigidBody:disableGravity (here and on 4 other prims) is")
 

@@ -9,7 +9,7 @@ import pytest
 from tests.dataset.made import make as make_dataset
 from tests.dataset.made import plan
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.eval.study.make import Options, make
+from wmspec.eval.study.make import StudyOptions, make
 
 
 @pytest.fixture(scope="session")
@@ -22,5 +22,5 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> DatasetReader:
 @pytest.fixture
 def study(dataset: DatasetReader, tmp_path: Path) -> Path:
     """Six questions and one for practice of each of two tasks, for three raters, with two checks of attention."""
-    make(dataset, Options(per_task=6, raters=3, check_every=6), tmp_path / "study")
+    make(dataset, StudyOptions(per_task=6, raters=3, check_every=6), tmp_path / "study")
     return tmp_path / "study"

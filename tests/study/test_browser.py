@@ -15,8 +15,8 @@ from tests.study.visitor import letter
 from wmspec.eval.study import store
 from wmspec.eval.study.collect import collect
 from wmspec.eval.study.model import Study, load
-from wmspec.eval.study.serve import Server
-from wmspec.eval.study.store import Store
+from wmspec.eval.study.serve import StudyServer
+from wmspec.eval.study.store import AnswerStore
 
 DESK: dict[str, Any] = {"viewport": {"width": 1280, "height": 900}}
 PHONE: dict[str, Any] = {"viewport": {"width": 360, "height": 640}, "has_touch": True, "is_mobile": True}
@@ -24,7 +24,7 @@ PHONE: dict[str, Any] = {"viewport": {"width": 360, "height": 640}, "has_touch":
 
 @pytest.fixture
 def url(study: Path) -> Iterator[str]:
-    with Server(study, "127.0.0.1", 0) as server:
+    with StudyServer(study, "127.0.0.1", 0) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
         yield server.url
@@ -137,7 +137,7 @@ def test_a_reload_goes_on_with_the_same_question(browser: Any, url: str, study: 
         rater.step()
     assert rater.tab.get_attribute("form", "data-step") == before
     rater.finish()
-    (visit,) = Store(study / store.FILE, load(study)).visits()
+    (visit,) = AnswerStore(study / store.ANSWERS_FILE, load(study)).visits()
     assert [answer.step for answer in visit.answers] == list(range(len(load(study).slots[0])))
     rater.tab.reload()
     assert rater.tab.inner_text("#code") == visit.code
@@ -145,10 +145,10 @@ def test_a_reload_goes_on_with_the_same_question(browser: Any, url: str, study: 
 
 def test_answers_wait_while_the_server_is_away(browser: Any, study: Path) -> None:
     made = load(study)
-    server = Server(study, "127.0.0.1", 0)
+    server = StudyServer(study, "127.0.0.1", 0)
     port = server.server_address[1]
 
-    def serve(one: Server) -> threading.Thread:
+    def serve(one: StudyServer) -> threading.Thread:
         thread = threading.Thread(target=one.serve_forever)
         thread.start()
         return thread
@@ -164,7 +164,7 @@ def test_answers_wait_while_the_server_is_away(browser: Any, study: Path) -> Non
     server.shutdown()
     thread.join()
     server.server_close()
-    again = Server(study, "127.0.0.1", port)
+    again = StudyServer(study, "127.0.0.1", port)
     thread = serve(again)
     rater.tab.unroute("**/answers")
     rater.finish(troubled=True)

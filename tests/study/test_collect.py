@@ -23,14 +23,14 @@ from wmspec.eval.report import replies
 from wmspec.eval.study import store
 from wmspec.eval.study.answers import Answer, Person
 from wmspec.eval.study.collect import collect
-from wmspec.eval.study.make import Options, make
+from wmspec.eval.study.make import StudyOptions, make
 from wmspec.eval.study.model import Study, load
-from wmspec.eval.study.store import Store
+from wmspec.eval.study.store import AnswerStore
 
 
 def visit(folder: Path, name: str, off: int = 0, until: int = 10_000, checks: bool = True) -> None:
     """Somebody answers `until` so many steps, `off` places from the truth, and passes `checks` of attention or not."""
-    study, opened = load(folder), Store(folder / store.FILE, load(folder))
+    study, opened = load(folder), AnswerStore(folder / store.ANSWERS_FILE, load(folder))
     session = f"{int.from_bytes(name.encode()):032x}"
     slot = opened.begin(Person(session=session, rater=name)).slot
     for step in range(min(until, len(study.slots[slot]))):
@@ -136,7 +136,7 @@ def test_files_of_the_page_are_taken_too_and_once(study: Path, tmp_path: Path) -
     visit(study, "anne")
     said = wmspec("study", "collect", study, *paths, "-o", tmp_path / "r.parquet", folder=tmp_path).stdout
     assert "dora" in said
-    assert "24 replies; 12 replies are still wanted" in said
+    assert "24 replies; 12 replies are missing" in said
     told = json.loads(wmspec("study", "collect", study, *paths, "-o", "s.parquet", "--json", folder=tmp_path).stdout)
     assert [rater["rater"] for rater in told["raters"]] == ["anne", "dora"] or len(told["raters"]) == 2
 
@@ -159,11 +159,11 @@ def answers_file(study: Study, slot: int, rater: str = "") -> dict[str, object]:
     ("change", "said"),
     [
         ({"study": "other"}, "another study"),
-        ({"slot": 77}, "none of its options"),
-        ({"rater": "<b>"}, "no file of answers (rater)"),
-        ({"answers": [{"step": 0, "text": "Z", "seconds": 1}]}, "none of its options"),
+        ({"slot": 77}, "not one of its options"),
+        ({"rater": "<b>"}, "not a file of answers (rater)"),
+        ({"answers": [{"step": 0, "text": "Z", "seconds": 1}]}, "not one of its options"),
         ({"answers": [{"step": 0, "text": "A", "seconds": -1}]}, "answers.0.seconds"),
-        ({"more": 1}, "no file of answers (more)"),
+        ({"more": 1}, "not a file of answers (more)"),
     ],
 )
 def test_a_file_that_was_tampered_with_is_refused(
@@ -185,7 +185,9 @@ def test_two_of_a_name_are_two_people(study: Path, tmp_path: Path) -> None:
 
 
 def test_numbers_are_scored_in_the_unit_that_was_asked_for(tmp_path: Path) -> None:
-    study = make(DatasetReader.open(in_numbers(tmp_path / "data")), Options(per_task=4, raters=1), tmp_path / "study")
+    study = make(
+        DatasetReader.open(in_numbers(tmp_path / "data")), StudyOptions(per_task=4, raters=1), tmp_path / "study"
+    )
     answers = []
     for step in range(len(study.slots[0])):
         shown = study.step(0, step)

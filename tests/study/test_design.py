@@ -16,7 +16,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.study import store
 from wmspec.eval.study.assign import slots
-from wmspec.eval.study.make import Options, make
+from wmspec.eval.study.make import StudyOptions, make
 from wmspec.eval.study.model import Item, load
 
 
@@ -85,14 +85,14 @@ def test_practice_comes_first_and_checks_in_between() -> None:
 
 
 def test_the_same_again_and_other_for_another_seed(dataset: DatasetReader, tmp_path: Path) -> None:
-    one = make(dataset, Options(per_task=5), tmp_path / "a")
-    assert one == make(dataset, Options(per_task=5), tmp_path / "b") == load(tmp_path / "b")
+    one = make(dataset, StudyOptions(per_task=5), tmp_path / "a")
+    assert one == make(dataset, StudyOptions(per_task=5), tmp_path / "b") == load(tmp_path / "b")
     assert (tmp_path / "a/page/index.html").read_bytes() == (tmp_path / "b/page/index.html").read_bytes()
-    assert one != make(dataset, Options(per_task=5, seed=1), tmp_path / "c")
+    assert one != make(dataset, StudyOptions(per_task=5, seed=1), tmp_path / "c")
 
 
 def test_questions_are_of_different_instances_and_engines_take_turns(dataset: DatasetReader, tmp_path: Path) -> None:
-    study = make(dataset, Options(per_task=6), tmp_path)
+    study = make(dataset, StudyOptions(per_task=6), tmp_path)
     asked = [item for item in study.items if item.kind != "check"]
     assert len({(i.task, i.index) for i in asked}) == len(asked) == 14
     assert len(Counter(i.engine for i in asked if i.task == "collide")) == 3
@@ -110,29 +110,29 @@ def test_the_page_knows_no_truth_but_that_of_the_practice(study: Path) -> None:
 
 def test_texts_that_were_replaced_stay_and_end_nothing(dataset: DatasetReader, study: Path) -> None:
     (study / "texts/consent.txt").write_text("</script><script>alert(1)</script>")
-    make(dataset, Options(per_task=6, raters=3, check_every=6), study)
+    make(dataset, StudyOptions(per_task=6, raters=3, check_every=6), study)
     page = (study / "page/index.html").read_text()
     assert page.count("</script>") == 2
     assert "alert(1)" in page
 
 
 def test_another_study_never_takes_the_place_of_one_with_answers(dataset: DatasetReader, study: Path) -> None:
-    store.Store(study / store.FILE, load(study)).close()
+    store.AnswerStore(study / store.ANSWERS_FILE, load(study)).close()
     with pytest.raises(WmsError, match="answers to another study"):
-        make(dataset, Options(per_task=3), study)
-    make(dataset, Options(per_task=6, raters=3, check_every=6), study)
+        make(dataset, StudyOptions(per_task=3), study)
+    make(dataset, StudyOptions(per_task=6, raters=3, check_every=6), study)
 
 
 def test_what_a_dataset_lacks_is_told(dataset: DatasetReader, tmp_path: Path) -> None:
     with pytest.raises(WmsError, match="no task `colide`"):
-        make(dataset, Options(tasks=("colide",)), tmp_path)
+        make(dataset, StudyOptions(tasks=("colide",)), tmp_path)
     with pytest.raises(WmsError, match="no engine `bullet`"):
-        make(dataset, Options(engines=("bullet",)), tmp_path)
+        make(dataset, StudyOptions(engines=("bullet",)), tmp_path)
 
 
 def test_numbers_are_asked_for_in_units_that_people_read(tmp_path: Path) -> None:
     dataset = DatasetReader.open(in_numbers(tmp_path / "data"))
-    study = make(dataset, Options(per_task=4), tmp_path / "study")
+    study = make(dataset, StudyOptions(per_task=4), tmp_path / "study")
     assert {item.shown_unit for item in study.items if item.kind == "question"} == {"cm"}
     practice = next(item for item in study.public()["items"] if item["kind"] == "practice")
     item = next(item for item in study.items if item.kind == "practice")

@@ -17,17 +17,17 @@ from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.study import store
 from wmspec.eval.study.answers import Answer, Person
 from wmspec.eval.study.collect import collect
-from wmspec.eval.study.make import Options, make
+from wmspec.eval.study.make import StudyOptions, make
 from wmspec.eval.study.model import load
-from wmspec.eval.study.serve import LARGEST, Server
-from wmspec.eval.study.store import Full, Store
+from wmspec.eval.study.serve import MAX_REQUEST_BYTES, StudyServer
+from wmspec.eval.study.store import AnswerStore, StudyFull
 
 ANNE = "a" * 32
 
 
 @pytest.fixture
 def port(study: Path) -> Iterator[int]:
-    with Server(study, "127.0.0.1", 0) as server:
+    with StudyServer(study, "127.0.0.1", 0) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
         yield server.server_address[1]
@@ -80,7 +80,7 @@ def test_killed_at_any_moment_no_answer_is_lost_or_doubled(seed: int, study: Pat
         killer.join()
         server.kill()
     assert kills > 0
-    kept = [(v.session, a.step) for v in Store(study / store.FILE, made).visits() for a in v.answers]
+    kept = [(v.session, a.step) for v in AnswerStore(study / store.ANSWERS_FILE, made).visits() for a in v.answers]
     assert kept == heard
     collected = collect(study, (), study / "results.parquet")
     assert collected.missing == 0
@@ -89,7 +89,7 @@ def test_killed_at_any_moment_no_answer_is_lost_or_doubled(seed: int, study: Pat
 
 
 def test_the_first_answer_to_a_step_stands(study: Path) -> None:
-    opened = Store(study / store.FILE, load(study))
+    opened = AnswerStore(study / store.ANSWERS_FILE, load(study))
     assert opened.keep(ANNE, Answer(step=0, text="A", seconds=1)) is None, "nobody has begun"
     opened.begin(Person(session=ANNE))
     for text in "AB":
@@ -100,12 +100,12 @@ def test_the_first_answer_to_a_step_stands(study: Path) -> None:
     assert opened.keep(ANNE, Answer(step=1, text="Z", seconds=1)) is None
     assert opened.keep(ANNE, Answer(step=1, text="7", seconds=1)) is None
     opened.close()
-    again = Store(study / store.FILE, load(study))
+    again = AnswerStore(study / store.ANSWERS_FILE, load(study))
     assert [a.text for a in again.visits()[0].answers] == ["A"]
 
 
 def test_shares_are_given_out_evenly_and_who_comes_back_has_the_same(study: Path) -> None:
-    made, opened = load(study), Store(study / store.FILE, load(study))
+    made, opened = load(study), AnswerStore(study / store.ANSWERS_FILE, load(study))
     people = [f"{i:032x}" for i in range(5)]
     assert [opened.begin(Person(session=p)).slot for p in people] == [0, 1, 2, 0, 1]
     assert opened.begin(Person(session=people[2])).slot == 2
@@ -114,16 +114,16 @@ def test_shares_are_given_out_evenly_and_who_comes_back_has_the_same(study: Path
             place = opened.keep(person, Answer(step=step, text=letter(made, slot, step), seconds=1))
         assert place
         assert place.code
-    with pytest.raises(Full):
+    with pytest.raises(StudyFull):
         opened.begin(Person(session="f" * 32))
     assert opened.begin(Person(session=people[0])).code, "who has finished may read the code again"
 
 
 def test_answers_of_another_study_are_not_mixed_in(dataset: DatasetReader, study: Path, tmp_path: Path) -> None:
-    Store(study / store.FILE, load(study)).close()
-    other = make(dataset, Options(per_task=2), tmp_path / "other")
+    AnswerStore(study / store.ANSWERS_FILE, load(study)).close()
+    other = make(dataset, StudyOptions(per_task=2), tmp_path / "other")
     with pytest.raises(WmsError, match="another study"):
-        Store(study / store.FILE, other)
+        AnswerStore(study / store.ANSWERS_FILE, other)
 
 
 # ---------------------------------------------------------------- what is refused
@@ -139,7 +139,7 @@ def test_answers_of_another_study_are_not_mixed_in(dataset: DatasetReader, study
         ("/visits", b"{", 400),
         ("/visits", b"\xff\xfe", 400),
         ("/visits", b"[" * 4000, 400),
-        ("/visits", b"x" * (LARGEST + 1), 413),
+        ("/visits", b"x" * (MAX_REQUEST_BYTES + 1), 413),
         (f"/visits/{ANNE}/answers", {"step": 0, "text": "A", "seconds": 1}, 409),
         (f"/visits/{ANNE}/answers", {"step": 0, "text": "<img src=x onerror=alert(1)>", "seconds": 1}, 400),
         (f"/visits/{ANNE}/answers", b'{"step": 0, "text": "A", "seconds": NaN}', 400),
@@ -191,11 +191,11 @@ def test_it_listens_on_the_loopback_address_unless_told(study: Path) -> None:
 
     host = next(p for p in serve_command.params if p.name == "host")
     assert host.default == "127.0.0.1"
-    with Server(study, "127.0.0.1", 0) as server:
+    with StudyServer(study, "127.0.0.1", 0) as server:
         assert server.is_local
     with socket.create_server(("127.0.0.1", 0)) as other, pytest.raises(WmsError, match="try another --port"):
-        Server(study, "127.0.0.1", other.getsockname()[1])
-    with Server(study, "0.0.0.0", 0) as server:
+        StudyServer(study, "127.0.0.1", other.getsockname()[1])
+    with StudyServer(study, "0.0.0.0", 0) as server:
         assert not server.is_local
 
 

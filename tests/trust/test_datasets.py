@@ -15,7 +15,7 @@ from tests.trust.made import below, edited, png, rewritten, signed, wmspec
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.dataset.build.reuse import Before
+from wmspec.dataset.build.reuse import PriorInstances
 
 SHARD = "data/collide/test-00000-of-00003.parquet"
 Change = Callable[[list[dict[str, Any]]], None]
@@ -50,7 +50,7 @@ def pictured(content: bytes) -> Change:
     [
         (setting("task", "../../out"), "row 2: its task is `../../out`"),
         (setting("engine", "/tmp/x"), "row 2: its engine is `/tmp/x`"),
-        (setting("renderer", "../x"), "row 2: its renderer is `../x`, which is no name"),
+        (setting("renderer", "../x"), "row 2: its renderer is `../x`, which is not a name"),
         (setting("text", None), "row 2: `text` is null"),
         (setting("index", -1), "row 2: its index is -1"),
         (setting("answer", 9), "row 2: its answer is 9, of 4 options"),
@@ -90,7 +90,7 @@ def test_a_task_whose_name_leads_out(tmp_path: Path, folder: Path) -> None:
     before = below(tmp_path)
     result = wmspec("view", folder, "-o", tmp_path / "out" / "deep")
     assert result.exit_code == 2
-    assert "manifest.json is not one that `wmspec generate` writes: `tasks.../../evil" in result.output
+    assert "manifest.json is not a manifest of `wmspec generate`: `tasks.../../evil" in result.output
     assert below(tmp_path) == before
 
 
@@ -122,8 +122,8 @@ def test_a_file_too_many_is_told_by_whoever_reads_the_folder(tmp_path: Path, fol
     for command in ("view", "audit"):
         result = wmspec(command, folder, "-o", tmp_path / "out")
         assert result.exit_code != 0
-        assert f"{foreign} is none of the dataset's files" in result.output
-    with pytest.raises(WmsError, match=f"{foreign} is none of the dataset's files"):
+        assert f"{foreign} is not part of the dataset" in result.output
+    with pytest.raises(WmsError, match=f"{foreign} is not part of the dataset"):
         Dataset.open(folder, plan())
     assert (folder / foreign).exists(), "it is somebody's"
 
@@ -156,10 +156,10 @@ def test_a_plan_that_was_lost_is_rebuilt_for_reuse(tmp_path: Path) -> None:
     few = replace(ordered, tasks=tuple(replace(t, indices=t.indices[:2]) for t in ordered.tasks))
     make(tmp_path / "few", few)
     (tmp_path / "few/plan.json").unlink()
-    before = Before([tmp_path / "few"], ordered)
+    before = PriorInstances([tmp_path / "few"], ordered)
     assert all(before.missing(s) == s.indices[len(s.indices) :] for s in few.shards())
     with pytest.raises(WmsError, match="holds no dataset that could be reused"):
-        Before([tmp_path / "few"], replace(ordered, seed=8))
+        PriorInstances([tmp_path / "few"], replace(ordered, seed=8))
 
 
 def test_a_factor_without_a_value_is_a_dash(tmp_path: Path, folder: Path) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 import wmspec
 from tests.dataset.made import make, plan
-from wmspec.core.crash import EXIT_CODE, Crash, in_our_code
+from wmspec.core.crash import EXIT_CODE, Crash, is_own_error
 from wmspec.core.tally import Tally
 
 HERE = Path(__file__).parent
@@ -75,9 +75,9 @@ def test_a_run_has_failed_if_nothing_was_made_or_more_than_a_tenth_failed(
 ) -> None:
     tally = Tally("question was kept", made, "instances", tried, failed, "the cause")
     assert tally.passed == passed
-    assert ("no question was kept" in tally.told) == (made == 0)
-    assert ("the cause" in tally.told) == (failed > 0)
-    assert ("error: " in tally.told) == (not passed)
+    assert ("no question was kept" in tally.message) == (made == 0)
+    assert ("the cause" in tally.message) == (failed > 0)
+    assert ("error: " in tally.message) == (not passed)
 
 
 def test_generate_fails_if_every_instance_ends_in_an_internal_error(shell: Shell) -> None:
@@ -137,7 +137,7 @@ def test_a_dataset_without_questions_cannot_be_exported_or_asked(shell: Shell, c
 def test_what_nobody_foresaw_is_told_in_a_line_with_a_file(shell: Shell, command: tuple[object, ...]) -> None:
     lines = shell(*command, "-b", "mistaken", code=EXIT_CODE).splitlines()
     assert lines[0] == f"error: {MESSAGE}"
-    assert [line.split(":")[0].strip() for line in lines[1:3]] == ["at broken/wmspec_broken.py", "the full text"]
+    assert [line.split(":")[0].strip() for line in lines[1:3]] == ["at broken/wmspec_broken.py", "details"]
     assert "please report it" in lines[3]
     assert len(lines) == 4
     text = shell.full_text()
@@ -211,12 +211,12 @@ def test_mistakes_in_our_code_are_told_from_what_is_missing() -> None:
             exec(compile(code, "x.py", "exec"), {"__name__": module})
         return caught.value
 
-    assert in_our_code(raised("from wmspec.sim.scene import nowhere", "x"))
-    assert in_our_code(raised("import backends.nowhere", "x"))
-    assert in_our_code(raised("None.step", "backends.mujoco.render"))
-    assert not in_our_code(raised("None.step", "mujoco.egl"))
-    assert not in_our_code(raised("import no_such_package", "backends.mujoco.render"))
-    assert not in_our_code(raised("raise RuntimeError('no device')", "backends.sapien.render"))
+    assert is_own_error(raised("from wmspec.sim.scene import nowhere", "x"))
+    assert is_own_error(raised("import backends.nowhere", "x"))
+    assert is_own_error(raised("None.step", "backends.mujoco.render"))
+    assert not is_own_error(raised("None.step", "mujoco.egl"))
+    assert not is_own_error(raised("import no_such_package", "backends.mujoco.render"))
+    assert not is_own_error(raised("raise RuntimeError('no device')", "backends.sapien.render"))
 
 
 # ---------------------------------------------------------------- folders, libraries

@@ -22,7 +22,7 @@ def photos(tmp_path: Path) -> Path:
 def recast(photos: Path, name: str) -> tuple[int, str]:
     table = photos.parent / "t.csv"
     table.write_text(ROW.format(name=name))
-    result = wmspec("recast", table, "--images", photos, "-o", photos.parent / "out")
+    result = wmspec("import-images", table, "--images", photos, "-o", photos.parent / "out")
     assert (photos.parent / "out").exists() == (result.exit_code == 0)
     return result.exit_code, result.output
 

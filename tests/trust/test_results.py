@@ -42,10 +42,10 @@ def rewritten(original: Path, path: Path, **values: Any) -> Path:
 @pytest.mark.parametrize(
     ("values", "told"),
     [
-        ({"task": "../../x"}, "`task` is '../../x', which is no name"),
+        ({"task": "../../x"}, "`task` is '../../x', which is not a name"),
         ({"task": None}, "row 2: `task` is null"),
         ({"id": None}, "row 2: `id` is null"),
-        ({"model": "\x1b]0;x\x07"}, r"`model` is '\x1b]0;x\x07', which is no name"),
+        ({"model": "\x1b]0;x\x07"}, r"`model` is '\x1b]0;x\x07', which is not a name"),
         ({"model": None}, "row 2: `model` is null"),
         ({"right": None}, "row 2: `right` is null"),
         ({"status": "well"}, "a status is 'well'"),
@@ -82,10 +82,10 @@ def test_columns_of_another_type(tmp_path: Path, original: Path) -> None:
 
 def test_a_models_name_is_no_command(tmp_path: Path) -> None:
     pd = pytest.importorskip("pandas")
-    from wmspec.eval.report.frames import latex
+    from wmspec.eval.report.frames import latex_table
 
     name = r"a\input{/etc/passwd}$x^2$~"
-    written = latex("caption", pd.DataFrame({"x": ["1"]}, index=[name]))
+    written = latex_table("caption", pd.DataFrame({"x": ["1"]}, index=[name]))
     assert r"a\textbackslash{}input\{/etc/passwd\}\$x\textasciicircum{}2\$\textasciitilde{}" in written
 
 

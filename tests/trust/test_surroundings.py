@@ -63,7 +63,7 @@ COMMANDS = {
     ".usda": [["run"], ["render", "-o", "o"]],
     ".npz": [["render", "-o", "o"]],
     ".parquet": [["evaluate", "--rescore"], ["report", "-o", "o"]],
-    ".csv": [["recast", "-o", "o", "--images", "."]],
+    ".csv": [["import-images", "-o", "o", "--images", "."]],
 }
 
 
@@ -124,5 +124,5 @@ def test_a_day_that_is_none_is_told_before_anything_is_made(
     monkeypatch.setenv("SOURCE_DATE_EPOCH", said)
     result = wmspec("generate", SPEC, "-b", "mujoco", "--per-task", "1", "-o", tmp_path / "out")
     assert result.exit_code == 2
-    assert f"SOURCE_DATE_EPOCH is no time: {said}" in result.output
+    assert f"SOURCE_DATE_EPOCH is invalid: {said}" in result.output
     assert not (tmp_path / "out").exists()

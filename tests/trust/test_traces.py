@@ -99,7 +99,7 @@ def test_a_task_whose_name_leads_out(tmp_path: Path, task: str, command: str) ->
     before = below(tmp_path)
     result = wmspec(command, stage, "-b", "mujoco", *(["-o", tmp_path / "deep/out"] if command == "render" else []))
     assert result.exit_code == 2
-    assert "is no name" in result.output
+    assert "is not a valid name" in result.output
     assert below(tmp_path) == before
 
 

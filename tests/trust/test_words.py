@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.trust.made import wmspec
-from wmspec.core.diagnostics import WmsError, visible
+from wmspec.core.diagnostics import WmsError, escape_controls
 from wmspec.core.places import FilePlace
 
 SPEC = Path(__file__).parents[1] / "endtoend/specs/speed_tabletop.wms"
@@ -19,12 +19,12 @@ def test_nothing_that_a_terminal_obeys_is_told(tmp_path: Path, text: str) -> Non
     output = wmspec("check", tmp_path / "t.wms").output
     assert text[0] not in output
     assert text[0] not in WmsError(f"there is no `{text}`", FilePlace(f"{text}.usda"), f"find `{text}`").render()
-    assert len(visible(text)) == len(text), "carets stay below what they point at"
+    assert len(escape_controls(text)) == len(text), "carets stay below what they point at"
 
 
 def test_lines_and_letters_are_told_as_they_are() -> None:
     text = "two\n\tlines: naïve, 日本, −5 °C"
-    assert visible(text) == text
+    assert escape_controls(text) == text
 
 
 def test_more_instances_than_anyone_makes(tmp_path: Path) -> None:

@@ -1,6 +1,6 @@
-"""The public Python API: everything here may be relied on, and nothing else of wmspec.
+"""The public Python API; all other modules of wmspec may change.
 
-The names are those of `import wmspec` too. Each is imported when it is first used, so that `import wmspec` is quick.
+The names are also those of `import wmspec`. Each is imported on first use, so that `import wmspec` is quick.
 """
 
 from __future__ import annotations
@@ -11,44 +11,44 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from wmspec.api.agreement import Agreement as Agreement
     from wmspec.api.agreement import crosscheck as crosscheck
-    from wmspec.api.drawing import Drawing as Drawing
     from wmspec.api.episode import Episode as Episode
     from wmspec.api.episode import Track as Track
     from wmspec.api.episode import load_episode as load_episode
     from wmspec.api.episode import open_stage as open_stage
     from wmspec.api.episode import run as run
+    from wmspec.api.generating import DatasetOptions as DatasetOptions
+    from wmspec.api.generating import generate as generate
     from wmspec.api.loading import Diagnosis as Diagnosis
     from wmspec.api.loading import diagnose as diagnose
     from wmspec.api.loading import load as load
     from wmspec.api.loading import load_all as load_all
-    from wmspec.api.making import Choices as Choices
-    from wmspec.api.making import generate as generate
     from wmspec.api.progress import progress_bar as progress_bar
-    from wmspec.api.task import Asked as Asked
+    from wmspec.api.rendering import RenderOptions as RenderOptions
     from wmspec.api.task import Factor as Factor
     from wmspec.api.task import Instance as Instance
+    from wmspec.api.task import InstanceQuestions as InstanceQuestions
     from wmspec.api.task import Task as Task
     from wmspec.core.diagnostics import SpecError as SpecError
     from wmspec.core.diagnostics import WmsError as WmsError
     from wmspec.runtime.engines.registry import register as register
 
-#: Every public name and the module in which it is.
+#: Public name -> the module that defines it.
 HOMES = {
     "Agreement": "wmspec.api.agreement",
-    "Asked": "wmspec.api.task",
-    "Choices": "wmspec.api.making",
+    "DatasetOptions": "wmspec.api.generating",
     "Diagnosis": "wmspec.api.loading",
-    "Drawing": "wmspec.api.drawing",
     "Episode": "wmspec.api.episode",
     "Factor": "wmspec.api.task",
     "Instance": "wmspec.api.task",
+    "InstanceQuestions": "wmspec.api.task",
+    "RenderOptions": "wmspec.api.rendering",
     "SpecError": "wmspec.core.diagnostics",
     "Task": "wmspec.api.task",
     "Track": "wmspec.api.episode",
     "WmsError": "wmspec.core.diagnostics",
     "crosscheck": "wmspec.api.agreement",
     "diagnose": "wmspec.api.loading",
-    "generate": "wmspec.api.making",
+    "generate": "wmspec.api.generating",
     "load": "wmspec.api.loading",
     "load_all": "wmspec.api.loading",
     "load_episode": "wmspec.api.episode",

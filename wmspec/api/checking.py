@@ -18,21 +18,21 @@ from wmspec.core import disk_cache
 from wmspec.core.diagnostics import Diagnostic, Note, Remedy, Report, WmsError
 from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Source, Span
 from wmspec.core.safe_io import folders_searched
-from wmspec.lang.parse.files import found, read_source, spec_files
+from wmspec.lang.parse.files import find_library, read_source, spec_files
 
 if TYPE_CHECKING:
     from wmspec.api.loading import Diagnosis
     from wmspec.lang.parse.load import Program
 
-#: Codes of mistakes that depend on more than is compared, such as on what else there is in a folder: not cached.
+#: Codes of mistakes that also depend on the files in a folder; their results are not cached.
 _LISTING = frozenset({"WMS207", "WMS208", "WMS210"})
-#: If a spec names other files, all files in its folder count, up to so many and so many bytes; with more, not cached.
-MOST_FILES, MOST_BYTES = 1000, 50_000_000
+#: A result that depends on folders with more files or bytes than this is not cached.
+MAX_FILES, MAX_BYTES = 1000, 50_000_000
 
 
 @dataclass(frozen=True)
 class CheckedTask:
-    """A task of a spec: how many instances it has, its sample sizes, the question that it balances, if it is wrong."""
+    """A task of a spec: number of instances, sample sizes, balanced question, and whether it has mistakes."""
 
     name: str
     instances: int
@@ -44,19 +44,19 @@ class CheckedTask:
 
 @dataclass(frozen=True)
 class Checked:
-    """What `wmspec check` says of specs."""
+    """The result of `wmspec check`."""
 
     diagnostics: tuple[Diagnostic, ...]
     tasks: tuple[CheckedTask, ...]
 
     @property
     def passed(self) -> bool:
-        """Whether there is no mistake; warnings are none."""
+        """Whether there are no errors; warnings are allowed."""
         return not any(d.severity == "error" for d in self.diagnostics)
 
 
 def check_files(paths: Iterable[Path]) -> Checked:
-    """What is wrong with spec files, and with all specs in folders. Raises WmsError if one cannot be read."""
+    """Check spec files and all specs in folders. Raises WmsError if one cannot be read."""
     checked = [_checked(path) for path in spec_files(paths)]
     if len(checked) == 1:
         return checked[0]
@@ -67,7 +67,7 @@ def check_files(paths: Iterable[Path]) -> Checked:
 
 
 def check_text(source: Source) -> Checked:
-    """What is wrong with a text, whose libraries are looked for in the working folder."""
+    """Check a text, whose libraries are searched in the working folder."""
     from wmspec.api.loading import diagnose
 
     return _of(diagnose(text=source.text))
@@ -77,10 +77,10 @@ def _checked(path: Path) -> Checked:
     entry = _entry(path)
     if (cached := _cached(entry, path)) is not None:
         return cached
-    from wmspec.api.loading import diagnosed
+    from wmspec.api.loading import diagnose_file
 
     with folders_searched() as searched:
-        diagnosis, program = diagnosed(path)
+        diagnosis, program = diagnose_file(path)
     checked = _of(diagnosis)
     if (record := _record(path, checked, program, searched)) is not None:
         disk_cache.write(entry, json.dumps(record).encode())
@@ -101,7 +101,10 @@ def _of(diagnosis: Diagnosis) -> Checked:
 
 
 def _entry(path: Path) -> str:
-    """One entry for each spec, so that a spec that changes replaces its own. Messages show the path as it was given."""
+    """Return the name of the cache entry of a spec, so that a changed spec replaces its own entry.
+
+    It depends on the path as given, since messages contain that path.
+    """
     return f"check-{disk_cache.digest(repr((os.getcwd(), str(path), *_context())).encode())[:32]}.json"  # noqa: PTH109
 
 
@@ -110,13 +113,13 @@ def _context() -> tuple[str, ...]:
 
 
 def _record(path: Path, checked: Checked, program: Program, searched: set[Path]) -> dict[str, Any] | None:
-    """What is kept of a result, with all that it depends on; None if that cannot be compared."""
+    """Return a result with everything that it depends on, as JSON values; None if that cannot be compared."""
     if any(d.code in _LISTING for d in checked.diagnostics):
         return None
     sources = {program.source.name: program.source}
     sources |= {file.span.source.name: file.span.source for file in program.libraries.values()}
     if len(sources) != 1 + len(program.libraries):
-        return None  # two texts of one name
+        return None  # two texts with the same name
     homes = {file.span.source.name: library.parent for library, file in program.libraries.items()}
     uses = {
         (span.text, str(homes.get(span.source.name, path.parent)), str(library))
@@ -126,8 +129,8 @@ def _record(path: Path, checked: Checked, program: Program, searched: set[Path])
     if None in folders.values():
         return None
     try:
-        diagnostics = [_written(d, sources) for d in checked.diagnostics]
-    except _Elsewhere:
+        diagnostics = [_diagnostic_record(d, sources) for d in checked.diagnostics]
+    except _UncachedSource:
         return None
     texts = {str(library): _digest(file.span.source) for library, file in program.libraries.items()}
     return {
@@ -142,7 +145,7 @@ def _record(path: Path, checked: Checked, program: Program, searched: set[Path])
 
 
 def _cached(entry: str, path: Path) -> Checked | None:
-    """The result that is kept for a file, if nothing that it depends on has changed."""
+    """Return the cached result of a file; None if anything that it depends on has changed."""
     content = disk_cache.read(entry)
     if content is None:
         return None
@@ -157,13 +160,19 @@ def _cached(entry: str, path: Path) -> Checked | None:
             if _digest(text) != digest:
                 return None
             sources[text.name] = text
-        if any(str(found(name, Path(folder))) != library for name, folder, library in record["uses"]):
+        if any(str(find_library(name, Path(folder))) != library for name, folder, library in record["uses"]):
             return None
         if any(_state(Path(folder)) != state for folder, state in record["folders"].items()):
             return None
-        diagnostics = tuple(_read(d, sources) for d in record["diagnostics"])
+        diagnostics = tuple(_diagnostic_from(d, sources) for d in record["diagnostics"])
         return Checked(diagnostics, tuple(CheckedTask(*task) for task in record["tasks"]))
-    except (WmsError, ValueError, TypeError, KeyError, AttributeError):  # a library is gone; or another wrote the entry
+    except (
+        WmsError,
+        ValueError,
+        TypeError,
+        KeyError,
+        AttributeError,
+    ):  # no library, or a foreign entry
         return None
 
 
@@ -172,16 +181,16 @@ def _digest(source: Source) -> str:
 
 
 def _state(folder: Path) -> str | None:
-    """A digest of all files in a folder and below it but specs; None if there are too many, or one cannot be read."""
+    """Return a digest of all files below a folder except specs; None if there are too many, or one cannot be read."""
     facts: list[tuple[str, str]] = []
-    left = MOST_BYTES
+    left = MAX_BYTES
     try:
         for name in _names(str(folder)):
             if Path(name).is_symlink():
                 facts.append((f"{name} ->", str(Path(name).readlink())))
             if Path(name).is_file():
                 left -= Path(name).stat().st_size
-                if left < 0 or len(facts) > MOST_FILES:
+                if left < 0 or len(facts) > MAX_FILES:
                     return None
                 facts.append((name, disk_cache.digest(Path(name).read_bytes())))
     except OSError:
@@ -201,16 +210,16 @@ def _names(folder: str) -> Iterator[str]:
 # ---------------------------------------------------------------- diagnostics as JSON
 
 
-class _Elsewhere(Exception):
-    """A diagnostic points into a text that the result does not depend on."""
+class _UncachedSource(Exception):
+    """Raised if a diagnostic points into a text that the result does not depend on."""
 
 
-def _written(d: Diagnostic, sources: Mapping[str, Source]) -> dict[str, Any]:
+def _diagnostic_record(d: Diagnostic, sources: Mapping[str, Source]) -> dict[str, Any]:
     help = [d.help, d.help.wrong, d.help.right] if isinstance(d.help, Remedy) else d.help
-    notes = [[note.message, _place(note.place, sources)] for note in d.notes]
+    notes = [[note.message, _place_record(note.place, sources)] for note in d.notes]
     return {
         "message": d.message,
-        "place": _place(d.place, sources),
+        "place": _place_record(d.place, sources),
         "help": help,
         "code": d.code,
         "notes": notes,
@@ -218,23 +227,23 @@ def _written(d: Diagnostic, sources: Mapping[str, Source]) -> dict[str, Any]:
     }
 
 
-def _read(record: dict[str, Any], sources: Mapping[str, Source]) -> Diagnostic:
+def _diagnostic_from(record: dict[str, Any], sources: Mapping[str, Source]) -> Diagnostic:
     help = Remedy.of(*record["help"]) if isinstance(record["help"], list) else record["help"]
     notes = []
     for message, where in record["notes"]:
-        place = _placed(where, sources)
+        place = _place_from(where, sources)
         if place is None:
             raise ValueError("a note without a place")
         notes.append(Note(message, place))
-    place = _placed(record["place"], sources)
+    place = _place_from(record["place"], sources)
     return Diagnostic(record["message"], place, help, record["code"], tuple(notes), record["severity"])
 
 
-def _place(place: Place | None, sources: Mapping[str, Source]) -> list[Any] | None:
+def _place_record(place: Place | None, sources: Mapping[str, Source]) -> list[Any] | None:
     match place:
         case Span(source=source, start=start, end=end):
             if source != sources.get(source.name):
-                raise _Elsewhere
+                raise _UncachedSource
             return ["span", source.name, start, end]
         case Location():
             return ["location", place.file, place.line, place.column, place.start, place.end]
@@ -245,7 +254,7 @@ def _place(place: Place | None, sources: Mapping[str, Source]) -> list[Any] | No
     return None
 
 
-def _placed(record: list[Any] | None, sources: Mapping[str, Source]) -> Place | None:
+def _place_from(record: list[Any] | None, sources: Mapping[str, Source]) -> Place | None:
     match record:
         case ["span", name, start, end]:
             return Span(sources[name], start, end)

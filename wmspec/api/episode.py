@@ -1,4 +1,4 @@
-"""Executed episodes: where everything was at every moment, and what cameras saw."""
+"""Executed episodes: the trajectories of all bodies, and the pictures of cameras."""
 
 from __future__ import annotations
 
@@ -14,45 +14,45 @@ from numpy.typing import NDArray
 from PIL import Image
 from pxr import Usd, UsdUtils
 
-import wmspec.sim.usd.schema  # noqa: F401  importing it registers the schemas, which must come before the first stage
-from wmspec.api.drawing import Drawing, renderer_of
+import wmspec.sim.usd.schema  # noqa: F401  registers the schemas, which must precede the first stage
+from wmspec.api.rendering import RenderOptions, renderer_of
 from wmspec.core.diagnostics import Diagnostic, StageError, WmsError, suggestion
 from wmspec.core.places import FilePlace
 from wmspec.dataset.build import typeset, video
-from wmspec.dataset.build.overlay import annotated
+from wmspec.dataset.build.overlay import annotate
 from wmspec.runtime.caches.trace_cache import TraceCache
-from wmspec.runtime.compare.regimes import entered
+from wmspec.runtime.compare.regimes import trace_regimes
 from wmspec.runtime.compare.tolerance import Tolerances
 from wmspec.runtime.engines import archive
 from wmspec.runtime.engines.registry import info
-from wmspec.sim.scene.capability import approximated, require
+from wmspec.sim.scene.capability import approximation_warnings, require
 from wmspec.sim.scene.model import Contact, Frame, Pose, Scene, Shot, Trace
-from wmspec.sim.scene.model.bounds import middle
-from wmspec.sim.scene.render.appearance import shown_at
-from wmspec.sim.scene.render.camera import find
+from wmspec.sim.scene.model.bounds import box_center
+from wmspec.sim.scene.render.appearance import appearance_at
+from wmspec.sim.scene.render.camera import find_camera
 from wmspec.sim.usd import read
-from wmspec.sim.usd.files import opened
+from wmspec.sim.usd.files import open_stage_file
 
 
 @dataclass(frozen=True)
 class Track:
-    """The way of one body, T samples of it.
+    """The trajectory of one body, with T samples.
 
-    `position` (T, 3) m and `orientation` (T, 4), quaternions (w, x, y, z), are of the body's frame; `linear_velocity`
-    (T, 3) m/s and `angular_velocity` (T, 3) rad/s of its centre of mass, in world axes. `middle` (T, 3) m is that
-    of the box around it in its own frame, which is what measures are of; of a simple shape it is where its frame is.
+    `position` (T, 3) m and `orientation` (T, 4), quaternions (w, x, y, z), describe the body's frame. `linear_velocity`
+    (T, 3) m/s and `angular_velocity` (T, 3) rad/s are those of the centre of mass, in world axes. `center` (T, 3) m is
+    the centre of the bounding box, which measures use; for a simple shape it is the origin of the frame.
     """
 
     position: NDArray[np.float64]
     orientation: NDArray[np.float64]
     linear_velocity: NDArray[np.float64]
     angular_velocity: NDArray[np.float64]
-    middle: NDArray[np.float64]
+    center: NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)
 class Episode:
-    """What happened on a `stage` in one engine: `episode["ball"]` is the way of a body; iterating gives names."""
+    """One execution of a `stage` in an engine: `episode["ball"]` is the track of a body; iteration gives names."""
 
     stage: Usd.Stage
     scene: Scene
@@ -63,17 +63,17 @@ class Episode:
 
     @property
     def engine(self) -> str:
-        """Who executed it."""
+        """The engine that executed it."""
         return self.trace.engine
 
     @property
     def time(self) -> NDArray[np.float64]:
-        """When the samples are, (T,) s; the first is 0."""
+        """The times of the samples, (T,) s; the first is 0."""
         return self.trace.time
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """The names of all bodies, in the order in which `ids` counts them."""
+        """The names of all bodies, in the order of `ids`."""
         return self.trace.bodies
 
     @property
@@ -84,19 +84,19 @@ class Episode:
 
     @property
     def notes(self) -> tuple[Diagnostic, ...]:
-        """What was taken for something else, executed only nearly as it is meant, or is known to go wrong: warnings."""
-        wrong = entered(self.scene, self.trace, Tolerances().event)
-        doubts = (Diagnostic(regime.told, severity="warning") for regime in wrong)
-        nearly = approximated(info(self.engine).lacks, self.scene)
+        """Warnings: substitutions, approximations, and regimes in which the engine is known to be wrong."""
+        wrong = trace_regimes(self.scene, self.trace, Tolerances().event)
+        doubts = (Diagnostic(regime.sentence, severity="warning") for regime in wrong)
+        nearly = approximation_warnings(info(self.engine).lacks, self.scene)
         return tuple(dict.fromkeys((*self.scene.notes, *nearly, *doubts)))
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
-        """Which bodies touched, from when to when (s)."""
+        """The pairs of bodies in contact, with start and stop in seconds."""
         return self.trace.contacts
 
     def __getitem__(self, body: str) -> Track:
-        """The way of a body. Raises WmsError if there is none of that name."""
+        """Return the track of a body. Raises WmsError if there is no body with that name."""
         if body not in self.bodies:
             raise WmsError(f"there is no body `{body}`; {suggestion(body, self.bodies)}")
         trace, i = self.trace, self.bodies.index(body)
@@ -106,11 +106,11 @@ class Episode:
             orientation=frames.orientation,
             linear_velocity=trace.linear_velocity[:, i],
             angular_velocity=trace.angular_velocity[:, i],
-            middle=middle(self.scene.bodies[i], frames),
+            center=box_center(self.scene.bodies[i], frames),
         )
 
     def __iter__(self) -> Iterator[str]:
-        """The names of all bodies."""
+        """Iterate over the names of all bodies."""
         return iter(self.bodies)
 
     def __len__(self) -> int:
@@ -120,48 +120,50 @@ class Episode:
         return body in self.bodies
 
     def views(self, camera: str = "") -> list[tuple[str, float]]:
-        """The cameras and times (s) of the pictures that the stage asks for; of one camera, if it is named.
+        """Return cameras and times (s) of the pictures that the stage requests, of one camera if given.
 
-        Where it asks for none, the start as every camera sees it. Raises WmsError if there is no such camera.
+        Without requests, the initial view of every camera. Raises WmsError if there is no such camera.
         """
-        asked = [(o.camera, t) for o in self.scene.observations for t in o.times]
-        views = asked or [(c.name, 0.0) for c in self.scene.cameras]
+        requested = [(o.camera, t) for o in self.scene.observations for t in o.times]
+        views = requested or [(c.name, 0.0) for c in self.scene.cameras]
         if not camera:
             return views
-        find(self.scene, camera)
+        find_camera(self.scene, camera)
         times = sorted({t for c, t in views if c == camera} or {t for _, t in views})
         return [(camera, t) for t in times]
 
-    def frame(self, camera: str, time: float, **drawing: Unpack[Drawing]) -> NDArray[np.uint8]:
-        """What a camera sees at the sample nearest to a time (s): (height, width, 3), sRGB.
+    def frame(self, camera: str, time: float, **options: Unpack[RenderOptions]) -> NDArray[np.uint8]:
+        """Return the picture of a camera at the sample nearest to a time (s): (height, width, 3), sRGB.
 
         Raises WmsError if there is no such camera, the time is outside the episode, or the engine cannot draw.
         """
-        return self._drawn(camera, time, False, drawing).rgb
+        return self._drawn(camera, time, False, options).rgb
 
-    def ids(self, camera: str, time: float, **drawing: Unpack[Drawing]) -> NDArray[np.int16]:
-        """Which of the `bodies` each pixel shows, (height, width); -1 for none. Raises as `frame` does."""
-        return self._drawn(camera, time, False, drawing).ids
+    def ids(self, camera: str, time: float, **options: Unpack[RenderOptions]) -> NDArray[np.int16]:
+        """Return the index in `bodies` that each pixel shows, (height, width); -1 for none. Raises as `frame`."""
+        return self._drawn(camera, time, False, options).ids
 
-    def depth(self, camera: str, time: float, **drawing: Unpack[Drawing]) -> NDArray[np.float32]:
-        """How far what each pixel shows is, (height, width) m along the view axis; 0 for nothing. Raises as `frame`."""
-        distances = self._drawn(camera, time, True, drawing).depth
+    def depth(self, camera: str, time: float, **options: Unpack[RenderOptions]) -> NDArray[np.float32]:
+        """Return the depth of each pixel along the view axis, (height, width) m; 0 for none. Raises as `frame`."""
+        distances = self._drawn(camera, time, True, options).depth
         assert distances is not None
         return distances
 
-    def picture(self, camera: str, time: float, *, overlay: bool = False, **drawing: Unpack[Drawing]) -> Image.Image:
-        """The same as a picture; with an `overlay` of names and of the ways that things have come."""
-        frame = self._drawn(camera, time, False, drawing)
-        return annotated(frame, self.scene, self.trace, camera, time) if overlay else Image.fromarray(frame.rgb)
+    def picture(
+        self, camera: str, time: float, *, overlay: bool = False, **options: Unpack[RenderOptions]
+    ) -> Image.Image:
+        """Return a picture like `frame`; with `overlay`, with names and paths of bodies."""
+        frame = self._drawn(camera, time, False, options)
+        return annotate(frame, self.scene, self.trace, camera, time) if overlay else Image.fromarray(frame.rgb)
 
-    def sheet(self, camera: str = "", *, overlay: bool = False, **drawing: Unpack[Drawing]) -> Image.Image:
-        """All views on a sheet, a row for each camera, with both told above each; a single one as it is."""
+    def sheet(self, camera: str = "", *, overlay: bool = False, **options: Unpack[RenderOptions]) -> Image.Image:
+        """Return all views as a captioned sheet with a row per camera; a single view has no caption."""
         views = self.views(camera)
         if len(views) == 1:
-            return self.picture(*views[0], overlay=overlay, **drawing)
+            return self.picture(*views[0], overlay=overlay, **options)
         rows = [
             [
-                (f"{each}, {time:.3g} s", self.picture(each, time, overlay=overlay, **drawing))
+                (f"{each}, {time:.3g} s", self.picture(each, time, overlay=overlay, **options))
                 for other, time in views
                 if other == each
             ]
@@ -176,9 +178,9 @@ class Episode:
         *,
         rate: float = 25.0,
         overlay: bool = False,
-        **drawing: Unpack[Drawing],
+        **options: Unpack[RenderOptions],
     ) -> Path:
-        """Write the whole episode as a .gif, or, with the extra `video`, as an .mp4, at so many pictures a second.
+        """Write the episode as a .gif, or with the extra `video` as an .mp4, with `rate` frames per second.
 
         Raises WmsError if it cannot be written.
         """
@@ -187,7 +189,7 @@ class Episode:
             raise WmsError(f"a film is a file that ends in {' or '.join(video.WRITERS)}", FilePlace(str(path)))
         camera = camera or self.views()[0][0]
         moments = (i / rate for i in range(int(self.time[-1] * rate + 1e-9) + 1))
-        pictures = (self.picture(camera, moment, overlay=overlay, **drawing) for moment in moments)
+        pictures = (self.picture(camera, moment, overlay=overlay, **options) for moment in moments)
         try:
             video.WRITERS[path.suffix.lower()](pictures, rate, path)
         except OSError as error:
@@ -198,12 +200,12 @@ class Episode:
         """Write trace and stage to an .npz file, which `load_episode` reads. Raises WmsError if that is impossible."""
         archive.save(self.stage, self.trace, Path(path), self.notes)
 
-    def _drawn(self, camera: str, time: float, depth: bool, drawing: Drawing) -> Frame:
-        find(self.scene, camera)
+    def _drawn(self, camera: str, time: float, depth: bool, options: RenderOptions) -> Frame:
+        find_camera(self.scene, camera)
         if not -1e-9 <= time <= self.time[-1] + 0.5 / self.scene.rate:
             raise WmsError(f"{time:g} s is outside the episode, which lasts {self.time[-1]:g} s")
         shot = Shot(camera, self.trace.poses(time))
-        return renderer_of(self.engine, **drawing).draw(shown_at(self.scene, time), shot, depth=depth)
+        return renderer_of(self.engine, **options).draw(appearance_at(self.scene, time), shot, depth=depth)
 
 
 def open_stage(path: str | PathLike[str]) -> Usd.Stage:
@@ -212,9 +214,9 @@ def open_stage(path: str | PathLike[str]) -> Usd.Stage:
     if not path.is_file():
         reason = "it is a folder, not a file" if path.is_dir() else "there is no such file"
         raise WmsError(reason, FilePlace(str(path)))
-    quiet = UsdUtils.CoalescingDiagnosticDelegate()  # what USD would print is told by us, here and by the reader
+    quiet = UsdUtils.CoalescingDiagnosticDelegate()  # wmspec reports the messages of USD, here and in the reader
     try:
-        return opened(path, str(path))
+        return open_stage_file(path, str(path))
     except WmsError as error:
         raise WmsError(f"not a stage that USD can open: {error}", FilePlace(str(path))) from None
     finally:
@@ -245,7 +247,7 @@ def execute(stage: Usd.Stage, engine: str, duration: float | None = None, *, str
     """The same for a stage that may well last a single moment."""
     scene = read(stage, strict=strict)
     if duration is not None:
-        if duration * scene.rate < 0.99:  # the time told is rounded
+        if duration * scene.rate < 0.99:  # tolerance for rounded times
             raise WmsError(
                 f"{1000 * duration:g}ms: shorter than one sample; ask for at least {1000 / scene.rate:.3g}ms"
             )
@@ -256,7 +258,7 @@ def execute(stage: Usd.Stage, engine: str, duration: float | None = None, *, str
 
 
 def load_episode(path: str | PathLike[str]) -> Episode:
-    """An episode that was saved, here or by `wmspec run -o`. Raises WmsError if the file is something else."""
+    """Load an episode saved by `Episode.save` or `wmspec run -o`. Raises WmsError if the file is not one."""
     stage, trace = archive.load(Path(path))
     scene = read(stage, strict=False)
     here, place = [body.name for body in scene.bodies], FilePlace(str(path))
@@ -269,7 +271,7 @@ def load_episode(path: str | PathLike[str]) -> Episode:
 
 @cache
 def executor(engine: str) -> TraceCache:
-    """Who executes in an engine; the same scene is executed once."""
+    """Return the executor of an engine; it executes equal scenes once."""
     return TraceCache(engine)
 
 

@@ -1,4 +1,4 @@
-"""Reading specs: one task, all tasks of files and folders, or all that is wrong with them."""
+"""Load and check specs: one task, all tasks of files and folders, or all diagnostics."""
 
 from __future__ import annotations
 
@@ -13,31 +13,32 @@ from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError, suggestion
 from wmspec.core.places import Source
 from wmspec.lang.check.statements.task import check_program
-from wmspec.lang.parse.files import catalogue_folders, shown, spec_files
+from wmspec.lang.parse.files import catalogue_folders, display_path, spec_files
 from wmspec.lang.parse.load import Program, load_source
 from wmspec.lang.parse.load import load as load_program
 
 PathOrText = str | PathLike[str]
 
-#: Told what is doubtful but no mistake, a text at a time.
+#: Receives warnings, one text at a time.
 Tell = Callable[[str], None]
 
 
 def warn(text: str) -> None:
-    """Tell as Python does."""
+    """Issue a Python warning."""
     warnings.warn(text, stacklevel=2)
 
 
 def load(
     path: PathOrText | None = None, *, text: str | None = None, task: str = "", seed: int = 0, tell: Tell = warn
 ) -> Task:
-    """The task of a spec: of a file at `path`, or of a `text`, whose libraries are looked for in the current folder.
+    """Load the task of the spec at `path`, or of a `text`.
 
-    Of several tasks `task` names one. All draws depend on the `seed`.
+    Libraries of a text are searched in the current folder. `task` selects one of several tasks; all draws depend on
+    `seed`.
 
     Raises:
-        SpecError: the spec has mistakes; its `diagnostics` are all of them.
-        WmsError: it cannot be read, or holds no task, or several and none was named.
+        SpecError: the spec has mistakes; `diagnostics` lists all of them.
+        WmsError: it cannot be read, it has no task, or it has several and `task` names none.
     """
     if (path is None) == (text is None):
         raise WmsError('give either the path of a spec or its text: `load("my.wms")` or `load(text="task ...")`')
@@ -52,20 +53,20 @@ def load(
 
 
 def load_all(*paths: PathOrText, seed: int = 0, tell: Tell = warn) -> tuple[Task, ...]:
-    """All tasks of spec files, and of all specs in folders, in order; without any, those that rebuild the paper.
+    """Load all tasks of spec files and folders, in order; without paths, the tasks of WM-ABench.
 
     Raises:
-        SpecError: specs have mistakes; its `diagnostics` are all of them.
-        WmsError: a file cannot be read, there is no task at all, or two have one name.
+        SpecError: specs have mistakes; `diagnostics` lists all of them.
+        WmsError: a file cannot be read, there is no task, or two tasks have the same name.
     """
     return _tasks(spec_files(map(Path, paths or catalogue_folders())), seed, tell)
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What is wrong with specs: the `diagnostics`, warnings too, and every task's name with its number of instances.
+    """The `diagnostics` of specs, with warnings, and each task's name with its number of instances.
 
-    `designs` are those of the tasks that have one, by name; `mistaken` are the tasks whose scenes have mistakes.
+    `designs` holds the designs by task name, where there is one; `mistaken` the tasks whose scenes have mistakes.
     """
 
     diagnostics: tuple[Diagnostic, ...]
@@ -75,31 +76,31 @@ class Diagnosis:
 
     @property
     def passed(self) -> bool:
-        """Whether there is no mistake; warnings are none."""
+        """Whether there are no errors; warnings are allowed."""
         return not any(d.severity == "error" for d in self.diagnostics)
 
 
 def diagnose(*paths: PathOrText, text: str | None = None) -> Diagnosis:
-    """Check specs, their designs, and a sample of their scenes; nothing is executed. A `text` is a spec as well.
+    """Check specs, their designs, and a sample of their scenes, without executing. A `text` is checked as a spec.
 
-    Libraries and files are looked for beside a file, and from a `text` in the working folder. Raises WmsError if a file
-    cannot be read.
+    Libraries and files are searched next to a spec file, and for a `text` in the working folder. Raises WmsError if a
+    file cannot be read.
     """
     files: list[Path | Source] = [*spec_files(map(Path, paths)), *([_text(text)] if text is not None else [])]
-    return joined([diagnosed(file)[0] for file in files])
+    return merge_diagnoses([diagnose_file(file)[0] for file in files])
 
 
-def diagnosed(file: Path | Source) -> tuple[Diagnosis, Program]:
-    """What is wrong with one spec, and what it was read from. Raises WmsError if the file cannot be read."""
-    report = Report()  # mistakes of one file do not keep another's tasks from being checked
+def diagnose_file(file: Path | Source) -> tuple[Diagnosis, Program]:
+    """Return the diagnosis of one spec and its parsed program. Raises WmsError if the file cannot be read."""
+    report = Report()  # per file, so that mistakes in one do not prevent the check of another
     program = _program(file, report)
     path = file if isinstance(file, Path) else None
     tasks = [Task(spec, program, path) for spec in check_program(program, report)]
     return _diagnosis(report, tasks, tried=True), program
 
 
-def joined(found: Sequence[Diagnosis]) -> Diagnosis:
-    """Several diagnoses as one."""
+def merge_diagnoses(found: Sequence[Diagnosis]) -> Diagnosis:
+    """Return several diagnoses as one."""
     if len(found) == 1:
         return found[0]
     report = Report()
@@ -114,25 +115,25 @@ def joined(found: Sequence[Diagnosis]) -> Diagnosis:
 
 
 class TextCheck:
-    """A text that is to be the file at `path`, parsed and checked. Raises WmsError if a library cannot be read."""
+    """An unsaved text of the file at `path`, parsed and checked. Raises WmsError if a library cannot be read."""
 
     def __init__(self, text: str, path: Path) -> None:
         self._report = Report()
-        program = load_source(Source(shown(path), text.replace("\r\n", "\n")), path.parent, self._report)
+        program = load_source(Source(display_path(path), text.replace("\r\n", "\n")), path.parent, self._report)
         tasks = tuple(Task(spec, program, path) for spec in check_program(program, self._report))
         self.tasks = () if self._report.failed else tasks
-        """Those of a text without mistakes."""
+        """The tasks; empty if the text has mistakes."""
         self._tasks = tasks
 
     def diagnosis(self, *, tried: bool = True) -> Diagnosis:
-        """What is wrong with the text, and if it is `tried` with a sample of its scenes as well."""
+        """Return the diagnosis of the text; with `tried`, a sample of its scenes is built too."""
         return _diagnosis(self._report, self._tasks, tried)
 
 
 def diagnose_text(text: str, path: Path, *, tried: bool = True) -> tuple[Diagnosis, tuple[Task, ...]]:
-    """The diagnosis of a text that is to be the file at `path`, and its tasks if it has no mistakes.
+    """Return the diagnosis of an unsaved text of the file at `path`, and its tasks if it has no mistakes.
 
-    Unless it is `tried`, no scenes are built.
+    Without `tried`, no scenes are built.
     """
     check = TextCheck(text, path)
     diagnosis = check.diagnosis(tried=tried)
@@ -140,7 +141,7 @@ def diagnose_text(text: str, path: Path, *, tried: bool = True) -> tuple[Diagnos
 
 
 def _diagnosis(report: Report, tasks: Sequence[Task], tried: bool) -> Diagnosis:
-    """What the report says, and what becomes of each task; their scenes are `tried` first."""
+    """Return the diagnosis of the tasks; with `tried`, a sample of their scenes is built first."""
     from wmspec.compile.lint.dry_run import dry_run
 
     sizes: list[tuple[str, int]] = []
@@ -156,18 +157,21 @@ def _diagnosis(report: Report, tasks: Sequence[Task], tried: bool) -> Diagnosis:
     return Diagnosis(report.diagnostics, tuple(sizes), designs, frozenset(mistaken))
 
 
-def of_dimensions(tasks: Sequence[Task], dimensions: Sequence[str]) -> tuple[Task, ...]:
-    """The tasks of any of the dimensions, or of one below; all without dimensions. Raises WmsError if one has none."""
+def filter_dimensions(tasks: Sequence[Task], dimensions: Sequence[str]) -> tuple[Task, ...]:
+    """Return the tasks in any of the dimensions or below; all tasks if none is given.
+
+    Raises WmsError if a dimension has no task.
+    """
     known = {task.dimension for task in tasks}
-    for wanted in dimensions:
-        if not any(_within(dimension, wanted) for dimension in known):
+    for requested in dimensions:
+        if not any(_within(dimension, requested) for dimension in known):
             parts = {d.rsplit(".", n)[0] for d in known for n in range(d.count(".") + 1)}
-            raise WmsError(f"no task has the dimension `{wanted}`; {suggestion(wanted, parts)}".rstrip("; "))
+            raise WmsError(f"no task has the dimension `{requested}`; {suggestion(requested, parts)}".rstrip("; "))
     return tuple(t for t in tasks if not dimensions or any(_within(t.dimension, d) for d in dimensions))
 
 
-def _within(dimension: str, wanted: str) -> bool:
-    return f"{dimension}.".startswith(f"{wanted}.")
+def _within(dimension: str, requested: str) -> bool:
+    return f"{dimension}.".startswith(f"{requested}.")
 
 
 def _text(text: str) -> Source:
@@ -196,9 +200,9 @@ def _tasks(specs: Iterable[Path | Source], seed: int, tell: Tell) -> tuple[Task,
 
 
 def _checked(spec: Path | Source, seed: int, report: Report) -> list[Task]:
-    own = Report()  # mistakes of one file do not keep another's tasks from being checked
+    own = Report()  # per file, so that mistakes in one do not prevent the check of another
     program = _program(spec, own)
     checked = check_program(program, own)
-    report.take(own)
+    report.merge(own)
     path = spec if isinstance(spec, Path) else None
     return [Task(task, program, path, seed) for task in checked]

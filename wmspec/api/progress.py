@@ -1,4 +1,4 @@
-"""How far something long has come."""
+"""Progress of long operations."""
 
 from __future__ import annotations
 
@@ -6,37 +6,37 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from time import monotonic
 
-#: Where there is no terminal, so many seconds pass at most without a word.
-QUIET = 300.0
+#: Without a terminal, the longest time between two lines, in seconds.
+MAX_SILENCE = 300.0
 
-#: Told the task and how many more of its instances are finished.
+#: Receives a task name and the number of newly finished instances.
 Advance = Callable[[str, int], None]
 
-#: Begins to show progress: of so many instances, and what is done with them.
+#: Starts a progress display for a number of instances and a label.
 Progress = Callable[[int, str], AbstractContextManager[Advance]]
 
 
 @contextmanager
-def silent(total: int, doing: str) -> Iterator[Advance]:  # noqa: ARG001  as `Progress` has it
+def silent(total: int, doing: str) -> Iterator[Advance]:  # noqa: ARG001  the signature of `Progress`
     """Show nothing."""
     yield lambda task, count: None  # noqa: ARG005
 
 
 @contextmanager
 def progress_bar(total: int, doing: str, what: str = "instances") -> Iterator[Callable[[str, int], None]]:
-    """A progress bar on a terminal; elsewhere a line every tenth of the way, and every five minutes."""
+    """Show a progress bar on a terminal; otherwise print a line per tenth, and at least one every five minutes."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     console = Console(stderr=True)
-    done, told = 0, monotonic()
+    done, last_line = 0, monotonic()
     if not console.is_terminal:
 
         def line(task: str, count: int) -> None:
-            nonlocal done, told
+            nonlocal done, last_line
             before, done = done, done + count
-            if total and (before * 10 // total != done * 10 // total or monotonic() - told > QUIET):
-                told = monotonic()
+            if total and (before * 10 // total != done * 10 // total or monotonic() - last_line > MAX_SILENCE):
+                last_line = monotonic()
                 console.print(f"{done} of {total} {what} ({task})", highlight=False)
 
         yield line

@@ -1,4 +1,4 @@
-"""A task as a sequence of instances, each of which can be staged, executed and asked about."""
+"""Tasks as sequences of instances."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from wmspec.lang.parse.load import Program
 if TYPE_CHECKING:
     from pxr import Usd
 
-    from wmspec.api.drawing import Drawing
     from wmspec.api.episode import Episode
+    from wmspec.api.rendering import RenderOptions
     from wmspec.runtime.questions.model import QuestionRow, Rejected
 
 
 @dataclass(frozen=True)
 class Factor:
-    """What varies: a factor, or a nuisance. Its `values` and their `bounds` are in the SI `unit`, "" for what has none.
+    """A factor or a nuisance, with `values` and `bounds` in the SI `unit`; "" if it has none.
 
-    One of the two is None: `values` where it is drawn from a continuous domain, `bounds` where it is not.
+    `values` is None for a continuous domain, `bounds` for a discrete one.
     """
 
     name: str
@@ -40,7 +40,7 @@ class Factor:
 
     @classmethod
     def of(cls, declared: DeclaredFactor) -> Factor:
-        """As the spec declares it."""
+        """Return the factor of a declaration."""
         match declared.domain:
             case Choices(values=values):
                 return cls(declared.name, declared.unit, declared.nuisance, values, None)
@@ -54,9 +54,9 @@ class Factor:
 
 @dataclass(frozen=True, repr=False)
 class Task(Sequence["Instance"]):
-    """A checked task: the sequence of its instances, each built when it is asked for.
+    """A checked task: the sequence of its instances, each built on access.
 
-    `spec` is what was checked, `program` the text that it was read from, `path` its file (None for a text).
+    `spec` is the checked task, `program` the parsed text, `path` its file (None for a text).
     """
 
     spec: TaskSpec
@@ -69,82 +69,82 @@ class Task(Sequence["Instance"]):
 
     @property
     def name(self) -> str:
-        """Its name, by which its columns and files are called."""
+        """The name of the task; columns and files use it."""
         return self.spec.name
 
     @property
     def dimension(self) -> str:
-        """What it tests, such as `prediction.mechanistic.physics`."""
+        """The tested dimension, such as `prediction.mechanistic.physics`."""
         return self.spec.dimension
 
     @property
     def title(self) -> str:
-        """One line about it."""
+        """A description in one line."""
         return self.spec.title
 
     @property
     def file(self) -> str:
-        """Where it was read from, as a person would say it."""
+        """The file for messages."""
         return str(self.path or self.program.source.name)
 
     @cached_property
     def design(self) -> Design:
-        """Its design. Raises WmsError where the spec allows none."""
+        """The design. Raises WmsError if the spec allows none."""
         return Design(self.spec, self.seed)
 
     @property
     def factors(self) -> tuple[Factor, ...]:
-        """What is studied, in the order of the spec."""
+        """The factors, in the order of the spec."""
         return tuple(Factor.of(f) for f in self.design.factors)
 
     @property
     def nuisances(self) -> tuple[Factor, ...]:
-        """What varies from block to block and is not studied."""
+        """The nuisances, drawn per block."""
         return tuple(Factor.of(f) for f in self.design.nuisances)
 
     @property
     def questions(self) -> int:
-        """How many questions are asked of each instance."""
+        """The number of questions per instance."""
         return len(self.spec.questions)
 
     @property
     def counterfactuals(self) -> tuple[str, ...]:
-        """The names of what might have been instead; with a question's number where several questions have some."""
+        """The names of the counterfactuals, with the number of the question if several questions have some."""
         return tuple(self._changes)
 
     @property
     def groups(self) -> int:
-        """How many groups of instances there are that share every draw: the sample size that nuisances have."""
+        """The number of groups of instances that share every draw: the sample size of nuisances."""
         return self.design.draws
 
     @property
     def sample_sizes(self) -> dict[str, int]:
-        """Of every factor and nuisance, how many independent groups tell something about it.
+        """The number of independent groups for every factor and nuisance.
 
-        Of a factor that is crossed in groups these are the groups in which it is; of all else, all groups.
+        For a factor that is crossed in groups, the number of groups that cross it; otherwise all groups.
         """
         return self.design.sample_sizes
 
     @property
     def images(self) -> int:
-        """How many pictures are shown with a question, before its options."""
-        from wmspec.compile.layout.values import Values
+        """The number of pictures of a question, without those of its options."""
+        from wmspec.compile.layout.evaluator import Evaluator
         from wmspec.runtime.questions.views import views_of
 
         first = self.design[0]
-        return len(views_of(self.spec, Values(self.spec, first.values, None, first.key)))
+        return len(views_of(self.spec, Evaluator(self.spec, first.values, None, first.key)))
 
     @property
     def paper(self) -> wm_abench.Column | None:
-        """The column of WM-ABench that it rebuilds, if it does."""
+        """The column of WM-ABench that the task rebuilds, or None."""
         return wm_abench.column(self.name)
 
     def sample(self, count: int) -> tuple[Instance, ...]:
-        """So many different instances, in a random order that depends on the seed alone; all if there are fewer."""
+        """Return `count` different instances in a random order that depends on the seed; at most all."""
         return tuple(self[index] for index in self.design.sample(count))
 
     def to_json(self, indent: int | None = 2) -> str:
-        """The checked task as JSON, whose schema `wmspec schema` prints."""
+        """Return the checked task as JSON; `wmspec schema` prints the schema."""
         from wmspec.lang.check.ir.record import to_json
 
         return to_json(self.spec, indent)
@@ -157,7 +157,7 @@ class Task(Sequence["Instance"]):
     @overload
     def __getitem__(self, index: slice) -> tuple[Instance, ...]: ...
     def __getitem__(self, index: int | slice) -> Instance | tuple[Instance, ...]:
-        """An instance by its index, from the end if that is negative. Raises IndexError outside the design."""
+        """Return an instance by index; negative indices count from the end. Raises IndexError."""
         if isinstance(index, slice):
             return tuple(self[i] for i in range(len(self))[index])
         return Instance(self, self.design[index + len(self) if index < 0 else index])
@@ -175,7 +175,7 @@ class Task(Sequence["Instance"]):
         }
 
     def change(self, counterfactual: str) -> Counterfactual | None:
-        """The counterfactual of a name; None for none. Raises WmsError if there is none of that name."""
+        """Return the counterfactual with this name; None for "". Raises WmsError if there is none."""
         if not counterfactual:
             return None
         if counterfactual not in self._changes:
@@ -186,7 +186,7 @@ class Task(Sequence["Instance"]):
 
 @dataclass(frozen=True, repr=False)
 class Instance:
-    """One combination of a task's factors, with its nuisances drawn."""
+    """One combination of levels of a task's factors, with drawn nuisances."""
 
     task: Task
     drawn: Drawn
@@ -195,35 +195,35 @@ class Instance:
         return f"<Instance {self.index} of {self.task.name}: {self}>"
 
     def __str__(self) -> str:
-        from wmspec.compile.design.describe import told
+        from wmspec.compile.design.describe import format_levels
 
-        return told(self.task.design.factors, self.factors)
+        return format_levels(self.task.design.factors, self.factors)
 
     @property
     def index(self) -> int:
-        """Its place in the task."""
+        """The index in the task."""
         return self.drawn.index
 
     @property
     def block(self) -> int:
-        """The repetition that it belongs to, within which nothing varies but the factors."""
+        """The block; within it only factors vary."""
         return self.drawn.block
 
     @property
     def factors(self) -> dict[str, Level]:
-        """The value of every factor, SI units."""
+        """The level of every factor, in SI units."""
         return self.drawn.factors
 
     @property
     def nuisances(self) -> dict[str, Level]:
-        """The value of every nuisance, SI units."""
+        """The value of every nuisance, in SI units."""
         return self.drawn.nuisances
 
     def redrawn(self, times: int) -> Instance:
-        """The same with everything drawn anew that is drawn for its group, for the so-manieth time; 0 is itself.
+        """Return the instance with group-level draws re-sampled; `times` selects the re-sample, 0 the original.
 
-        Where answers are balanced a dataset has some of these; its column `redrawn` says which. Raises WmsError if
-        what the design draws is not drawn for groups.
+        Datasets with balanced answers contain some of these; the column `redrawn` has the number. Raises WmsError if
+        the design draws nothing per group.
         """
         try:
             return Instance(self.task, self.task.design.redrawn(times)[self.index])
@@ -231,13 +231,13 @@ class Instance:
             raise WmsError(f"{error}") from None
 
     def neighbors(self, factor: str) -> tuple[Instance, ...]:
-        """The instances that differ from this one in that factor alone. Raises WmsError if there is no such factor."""
+        """Return the instances that differ in this factor only. Raises WmsError if there is no such factor."""
         if factor not in self.factors:
             raise WmsError(f"`{self.task.name}` has no factor `{factor}`; {suggestion(factor, self.factors)}")
         return tuple(self.task[index] for index in self.task.design.neighbours(self.index, factor))
 
     def stage(self, counterfactual: str = "") -> Usd.Stage:
-        """The USD stage, in memory; of what it would be under a counterfactual, if one is named.
+        """Return the USD stage, in memory; with `counterfactual`, the changed one.
 
         Raises WmsError with its place if a value is impossible, or something cannot be executed.
         """
@@ -247,52 +247,52 @@ class Instance:
         return compose(document(self.task.spec, self.drawn, self.task.change(counterfactual)))
 
     def write(self, folder: Path) -> list[Path]:
-        """Write the stage into a folder that exists: the task's base layer, this instance's, its counterfactuals'.
+        """Write the stage into an existing folder: base layer, instance layer, counterfactual layers.
 
-        Returns their paths. Raises WmsError if it cannot be written.
+        Returns their paths. Raises WmsError if they cannot be written.
         """
         from wmspec.compile.stage.write import write_stages
 
         return write_stages(self.task.design, self.drawn, folder)
 
     def native(self, engine: str) -> dict[str, str]:
-        """The episode in an engine's own form, file name -> text, usable without wmspec."""
+        """Return the episode in the engine's native format, file name -> text, usable without wmspec."""
         from wmspec.runtime.engines.registry import backend
         from wmspec.sim.usd import read
 
         return backend(engine).native(read(self.stage()))
 
     def run(self, engine: str, counterfactual: str = "", *, duration: float | None = None) -> Episode:
-        """Execute it in an engine, or what it would be under a counterfactual; for a `duration` (s) other than its own.
+        """Execute the instance, or a counterfactual, in an engine; `duration` (s) overrides the horizon.
 
-        Raises WmsError if there is no such scene, no such engine, or if the engine gives up on it.
+        Raises WmsError if there is no such counterfactual or engine, or if the engine fails.
         """
         from wmspec.api.episode import execute
 
         return execute(self.stage(counterfactual), engine, duration)
 
-    def ask(self, engine: str, **drawing: Unpack[Drawing]) -> Asked:
-        """Ask its questions of an engine's execution, with pictures by the same engine or another.
+    def ask(self, engine: str, **options: Unpack[RenderOptions]) -> InstanceQuestions:
+        """Execute the instance in an engine and return its questions; `options` are those of the renderer.
 
-        Where the options are a closed set, its siblings are asked as well: if one of them fails, none is asked.
+        In a closed set, all siblings are asked; if one fails, none has questions.
         """
-        from wmspec.api.drawing import renderer_of
         from wmspec.api.episode import executor
-        from wmspec.runtime.questions.closed_sets import ask_whole
+        from wmspec.api.rendering import renderer_of
+        from wmspec.runtime.questions.closed_sets import ask_complete
         from wmspec.runtime.questions.model import Rejected
         from wmspec.runtime.questions.runs import EnginePair
 
-        pair = EnginePair(executor(engine), renderer_of(engine, **drawing))
-        answers = ask_whole(self.task.design.redrawn(self.drawn.redrawn), self.index, pair)
+        pair = EnginePair(executor(engine), renderer_of(engine, **options))
+        answers = ask_complete(self.task.design.redrawn(self.drawn.redrawn), self.index, pair)
         rejected = tuple(a for a in answers if isinstance(a, Rejected))
-        return Asked(tuple(a for a in answers if not isinstance(a, Rejected)), rejected)
+        return InstanceQuestions(tuple(a for a in answers if not isinstance(a, Rejected)), rejected)
 
 
 @dataclass(frozen=True)
-class Asked(Sequence["QuestionRow"]):
-    """The questions of an instance in one engine: a sequence of those that can be asked.
+class InstanceQuestions(Sequence["QuestionRow"]):
+    """The questions of an instance in one engine, as a sequence.
 
-    `rejected` are the others, each with its `reason` and `detail`: what went wrong is data.
+    `rejected` holds the rejected questions, each with `reason` and `detail`.
     """
 
     rows: tuple[QuestionRow, ...]
@@ -306,5 +306,5 @@ class Asked(Sequence["QuestionRow"]):
     @overload
     def __getitem__(self, index: slice) -> tuple[QuestionRow, ...]: ...
     def __getitem__(self, index: int | slice) -> QuestionRow | tuple[QuestionRow, ...]:
-        """A question by its place among those that can be asked."""
+        """Return an accepted question by position."""
         return self.rows[index]

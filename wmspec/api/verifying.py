@@ -1,4 +1,4 @@
-"""Making a part of a dataset again."""
+"""Regenerate part of a dataset and compare."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from wmspec.api.agreement import effort, gathered
+from wmspec.api.agreement import collect_tasks, worker_settings
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import is_name
+from wmspec.core.safe_io import is_file_name
 from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.plan import Task as PlannedTask
-from wmspec.dataset.build.reader import DatasetReader, plan_beside
+from wmspec.dataset.build.reader import DatasetReader, read_plan
 from wmspec.dataset.verify import Verification
 from wmspec.dataset.verify import verify as compare
-from wmspec.runtime.engines.registry import chosen, drawing, versions
+from wmspec.runtime.engines.registry import require_look, select_backends, versions
 from wmspec.sim.scene.model import Look
 
 LIBRARY = "<library>/"
@@ -34,33 +34,33 @@ def verify(
     progress: Progress = silent,
     tell: Tell = warn,
 ) -> Verification:
-    """Make instances of a dataset again, from the specs in its manifest, and compare them with its rows.
+    """Regenerate instances of a dataset from the specs in its manifest and compare them with its rows.
 
     Args:
         folder: the dataset.
-        sample: how many instances of each task, spread over it (whole groups of closed sets); all if it is None.
-        workers: processes, 0 to have none; one for each core if it is left out.
-        timeout: seconds that an instance may take.
-        progress: shows how far it has come.
-        tell: told what the specs are warned of.
+        sample: number of instances per task, spread evenly (whole groups of closed sets); None for all.
+        workers: number of processes; 0 runs in this one. One per core by default.
+        timeout: time limit per instance, in seconds.
+        progress: shows the progress.
+        tell: receives warnings of the specs.
 
     Raises:
-        WmsError: there is no finished dataset, its files are damaged, or its specs cannot be read here.
+        WmsError: the dataset is unfinished or damaged, or its specs cannot be read.
     """
     dataset = DatasetReader.open(Path(folder))
     dataset.intact()
     with TemporaryDirectory() as scratch:
-        tasks = gathered(unpacked(dataset, Path(scratch)), dataset.manifest["seed"], tell)
+        tasks = collect_tasks(write_specs(dataset, Path(scratch)), dataset.manifest["seed"], tell)
     known = {task.name: task for task in tasks}
     if unknown := [name for name in dataset.tasks if name not in known]:
         raise WmsError(f"the specs in {dataset.folder / files.MANIFEST} have no task `{unknown[0]}`")
     plan = _plan(dataset, [known[name] for name in dataset.tasks], sample)
     with progress(sum(len(task.indices) for task in plan.tasks), "verifying") as advance:
-        return compare(dataset, plan, effort(workers, timeout, plan.engines), advance)
+        return compare(dataset, plan, worker_settings(workers, timeout, plan.engines), advance)
 
 
-def unpacked(dataset: DatasetReader, scratch: Path) -> list[Path]:
-    """The specs of a manifest as files, each with all libraries beside it."""
+def write_specs(dataset: DatasetReader, scratch: Path) -> list[Path]:
+    """Write the specs of a manifest to files, each in a folder with all libraries; return their paths."""
     texts = {name: spec["text"] for name, spec in dataset.manifest["specs"].items()}
     tasks = {name: text for name, text in texts.items() if not name.startswith(LIBRARY)}
     libraries = {name.removeprefix(LIBRARY): text for name, text in texts.items() if name.startswith(LIBRARY)}
@@ -69,7 +69,7 @@ def unpacked(dataset: DatasetReader, scratch: Path) -> list[Path]:
         place = scratch / str(number)
         place.mkdir()
         for file, content in {**libraries, PurePosixPath(name).name: text}.items():
-            if not is_name(file.removesuffix(".wms")):
+            if not is_file_name(file.removesuffix(".wms")):
                 raise WmsError(f"{dataset.folder / files.MANIFEST} has a spec of the name {file[:80]!r}")
             (place / file).write_text(content, encoding="utf-8")
         paths.append(place / PurePosixPath(name).name)
@@ -77,10 +77,10 @@ def unpacked(dataset: DatasetReader, scratch: Path) -> list[Path]:
 
 
 def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan:
-    """The dataset's plan, with some of its instances."""
-    manifest, plan = dataset.manifest, drawn_in(dataset)
-    engines = chosen(",".join(manifest["engines"]))
-    drawers = drawing([plan.renderer] if plan.renderer else engines, plan.look)
+    """Return the plan of the dataset, restricted to a sample of its instances."""
+    manifest, plan = dataset.manifest, render_settings(dataset)
+    engines = select_backends(",".join(manifest["engines"]))
+    drawers = require_look([plan.renderer] if plan.renderer else engines, plan.look)
     return Plan(
         texts={},
         tasks=tuple(PlannedTask(task.spec, _spread(_indices(dataset, task), sample)) for task in tasks),
@@ -95,28 +95,28 @@ def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan
     )
 
 
-class Drawn(NamedTuple):
-    """How a dataset's pictures were drawn."""
+class RenderSettings(NamedTuple):
+    """The render settings of a dataset."""
 
     look: Look
     samples: int | None
     renderer: str
 
 
-def drawn_in(dataset: DatasetReader) -> Drawn:
-    """What its plan says; the usual look for an older dataset, and for one that was copied without its plan."""
-    plan = plan_beside(dataset.folder)
-    return Drawn(plan.get("look", "parity"), plan.get("samples"), plan.get("renderer", ""))
+def render_settings(dataset: DatasetReader) -> RenderSettings:
+    """Return the render settings of a dataset; the defaults if it has no plan file."""
+    plan = read_plan(dataset.folder)
+    return RenderSettings(plan.get("look", "parity"), plan.get("samples"), plan.get("renderer", ""))
 
 
 def _indices(dataset: DatasetReader, task: Task) -> list[int]:
-    asked = {row["index"] for row in dataset.rows(task.name, ["id", "task", "index", "engine"])}
-    asked |= {r["index"] for r in dataset.manifest["rejected"]["list"] if r["task"] == task.name}
-    return sorted(asked)
+    indices = {row["index"] for row in dataset.rows(task.name, ["id", "task", "index", "engine"])}
+    indices |= {r["index"] for r in dataset.manifest["rejected"]["list"] if r["task"] == task.name}
+    return sorted(indices)
 
 
 def _spread(indices: list[int], sample: int | None) -> tuple[int, ...]:
-    """Some of the instances, from all over."""
+    """Return a sample of the instances, spread evenly."""
     if sample is None or sample >= len(indices):
         return tuple(indices)
     picked = {indices[(2 * i + 1) * len(indices) // (2 * sample)] for i in range(sample)}

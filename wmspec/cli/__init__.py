@@ -1,4 +1,4 @@
-"""The command line. Every command is a file of its own, imported when it is used."""
+"""The command line. Each command is a module, imported on use."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import sys
 import threading
 from contextlib import suppress
 from types import FrameType
-from typing import Any
+from typing import Any, NoReturn
 
 import click
 
@@ -26,7 +26,7 @@ COMMANDS = (
     "lsp",
     "explain",
     "list",
-    "arm",
+    "import-arm",
     "compile",
     "schema",
     "run",
@@ -34,47 +34,60 @@ COMMANDS = (
     "generate",
     "crosscheck",
     "verify",
-    "seal",
+    "attest",
     "view",
     "audit",
     "evaluate",
     "study",
     "report",
     "export",
-    "recast",
+    "import-images",
     "conformance",
     "doctor",
 )
 
 
-#: The exit code where the reader of a pipe has gone, as in `wmspec list | head`: as of what SIGPIPE ends.
+#: Former command name -> current name.
+RENAMED_COMMANDS = {
+    "arm": "import-arm",
+    "conform": "conformance",
+    "recast": "import-images",
+    "seal": "attest",
+}
+#: Former option -> current option, of any command.
+RENAMED_OPTIONS = {
+    "--only-dimension": "--dimension",
+    "--pictures-of": "--max-images",
+    "--redrawn": "--redraw",
+}
+#: Exit code when the reader of a pipe is gone, as in `wmspec list | head`; that of SIGPIPE.
 CLOSED_PIPE = 128 + 13
-#: That of what Ctrl-C ends.
+#: Exit code after Ctrl-C; that of SIGINT.
 INTERRUPTED = 128 + 2
-#: What `wmspec --help` ends with.
+#: The end of `wmspec --help`.
 EXIT_CODES = """\b
 Exit codes:
   0    done
-  1    it ran, and the outcome is bad: nothing was made, too much failed, a check found differences
-  2    a mistake in what was asked for
+  1    bad outcome: nothing was made, too much failed, a check found differences
+  2    invalid input or usage
   70   an internal error; WMSPEC_TRACEBACK=1 shows its traceback
   130  stopped by Ctrl-C
-  141  the reader of a pipe has gone
+  141  the reader of a pipe is gone
 """
 
 
-def _end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  a handler is called with both
+def _exit_on_signal(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  the signature of a handler
     raise SystemExit(128 + number)
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
-    """Ctrl-C ends a run once: what ends, and Ray takes seconds to, is not ended again halfway."""
+    """Raise KeyboardInterrupt once; ignore Ctrl-C during the shutdown, which takes seconds with Ray."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     raise KeyboardInterrupt
 
 
-def _of_thread(arguments: threading.ExceptHookArgs) -> None:
-    """What a thread did not catch is told as all unexpected errors are."""
+def _report_thread_error(arguments: threading.ExceptHookArgs) -> None:
+    """Report an exception that a thread did not catch like any unexpected error."""
     from wmspec.core import crash
 
     if arguments.exc_value is not None and not isinstance(arguments.exc_value, SystemExit):
@@ -82,80 +95,81 @@ def _of_thread(arguments: threading.ExceptHookArgs) -> None:
 
 
 def _open_streams() -> None:
-    """Have all three streams: what is opened next would take the place of one that is closed, and be written into."""
+    """Open the standard streams that are closed; otherwise the next opened file would take their descriptors."""
     while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
         pass
     os.close(descriptor)
-    sys.stdin = sys.stdin or open(0, encoding="utf-8", closefd=False)  # noqa: SIM115  as long as the process
+    sys.stdin = sys.stdin or open(0, encoding="utf-8", closefd=False)  # noqa: SIM115  open until the process ends
     sys.stdout = sys.stdout or open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
     sys.stderr = sys.stderr or open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
 
 
 def _drop_streams() -> None:
-    """What is left in them has nowhere to go either."""
+    """Redirect stdout and stderr to the null device, so that flushing them at exit cannot fail."""
     for stream in (sys.stdout, sys.stderr):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 class _Commands(click.Group):
-    """Commands by file name; a user's mistake is told in a sentence and ends with exit code 2."""
+    """A group that imports commands by module name; a user's mistake is one error line and exit code 2."""
 
     def __call__(self, *arguments: Any, **options: Any) -> Any:
-        """Run as a process of its own: `wmspec ...`."""
-        # Much is made while a command starts, and it stays: looking for garbage in it every 700 objects takes a tenth.
+        """Run as a process: `wmspec ...`."""
+        # Objects created at start-up live until the end; the default threshold of 700 costs 10 % of the start-up time.
         gc.set_threshold(100_000, 20, 20)
-        # Nor is anything worth finding when the process ends: another tenth.
+        # Skip the collection at exit: another 10 %.
         atexit.register(gc.freeze)
         _open_streams()
-        threading.excepthook = _of_thread
-        # Told to end, a run ends its workers first, and says nothing of what they share.
-        signal.signal(signal.SIGTERM, _end)
-        if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:  # as it is of jobs in the background
+        threading.excepthook = _report_thread_error
+        # On SIGTERM, exit through `finally` blocks, which stop the workers and free shared memory.
+        signal.signal(signal.SIGTERM, _exit_on_signal)
+        if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:  # ignored in background jobs
             signal.signal(signal.SIGINT, _interrupt)
         try:
             return super().__call__(*arguments, **options)
-        except OSError as error:  # what nobody foresaw, such as that the disk is full to which the output goes
+        except OSError as error:  # such as a full disk
             file = f"{error.filename}: " if error.filename else ""
             with suppress(OSError):
                 click.echo(f"error: {file}{error.strerror or error}", err=True)
             _drop_streams()
             sys.exit(2)
-        except Exception as error:  # noqa: BLE001  a user sees no traceback of ours
+        except Exception as error:  # noqa: BLE001  users see no traceback
             from wmspec.core import crash
 
             with suppress(OSError):
                 crash.tell(error)
             sys.exit(crash.EXIT_CODE)
 
-    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  click calls it by name
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  click passes it by name
         return list(COMMANDS)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """The command that is meant; of one that there is not, what may be meant."""
+        """Return the command. Raises WmsError with the current or a similar name if it is unknown."""
+        if args and (current := RENAMED_COMMANDS.get(args[0])):
+            raise WmsError(f"`wmspec {args[0]}` is now `wmspec {current}`")
         if args and not args[0].startswith("-") and args[0] not in COMMANDS:
-            raise WmsError(
-                f"there is no command `{args[0]}`", help=suggestion(args[0], COMMANDS) or "see `wmspec --help`"
-            )
+            raise WmsError(f"unknown command `{args[0]}`", help=suggestion(args[0], COMMANDS) or "see `wmspec --help`")
         return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         if cmd_name not in COMMANDS:
             return None
-        module = importlib.import_module(f"wmspec.cli.{cmd_name}")
-        command: click.Command = getattr(module, f"{cmd_name}_command")
+        name = cmd_name.replace("-", "_")
+        module = importlib.import_module(f"wmspec.cli.{name}")
+        command: click.Command = getattr(module, f"{name}_command")
         return command
 
     def invoke(self, ctx: click.Context) -> object:
         try:
             return super().invoke(ctx)
+        except click.NoSuchOption as error:
+            if error.option_name not in RENAMED_OPTIONS:
+                raise
+            self._fail(ctx, WmsError(f"`{error.option_name}` is now `{RENAMED_OPTIONS[error.option_name]}`"))
         except WmsError as error:
-            from wmspec.cli.common import paint
-            from wmspec.lang.parse.load import pointed
-
-            click.echo(WmsError.of(pointed(error.diagnostics)).render(paint()), err=True)
-            ctx.exit(2)
+            self._fail(ctx, error)
         except KeyboardInterrupt:
             click.echo("\nstopped", err=True)
             ctx.exit(INTERRUPTED)
@@ -163,12 +177,20 @@ class _Commands(click.Group):
             _drop_streams()
             ctx.exit(CLOSED_PIPE)
 
+    @staticmethod
+    def _fail(ctx: click.Context, error: WmsError) -> NoReturn:
+        from wmspec.cli.common import paint
+        from wmspec.lang.parse.load import with_source_text
+
+        click.echo(WmsError.of(with_source_text(error.diagnostics)).render(paint()), err=True)
+        ctx.exit(2)
+
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]}, epilog=EXIT_CODES)
 @click.version_option(__version__, prog_name="wmspec")
 def main() -> None:
-    """Controlled visual questions about a physical world.
+    """Controlled visual questions about physical worlds.
 
-    A spec (.wms) describes objects, factors, actions and counterfactuals. It compiles to a USD stage, which
-    physics engines execute and draw; questions with measured answers come out.
+    A spec (.wms) describes objects, factors, actions and counterfactuals. It compiles to USD stages. Physics engines
+    execute and render them; answers of the questions are measured.
     """

@@ -1,4 +1,4 @@
-"""`wmspec audit`: is a dataset what it promises?"""
+"""`wmspec audit`: check a dataset for shortcuts and other defects."""
 
 from __future__ import annotations
 
@@ -17,38 +17,38 @@ from wmspec.cli.common import json_option, make_folder, write_text
 if TYPE_CHECKING:
     from wmspec.dataset.audit.model import Audit
 
-#: So many failures of one sort are told on the terminal.
-MOST = 3
+#: The most failures of one check that are printed.
+MAX_PRINTED = 3
 
 
 @click.command("audit")
 @click.argument("dataset", type=click.Path(path_type=Path))
-@click.option("--output", "-o", type=click.Path(path_type=Path), help="The folder for audit.html and audit.json.")
+@click.option("--output", "-o", type=click.Path(path_type=Path), help="Folder for audit.html and audit.json.")
 @click.option(
-    "--pictures-of",
+    "--max-images",
     type=click.IntRange(20),
     default=2000,
     show_default=True,
-    help="Look at the pictures of at most so many instances of each task.",
+    help="Maximum number of instances per task whose pictures are examined.",
 )
 @click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
 @json_option
 @click.pass_context
 def audit_command(
-    ctx: click.Context, dataset: Path, output: Path | None, pictures_of: int, workers: int | None, as_json: bool
+    ctx: click.Context, dataset: Path, output: Path | None, max_images: int, workers: int | None, as_json: bool
 ) -> None:
-    """Look for what is wrong with a dataset: missing, unbalanced, duplicated, or answered by a shortcut.
+    """Audit a dataset for missing items, imbalance, duplicates and shortcuts.
 
-    Exit code 1 if anything fails.
+    Exits with 1 if a check fails.
     """
-    # Before NumPy starts: its matrices are small here, and the same sums must come out on any number of cores.
+    # Before the import of NumPy: one thread gives the same sums on any number of cores, and the matrices are small.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from wmspec.dataset.audit.audit import audit
     from wmspec.dataset.audit.page import page
     from wmspec.dataset.build.reader import DatasetReader
 
     with progress_bar(len(DatasetReader.open(dataset).tasks), "auditing", "tasks") as progress:
-        result = audit(dataset, pictures_of, progress, workers or os.cpu_count() or 1)
+        result = audit(dataset, max_images, progress, workers or os.cpu_count() or 1)
     record = json.dumps({"passed": result.passed, **asdict(result)}, indent=1, ensure_ascii=False) + "\n"
     if output is not None:
         folder = make_folder(output)
@@ -57,14 +57,14 @@ def audit_command(
     if as_json:
         click.echo(record, nl=False)
     else:
-        _tell(result)
+        _print(result)
         if output is not None:
             click.echo(written)
     ctx.exit(0 if result.passed else 1)
 
 
-def _tell(result: Audit) -> None:
-    """The first page, for a terminal, and what fails."""
+def _print(result: Audit) -> None:
+    """Print the overview and the failures."""
     from rich.console import Console
     from rich.table import Table
 
@@ -80,9 +80,9 @@ def _tell(result: Audit) -> None:
     for finding in result.findings:
         if finding.verdict == "fails":
             failing.setdefault((finding.check, finding.task), []).append(finding.what)
-    for (check, task), those in failing.items():
-        for what in those[:MOST]:
-            click.echo(f"{click.style(WORDS['fails'], fg='red')}: {check}{f' {task}' if task else ''}: {what}")
-        if len(those) > MOST:
-            click.echo(f"  and {len(those) - MOST:,} more; all of them are in the report that `-o FOLDER` writes")
+    for (check, task), found in failing.items():
+        for text in found[:MAX_PRINTED]:
+            click.echo(f"{click.style(WORDS['fails'], fg='red')}: {check}{f' {task}' if task else ''}: {text}")
+        if len(found) > MAX_PRINTED:
+            click.echo(f"  and {len(found) - MAX_PRINTED:,} more; `-o FOLDER` writes all of them")
     click.echo(verdict(result))

@@ -1,4 +1,4 @@
-"""`wmspec check`: are these specs right?"""
+"""`wmspec check`: check specs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmspec.cli.common import balanced, by_size, paint, standard_input, within
+from wmspec.cli.common import balance_note, by_size, paint, read_stdin, time_limit
 
 if TYPE_CHECKING:
     from wmspec.api.checking import Checked, CheckedTask
@@ -18,26 +18,30 @@ if TYPE_CHECKING:
 @click.command("check")
 @click.argument("specs", nargs=-1, required=True, type=click.Path(path_type=Path, allow_dash=True))
 @click.option("--format", "form", type=click.Choice(["text", "json", "sarif"]), default="text", show_default=True)
-@click.option("--json", "form", flag_value="json", help="The same as --format json.")
+@click.option("--json", "form", flag_value="json", help="Same as --format json.")
 @click.option(
-    "--timeout", type=click.FloatRange(1), default=600.0, show_default=True, help="Seconds that all of it may take."
+    "--timeout",
+    type=click.FloatRange(1),
+    default=600.0,
+    show_default=True,
+    help="Time limit of the whole check, in seconds.",
 )
-@click.option("--no-cache", is_flag=True, help="Check everything anew, and keep nothing.")
+@click.option("--no-cache", is_flag=True, help="Ignore cached results and store none.")
 def check_command(specs: tuple[Path, ...], form: str, timeout: float, no_cache: bool) -> None:
-    """Check specs: names, units, kinds, the design, and a sample of scenes; `-` checks standard input.
+    """Check specs: syntax, names, units, types, the design, and a sample of scenes. `-` reads standard input.
 
-    Exits with 2 if there is a mistake.
+    Exits with 2 if there is an error.
 
     The result of a file is kept in the user's cache (WMSPEC_CACHE_DIR, else ~/.cache/wmspec) and returned again until
     the file, a library or file that it uses, or wmspec changes.
 
-    Text is coloured on a terminal, unless NO_COLOR is set. SARIF is what code hosts show beside the lines.
+    Text is coloured on a terminal unless NO_COLOR is set. Code hosts display SARIF next to the lines.
     """
     from wmspec.api.checking import check_files, check_text
     from wmspec.core.disk_cache import disabled
 
-    with within(timeout), disabled() if no_cache else nullcontext():
-        checked = check_text(standard_input()) if specs == (Path("-"),) else check_files(specs)
+    with time_limit(timeout), disabled() if no_cache else nullcontext():
+        checked = check_text(read_stdin()) if specs == (Path("-"),) else check_files(specs)
     if form == "json":
         records = [d.record() for d in checked.diagnostics]
         counts = {task.name: task.instances for task in checked.tasks}
@@ -54,7 +58,7 @@ def check_command(specs: tuple[Path, ...], form: str, timeout: float, no_cache: 
 
 
 def _print(checked: Checked) -> None:
-    """Diagnostics to standard error, the tasks without mistakes to standard output."""
+    """Print diagnostics to standard error, and tasks without mistakes to standard output."""
     for diagnostic in checked.diagnostics:
         click.echo(diagnostic.render(paint()) + "\n", err=True)
     for task in checked.tasks:
@@ -64,15 +68,15 @@ def _print(checked: Checked) -> None:
     if not checked.passed:
         errors = [d for d in checked.diagnostics if d.severity == "error"]
         codes = sorted({d.code for d in errors})
-        more = f"`wmspec explain {codes[0]}` tells more"
+        more = f"see `wmspec explain {codes[0]}`"
         click.echo(f"{len(errors)} mistake{'s' * (len(errors) != 1)}; {more}", err=True)
     elif not checked.tasks:
-        click.echo("no tasks here, and no mistakes")
+        click.echo("no tasks, no mistakes")
 
 
 def _print_design(task: CheckedTask) -> None:
-    """The sample sizes, and what balance may cost."""
+    """Print the sample sizes and the cost of balance."""
     for size, names in by_size(task.sample_sizes or {}).items():
         click.echo(f"  {size:,} independent group{'s' * (size != 1)}: {', '.join(names)}")
     if task.balance:
-        click.echo(f"  {balanced(task.balance)}")
+        click.echo(f"  {balance_note(task.balance)}")

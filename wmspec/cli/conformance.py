@@ -1,4 +1,4 @@
-"""`wmspec conformance`: the cases of usdphysics-conformance in the installed engines."""
+"""`wmspec conformance`: run the cases of usdphysics-conformance in the installed engines."""
 
 from __future__ import annotations
 
@@ -13,9 +13,13 @@ from wmspec.core.diagnostics import WmsError
 
 @click.command("conformance")
 @click.argument("cases", nargs=-1, metavar="[CASE]...")
-@click.option("--backend", "-b", default="all", show_default=True, help="Engines: names joined by commas, or all.")
+@click.option("--backend", "-b", default="all", show_default=True, help="Engines: comma-separated names, or all.")
 @click.option(
-    "--output", "-o", type=click.Path(path_type=Path), metavar="FOLDER", help="Keep the traces there: ENGINE/CASE.npz."
+    "--output",
+    "-o",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Folder for the traces, as ENGINE/CASE.npz.",
 )
 @json_option
 @click.pass_context
@@ -40,7 +44,7 @@ def conformance_command(
     except ConformanceError as error:
         raise WmsError(str(error)) from None
     scores: list[Score] = []
-    for engine in registry.chosen(backend):
+    for engine in registry.select_backends(backend):
         folder = make_folder(output / engine) if output else None
         scores += score_engine(engine, selected, folder)
     records = [score.record() for score in scores]

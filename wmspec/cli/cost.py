@@ -1,4 +1,4 @@
-"""What a dataset would take, told before it is made."""
+"""Cost estimates of `wmspec generate --dry-run`."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.api.progress import progress_bar
-from wmspec.cli.common import settle
+from wmspec.cli.common import exit_if_failed
 from wmspec.core.tally import Tally
 
 if TYPE_CHECKING:
     from wmspec.dataset.build.estimate import Cost
     from wmspec.dataset.build.plan import Plan
-    from wmspec.runtime.workers.pool import Effort
+    from wmspec.runtime.workers.pool import PoolConfig
 
 
-def tell_cost(plan: Plan, effort: Effort, as_json: bool) -> None:
-    """Try some instances of each task and print what all of them would take. Exits with 1 if too many failed."""
+def print_cost(plan: Plan, effort: PoolConfig, as_json: bool) -> None:
+    """Generate some instances per task and print a cost estimate. Exits with 1 if too many failed."""
     from wmspec.dataset.build.estimate import estimate
     from wmspec.dataset.build.manifest import top_reasons
 
@@ -38,15 +38,15 @@ def tell_cost(plan: Plan, effort: Effort, as_json: bool) -> None:
             if cost.balance is not None:
                 click.echo(f"{cost.task}: {cost.balance}")
         click.echo(f"with {effort.workers} workers, in {', '.join(plan.engines)}; nothing was written")
-        click.echo("± is one standard error, by how the units that were tried differ")
-    settle(_tally(costs))
+        click.echo("± is one standard error, from the variation among the tried units")
+    exit_if_failed(_tally(costs))
 
 
 def _tally(costs: Sequence[Cost]) -> Tally:
-    """What was tried is few: that all of it was rejected by gates is told, and is no failure."""
+    """Return the counts of a dry run; rejections by gates are not failures."""
     tried, failed = sum(c.tried for c in costs), sum(c.failed for c in costs)
     crash = next((c.crash for c in costs if c.crash is not None), None)
-    return Tally("instance was tried", tried, "instances", tried, failed, crash.told() if crash else "")
+    return Tally("instance was tried", tried, "instances", tried, failed, crash.report() if crash else "")
 
 
 def _row(cost: Cost) -> dict[str, Any]:
@@ -63,16 +63,18 @@ def _print(costs: Sequence[Cost], workers: int) -> None:
     for name in ("task", "instances", "time", "size", "tried", "s each", "rejected"):
         table.add_column(name, justify="left" if name == "task" else "right", overflow="fold")
     for c in costs:
-        table.add_row(c.task, *_together([c], workers), f"{c.tried}", f"{c.seconds:.2f}", f"{c.rejected} of {c.asked}")
+        table.add_row(
+            c.task, *_totals([c], workers), f"{c.tried}", f"{c.seconds:.2f}", f"{c.rejected} of {c.questions}"
+        )
     if len(costs) > 1:
-        table.add_row("together", *_together(costs, workers))
+        table.add_row("total", *_totals(costs, workers))
     Console(soft_wrap=False).print(table, highlight=False)
 
 
-def _together(costs: Sequence[Cost], workers: int) -> tuple[str, str, str]:
-    """Instances, time with its standard error, and size."""
+def _totals(costs: Sequence[Cost], workers: int) -> tuple[str, str, str]:
+    """Return instances, time with its standard error, and size."""
     hours, count = sum(c.hours(workers) for c in costs), sum(c.bytes for c in costs)
-    errors = [error for c in costs if (error := c.within(workers)) is not None]
+    errors = [error for c in costs if (error := c.standard_error(workers)) is not None]
     within = f" ± {math.hypot(*errors) / hours:.0%}" if len(errors) == len(costs) and hours else ""
     return f"{sum(c.instances for c in costs):,}", _duration(hours) + within, _size(count)
 

@@ -1,4 +1,4 @@
-"""`wmspec crosscheck`: do the engines agree?"""
+"""`wmspec crosscheck`: compare engines."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import seed_option, settle, specs_argument, tell, write_text
+from wmspec.cli.common import exit_if_failed, seed_option, specs_argument, tell, write_text
 
 if TYPE_CHECKING:
     from wmspec.api import Agreement
 
-#: The most disagreements that are told in full on the terminal; the files hold all.
-MOST_TOLD = 20
+#: The most disagreements printed in full; the files contain all.
+MAX_PRINTED = 20
 
 
 @click.command("crosscheck")
@@ -26,7 +26,7 @@ MOST_TOLD = 20
     "-b",
     default="all",
     show_default=True,
-    help="Two or more engines: names joined by commas, or all.",
+    help="Two or more engines: comma-separated names, or all.",
 )
 @click.option(
     "--sample",
@@ -34,7 +34,7 @@ MOST_TOLD = 20
     type=click.IntRange(1),
     default=20,
     show_default=True,
-    help="How many instances of each task, drawn at random.",
+    help="Number of random instances per task.",
 )
 @seed_option
 @click.option(
@@ -43,14 +43,14 @@ MOST_TOLD = 20
     "settings",
     multiple=True,
     metavar="NAME=VALUE",
-    help="Another tolerance, such as drift=1cm/s; also rest, impact, event, angle. May be given several times.",
+    help="Override a tolerance, such as drift=1cm/s; also rest, impact, event, angle. Repeatable.",
 )
-@click.option("--strict", is_flag=True, help="Fail also where trajectories part, though the answers agree.")
-@click.option("--json", "json_file", metavar="FILE", help="Write everything as JSON; - for standard output.")
-@click.option("--junit", "junit_file", metavar="FILE", help="Write JUnit XML, a test case per instance.")
+@click.option("--strict", is_flag=True, help="Also fail if trajectories diverge although answers agree.")
+@click.option("--json", "json_file", metavar="FILE", help="Write all results as JSON; - for standard output.")
+@click.option("--junit", "junit_file", metavar="FILE", help="Write JUnit XML with a test case per instance.")
 @click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
 @click.option(
-    "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Seconds an instance may take."
+    "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Time limit per instance, in seconds."
 )
 def crosscheck_command(
     specs: tuple[Path, ...],
@@ -64,7 +64,7 @@ def crosscheck_command(
     workers: int | None,
     timeout: float,
 ) -> None:
-    """Execute the same instances in several engines and compare trajectories, events and answers; draws nothing.
+    """Execute the same instances in several engines and compare trajectories, events and answers. Draws no pictures.
 
     Exits with 1 if a question that either engine would be asked has another answer in the other, or if an engine cannot
     execute an instance. With --strict, and for tasks without questions, trajectories must be within tolerance too.
@@ -94,7 +94,7 @@ def crosscheck_command(
             write_text(Path(json_file), text + "\n")
     if json_file != "-":
         _print(agreement)
-    settle(agreement.tally)
+    exit_if_failed(agreement.tally)
     if not agreement.passed:
         raise SystemExit(1)
 
@@ -118,21 +118,21 @@ def _print(agreement: Agreement) -> None:
         )
     Console(width=None if os.isatty(1) else 120).print(table)
     failed = agreement.failed
-    for instance in failed[:MOST_TOLD]:
+    for instance in failed[:MAX_PRINTED]:
         settings = ", ".join(f"{k} {_short(v)}" for k, v in instance.factors.items())
         click.echo(f"\n{instance.task}, instance {instance.index} ({settings})")
         for complaint in agreement.complaints(instance):
             click.echo(f"  {complaint}")
-    if len(failed) > MOST_TOLD:
-        click.echo(f"\n... and {len(failed) - MOST_TOLD} more instances; --json FILE has them all")
+    if len(failed) > MAX_PRINTED:
+        click.echo(f"\n... and {len(failed) - MAX_PRINTED} more instances; --json FILE writes all")
     if agreement.suspects:
         click.echo("\nmore often with:")
     for s in agreement.suspects:
         where = f"where {s.factor} is {_short(s.value)}"
         click.echo(f"  {s.task}: {s.what} in {s.with_it} instances {where}, in {s.without} elsewhere")
-    if agreement.doubtful:
-        click.echo("\nanswers that rest on motion that engines get wrong, whether they agree or not:")
-    for d in agreement.doubtful:
+    if agreement.unreliable_answers:
+        click.echo("\nanswers that depend on motion that engines simulate wrongly:")
+    for d in agreement.unreliable_answers:
         click.echo(f"  {d.task}: {d.answers}, as {d.kind}; in instance {d.instance}, {d.where}")
     click.echo(f"\n{len(agreement.instances) - len(failed)} of {len(agreement.instances)} instances pass")
 

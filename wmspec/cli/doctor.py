@@ -1,4 +1,4 @@
-"""`wmspec doctor`: what works here, and how to mend what does not."""
+"""`wmspec doctor`: test the installation and print remedies."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from wmspec.cli.common import json_option
 
 
 @click.command("doctor")
-@click.option("--capabilities", is_flag=True, help="Say instead what each engine can do, and why not the rest.")
+@click.option("--capabilities", is_flag=True, help="Print the capability matrix of the engines instead.")
 @json_option
 @click.pass_context
 def doctor_command(ctx: click.Context, capabilities: bool, as_json: bool) -> None:
-    """Say what works on this machine, and the command that mends what does not.
+    """Test the installation and print remedies.
 
     A command is given where the cause is known; any other failure is shown, with how to report it.
 
@@ -36,9 +36,9 @@ def doctor_command(ctx: click.Context, capabilities: bool, as_json: bool) -> Non
             click.echo(f"{mark}  {finding.name:{width}}  {finding.found}")
         for finding in findings:
             if finding.report:
-                click.echo(f"\n{finding.name} failed, and the cause is not known: {finding.found}\n{finding.report}")
+                click.echo(f"\n{finding.name} failed for an unknown reason: {finding.found}\n{finding.report}")
         for cure in dict.fromkeys(f.remedy for f in findings if f.remedy):
-            click.echo(f"\nto mend {', '.join(f.name for f in findings if f.remedy == cure)}:\n  {cure}")
+            click.echo(f"\nto fix {', '.join(f.name for f in findings if f.remedy == cure)}:\n  {cure}")
     ctx.exit(0 if fit(findings) else 1)
 
 
@@ -46,27 +46,27 @@ def _capabilities(as_json: bool) -> None:
     import json
 
     from wmspec.runtime.engines.registry import info, names
-    from wmspec.sim.scene.capability import NEARLY, table
+    from wmspec.sim.scene.capability import APPROXIMATE, capability_table
 
     engines = [info(name) for name in names()]
 
     def _mark(why: str) -> str:
-        if why.startswith(NEARLY):
+        if why.startswith(APPROXIMATE):
             return click.style("~~", fg="yellow")
         return click.style("--", fg="red") if why else click.style("ok", fg="green")
 
-    rows = table({engine.name: engine.lacks for engine in engines})
+    rows = capability_table({engine.name: engine.lacks for engine in engines})
     if as_json:
-        nearly = [{e: why for e, why in row.items() if why.startswith(NEARLY)} for _, row in rows]
-        told = [
+        nearly = [{e: why for e, why in row.items() if why.startswith(APPROXIMATE)} for _, row in rows]
+        records = [
             {
                 "capability": name,
                 "lacking": {e: why for e, why in _lacking(row).items() if e not in near},
-                "nearly": {e: why.removeprefix(NEARLY) for e, why in near.items()},
+                "nearly": {e: why.removeprefix(APPROXIMATE) for e, why in near.items()},
             }
             for (name, row), near in zip(rows, nearly, strict=True)
         ]
-        click.echo(json.dumps(told, indent=2))
+        click.echo(json.dumps(records, indent=2))
         return
     for name, row in rows:
         marks = "  ".join(map(_mark, row.values()))

@@ -1,4 +1,4 @@
-"""`wmspec evaluate`: what a model replies to the questions of a dataset."""
+"""`wmspec evaluate`: evaluate a model on a dataset."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.api.progress import progress_bar
-from wmspec.cli.common import json_option, seed_option, settle
+from wmspec.cli.common import exit_if_failed, json_option, seed_option
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.tally import Tally
 
 if TYPE_CHECKING:
     from wmspec.eval.models.request import Ask
     from wmspec.eval.models.results import Counts
-    from wmspec.eval.models.run import Ended, Run
+    from wmspec.eval.models.run import Run, RunResult
     from wmspec.eval.models.server import Server
 
 _PATH = click.Path(path_type=Path)
@@ -25,55 +25,68 @@ _PATH = click.Path(path_type=Path)
 @click.command("evaluate")
 @click.argument("dataset", type=_PATH, required=False)
 @click.option("--model", "-m", metavar="MODEL", help="openai:NAME, hf:PATH, random, blind, options-only or oracle.")
+@click.option("--output", "-o", type=_PATH, metavar="FILE", help="Results file (.parquet); an existing one is resumed.")
 @click.option(
-    "--output", "-o", type=_PATH, metavar="FILE", help="The results, a .parquet file; taken up if it is there."
+    "--base-url", metavar="URL", help="URL of an OpenAI-compatible server.  [default: OPENAI_BASE_URL, or OpenAI]"
 )
-@click.option("--base-url", metavar="URL", help="Any OpenAI-compatible server.  [default: OPENAI_BASE_URL, or OpenAI]")
 @click.option(
     "--prompt", default="default", show_default=True, help="default, paper, numbers, montage, clip, or a file."
 )
 @click.option(
-    "--ablate", type=click.Choice(["pictures", "question"]), help="Leave out all pictures; or all but the options."
+    "--ablate", type=click.Choice(["pictures", "question"]), help="Omit all pictures, or everything except the options."
 )
-@click.option("--permute", is_flag=True, help="Ask once for every circular permutation of the options.")
-@click.option("--samples", type=click.IntRange(1), default=1, show_default=True, help="Replies to each request.")
-@click.option("--parameter", "-p", multiple=True, metavar="NAME=VALUE", help="Of the request, such as max_tokens=64.")
+@click.option("--permute", is_flag=True, help="Ask once per cyclic permutation of the options.")
+@click.option("--samples", type=click.IntRange(1), default=1, show_default=True, help="Replies per request.")
+@click.option(
+    "--parameter",
+    "-p",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Request parameter, such as max_tokens=64. Repeatable.",
+)
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
-@click.option("--engine", multiple=True, metavar="NAME", help="Only what this engine executed.")
+@click.option("--engine", multiple=True, metavar="NAME", help="Only rows of this engine.")
 @click.option(
-    "--limit", type=click.IntRange(1), metavar="N", help="Only so many questions, evenly over tasks and engines."
+    "--limit",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Maximum number of questions, spread evenly over tasks and engines.",
 )
-@click.option("--max-requests", type=click.IntRange(0), metavar="N", help="Send at most so many requests in this call.")
-@click.option("--max-cost", type=click.FloatRange(0), metavar="COST", help="Stop before the results have cost more.")
-@click.option("--price", type=(float, float), metavar="IN OUT", help="What a million tokens cost, sent and received.")
-@click.option("--rate", type=click.FloatRange(0, min_open=True), metavar="N", help="At most so many requests a minute.")
-@click.option("--concurrency", type=click.IntRange(1, 256), default=8, show_default=True, help="Requests at a time.")
+@click.option("--max-requests", type=click.IntRange(0), metavar="N", help="Maximum number of requests in this call.")
+@click.option("--max-cost", type=click.FloatRange(0), metavar="COST", help="Maximum total cost of the results.")
+@click.option("--price", type=(float, float), metavar="IN OUT", help="Price per million input and output tokens.")
+@click.option("--rate", type=click.FloatRange(0, min_open=True), metavar="N", help="Maximum requests per minute.")
+@click.option("--concurrency", type=click.IntRange(1, 256), default=8, show_default=True, help="Concurrent requests.")
 @click.option(
-    "--retries", type=click.IntRange(0), default=5, show_default=True, help="Tries after the first, with pauses."
+    "--retries", type=click.IntRange(0), default=5, show_default=True, help="Retries per request, with backoff."
 )
 @click.option(
-    "--timeout", type=click.FloatRange(0, min_open=True), default=120, show_default=True, help="Seconds a try."
+    "--timeout",
+    type=click.FloatRange(0, min_open=True),
+    default=120,
+    show_default=True,
+    help="Time limit per try, in seconds.",
 )
-@click.option("--cache", type=_PATH, metavar="FILE", help="Keep replies there and take them from there.")
-@click.option("--dry-run", is_flag=True, help="Say what would be asked, and show the first request.")
-@click.option("--rescore", type=_PATH, metavar="FILE", help="Score results again from their texts; asks nothing.")
+@click.option("--cache", type=_PATH, metavar="FILE", help="Folder in which replies are cached.")
+@click.option("--dry-run", is_flag=True, help="Print the plan and the first request; send nothing.")
+@click.option("--rescore", type=_PATH, metavar="FILE", help="Score stored replies again; send nothing.")
 @seed_option
 @json_option
 def evaluate_command(dataset: Path | None, rescore: Path | None, as_json: bool, **options: Any) -> None:
-    """Ask a model the questions of a dataset, and write down and score what it replies.
+    """Ask a model the questions of a dataset, and store and score its replies.
 
-    Stopped or killed, the same command goes on where it was. The key of a server is read from OPENAI_API_KEY and
-    written nowhere. Exit code 1 if requests have failed, the first of which is told in full, and the same command tries
-    them again; or if not a single reply could be read.
+    An interrupted run resumes with the same command. The key of a server is read from OPENAI_API_KEY and written
+    nowhere. Exits with 1 if requests failed, with the first cause in full (the same command retries them), or if no
+    reply could be read.
     """
     if rescore is not None:
         _rescore(rescore, as_json)
         return
     if dataset is None or options["model"] is None:
-        raise WmsError("what is asked, and who? `wmspec evaluate DATASET --model MODEL -o results.parquet`")
+        raise WmsError("missing DATASET or --model: `wmspec evaluate DATASET --model MODEL -o results.parquet`")
     run, server = _run(dataset, options)
     if options["dry_run"]:
-        _tell_requests(run)
+        _print_requests(run)
         return
     _evaluate(run, server, options, as_json)
 
@@ -88,7 +101,7 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
     opened = DatasetReader.open(dataset)
     opened.intact()
     if options["ablate"] and options["model"] in baselines.NAMES:
-        raise WmsError(f"--ablate: `{options['model']}` is sent nothing that could be left out; name a model")
+        raise WmsError(f"--ablate: `{options['model']}` has no request to ablate; choose a model")
     served = options["model"].startswith("openai:")
     url = server.address(options["base_url"]) if served else None
     settings = Settings(
@@ -109,7 +122,7 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
 
 
 def _parameters(written: tuple[str, ...], samples: int) -> tuple[tuple[str, Any], ...]:
-    """What goes into every request, in order. `NAME=null` takes one away."""
+    """Return the request parameters, sorted by name. `NAME=null` removes a default."""
     values: dict[str, Any] = {"temperature": 0, "max_tokens": 1024}
     for each in written:
         name, equals, value = each.partition("=")
@@ -120,47 +133,47 @@ def _parameters(written: tuple[str, ...], samples: int) -> tuple[tuple[str, Any]
         except ValueError:
             values[name] = value
     if samples > 1 and values["temperature"] == 0:
-        raise WmsError("--samples: at temperature 0 they are all the same; add --parameter temperature=0.7")
+        raise WmsError("--samples: all replies are equal at temperature 0; add --parameter temperature=0.7")
     return tuple(sorted((name, value) for name, value in values.items() if value is not None))
 
 
 def _evaluate(run: Run, server: Server | None, options: dict[str, Any], as_json: bool) -> None:
-    from wmspec.eval.models.cache import Cached
+    from wmspec.eval.models.cache import CachedModel
     from wmspec.eval.models.model import Model
     from wmspec.eval.models.models import open_model
     from wmspec.eval.models.run import evaluate
 
     output: Path | None = options["output"]
     if output is None or output.suffix != ".parquet":
-        raise WmsError("where to? the results are a .parquet file: add -o results.parquet")
+        raise WmsError("missing output: add -o results.parquet")
     settings = run.settings
     parameters = dict(settings.parameters)
     model: Model = open_model(settings.model, run.dataset, settings.seed, parameters, server, options["concurrency"])
     if options["cache"] is not None:
-        model = Cached(model, parameters, options["cache"])
+        model = CachedModel(model, parameters, options["cache"])
     total = sum(len(list(run.asks(question))) for question in run.chosen())
     with progress_bar(total, "asking", "replies") as bar:
         ended = evaluate(run, model, output, lambda right, count, cost: bar(_so_far(right, count, cost), 1))
-    _tell(ended.counts, output, as_json)
+    _print_counts(ended.counts, output, as_json)
     if ended.missing and not as_json:
-        click.echo(f"{ended.missing:,} requests were not sent, because a limit was reached; the same command goes on")
-    settle(_tally(ended))
+        click.echo(f"{ended.missing:,} requests were not sent because of a limit; the same command resumes")
+    exit_if_failed(_tally(ended))
 
 
-def _tally(ended: Ended) -> Tally:
-    """Every request that failed counts: the same command tries it again."""
+def _tally(ended: RunResult) -> Tally:
+    """Return the counts of a run: every failed request counts, since the same command retries it."""
     status = ended.counts.status
     failed = status.get("error", 0)
-    read, asked = status.get("ok", 0), ended.counts.replies
-    return Tally("reply could be read", read, "requests", asked, failed, ended.error, how="failed", most=0)
+    read, total = status.get("ok", 0), ended.counts.replies
+    return Tally("reply could be read", read, "requests", total, failed, ended.error, how="failed", most=0)
 
 
 def _so_far(right: int, count: int, cost: float) -> str:
     return f"{right / count:.1%} right" + (f", cost {cost:.4g}" if cost else "")
 
 
-def _tell(counted: Counts, path: Path, as_json: bool) -> None:
-    """What came out, for a terminal or a program."""
+def _print_counts(counted: Counts, path: Path, as_json: bool) -> None:
+    """Print the scores for a terminal or as JSON."""
     if as_json:
         from dataclasses import asdict
 
@@ -172,9 +185,9 @@ def _tell(counted: Counts, path: Path, as_json: bool) -> None:
     read = counted.status.get("ok", 0)
     lost = {name: count for name, count in counted.status.items() if name != "ok"}
     if lost:
-        told = ", ".join(f"{count:,} {name}" for name, count in lost.items())
-        among = f"; of those that could be read {counted.right / read:.1%} are right" if read else ""
-        click.echo(f"counted as wrong: {told}{among}")
+        counts = ", ".join(f"{count:,} {name}" for name, count in lost.items())
+        among = f"; of the readable replies {counted.right / read:.1%} are right" if read else ""
+        click.echo(f"counted as wrong: {counts}{among}")
     if counted.tokens_in or counted.tokens_out:
         cost = f"; cost {counted.cost:.4g}" if counted.cost is not None else ""
         click.echo(f"{counted.tokens_in:,} tokens sent, {counted.tokens_out:,} received{cost}")
@@ -184,13 +197,13 @@ def _rescore(path: Path, as_json: bool) -> None:
     from wmspec.eval.models.results import rescore
 
     counted, changed = rescore(path)
-    _tell(counted, path, as_json)
+    _print_counts(counted, path, as_json)
     if not as_json:
         click.echo(f"{changed:,} scores have changed")
 
 
-def _tell_requests(run: Run) -> None:
-    """How many requests there are, and the first, with its pictures as sizes."""
+def _print_requests(run: Run) -> None:
+    """Print the number of requests and the first one, with sizes in place of pictures."""
     chosen = run.chosen()
     click.echo(f"{sum(len(list(run.asks(question))) for question in chosen):,} requests for {len(chosen):,} questions")
     first: Ask | None = run.first()

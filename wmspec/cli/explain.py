@@ -1,4 +1,4 @@
-"""`wmspec explain`: what a code means and how to mend it."""
+"""`wmspec explain`: explain a diagnostic code."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ def explain_command(code: str | None) -> None:
         for known, meaning in CODES.items():
             click.echo(f"{click.style(known, bold=True)}  {meaning}")
         return
-    wanted = code.upper() if code.upper().startswith("WMS") else f"WMS{code}"
-    if wanted not in CODES:
-        alike = [known for known in CODES if known[:4] == wanted[:4]]
+    requested = code.upper() if code.upper().startswith("WMS") else f"WMS{code}"
+    if requested not in CODES:
+        alike = [known for known in CODES if known[:4] == requested[:4]]
         hint = f"there are {', '.join(alike)}; " if alike else ""
         raise WmsError(f"there is no code `{code}`", help=f"{hint}`wmspec explain` lists all, with what they mean")
-    _show(page(wanted).markdown)
+    _show(page(requested).markdown)
 
 
 def _show(markdown: str) -> None:
-    """Markdown as it is, or, on a terminal, with headings and examples set off."""
+    """Print Markdown; headings are bold and examples indented."""
     fenced = False
     for line in markdown.splitlines():
         if line.startswith("```"):

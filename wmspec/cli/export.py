@@ -1,4 +1,4 @@
-"""`wmspec export`: a dataset as a folder for the tools that people evaluate with."""
+"""`wmspec export`: write a dataset for other evaluation tools."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from wmspec.cli.common import settle
+from wmspec.cli.common import exit_if_failed
 from wmspec.core.tally import Tally
 
 _PATH = click.Path(path_type=Path)
@@ -15,12 +15,15 @@ _PATH = click.Path(path_type=Path)
 @click.command("export")
 @click.argument("dataset", type=_PATH)
 @click.option("--to", "tool", required=True, type=click.Choice(["inspect", "lmms-eval", "vlmevalkit", "hf"]))
-@click.option("--output", "-o", type=_PATH, required=True, metavar="FOLDER", help="The folder that the tool is to run.")
+@click.option("--output", "-o", type=_PATH, required=True, metavar="FOLDER", help="Output folder.")
 @click.option("--prompt", default="default", show_default=True, help="default, paper, numbers, montage, or a file.")
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
-@click.option("--engine", multiple=True, metavar="NAME", help="Only what this engine executed.")
+@click.option("--engine", multiple=True, metavar="NAME", help="Only rows of this engine.")
 @click.option(
-    "--limit", type=click.IntRange(1), metavar="N", help="Only so many questions, evenly over tasks and engines."
+    "--limit",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Maximum number of questions, spread evenly over tasks and engines.",
 )
 def export_command(
     dataset: Path,
@@ -31,10 +34,10 @@ def export_command(
     engine: tuple[str, ...],
     limit: int | None,
 ) -> None:
-    """Write a dataset as a folder that Inspect, lmms-eval, VLMEvalKit or Hugging Face `datasets` take as it is.
+    """Export a dataset as a folder for Inspect, lmms-eval, VLMEvalKit or Hugging Face `datasets`.
 
-    Requests are those of `wmspec evaluate`, and replies are read by the same parser, which lies in the folder. Its
-    README says how to run it. Exit code 1 if no question was written.
+    Requests equal those of `wmspec evaluate`. The folder contains the parser of replies and a README with the commands.
+    Exits with 1 if no question was written.
     """
     from wmspec.dataset.build.reader import DatasetReader
     from wmspec.eval.export.export import Export, export
@@ -46,4 +49,4 @@ def export_command(
     what = Export(opened, Selection(task, engine, limit), Path(prompt).stem, prompts.load(prompt))
     count = export(what, tool, output)
     click.echo(f"{output}: {count:,} questions for {tool}; {output / 'README.md'} says how to run it")
-    settle(Tally("question was written", count))
+    exit_if_failed(Tally("question was written", count))

@@ -1,4 +1,4 @@
-"""`wmspec fmt`: specs in the one way to write them."""
+"""`wmspec fmt`: format specs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from wmspec.cli.common import paint, standard_input
+from wmspec.cli.common import paint, read_stdin
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 
@@ -21,7 +21,7 @@ from wmspec.core.places import FilePlace
 def fmt_command(specs: tuple[Path, ...], only_check: bool, diff: bool) -> None:
     """Format specs in place; `-` formats standard input to standard output.
 
-    Spaces, indents and columns become regular. Words, comments and what the spec means stay as they are.
+    Changes whitespace, indentation and alignment only.
     """
     from wmspec.core.diagnostics import SpecError
     from wmspec.lang.parse.files import read_source, spec_files
@@ -29,7 +29,7 @@ def fmt_command(specs: tuple[Path, ...], only_check: bool, diff: bool) -> None:
 
     changed = failed = 0
     for path in [Path("-")] if specs == (Path("-"),) else spec_files(specs):
-        source = standard_input() if path == Path("-") else read_source(path)
+        source = read_stdin() if path == Path("-") else read_source(path)
         try:
             formatted = format_spec(source)
         except SpecError as error:
@@ -58,7 +58,7 @@ def _difference(before: str, after: str, name: str) -> str:
 
 
 def _replace(path: Path, text: str) -> None:
-    """Write the file whole or not at all, with the permissions that it had; a link stays a link."""
+    """Replace the file atomically and keep its permissions; follow a link."""
     path = path.resolve()
     name = ""
     try:

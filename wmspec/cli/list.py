@@ -1,4 +1,4 @@
-"""`wmspec list`: what is in these specs?"""
+"""`wmspec list`: list tasks."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import balanced, by_size, dimension_option, json_option, tell
+from wmspec.cli.common import balance_note, by_size, dimension_option, json_option, tell
 
 if TYPE_CHECKING:
     from wmspec.api import Task
@@ -18,20 +18,20 @@ if TYPE_CHECKING:
 @click.command("list")
 @click.argument("specs", nargs=-1, type=click.Path(path_type=Path))
 @dimension_option
-@click.option("--sizes", is_flag=True, help="Of each factor and nuisance, from how many groups something is learnt.")
+@click.option("--sizes", is_flag=True, help="Print the number of independent groups per factor and nuisance.")
 @json_option
-def list_command(specs: tuple[Path, ...], only_dimension: tuple[str, ...], sizes: bool, as_json: bool) -> None:
+def list_command(specs: tuple[Path, ...], dimension: tuple[str, ...], sizes: bool, as_json: bool) -> None:
     """List tasks with their dimensions, factors and numbers of instances (× questions), beside the paper's cases.
 
-    A group shares every draw, so the number of groups is a sample size. A factor that takes turns is crossed in some
-    of them: `color (3 in 60)` has three values, which are compared in 60 groups. `--sizes` tells it of nuisances too.
+    Instances of a group share all draws, so the number of groups is a sample size. `color (3 in 60)` is a factor with
+    three levels that is crossed in 60 groups. `--sizes` includes nuisances.
 
-    Without SPECS: the tasks that rebuild the paper's. `wmspec list specs/gallery` lists others that come with wmspec.
+    Without SPECS: the tasks of WM-ABench. `wmspec list specs/gallery` lists further shipped tasks.
     """
     from wmspec.api import load_all
-    from wmspec.api.loading import of_dimensions
+    from wmspec.api.loading import filter_dimensions
 
-    rows = [_row(task) for task in of_dimensions(load_all(*specs, tell=tell), only_dimension)]
+    rows = [_row(task) for task in filter_dimensions(load_all(*specs, tell=tell), dimension)]
     if as_json:
         click.echo(json.dumps(rows, indent=2))
     else:
@@ -64,38 +64,38 @@ def _print(rows: Sequence[dict[str, Any]], sizes: bool) -> None:
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     numbers = ("instances", "groups", "paper's")
-    last = "groups from which one learns of" if sizes else "factors"
+    last = "independent groups" if sizes else "factors"
     for name in ("task", "dimension", *numbers, last):
         table.add_column(name, justify="right" if name in numbers else "left", overflow="fold")
     for row in rows:
         paper = f"{row['paper']['instances']:,}" if row["paper"] else "–"
-        asked = f" × {row['questions']}" if row["questions"] > 1 else ""
-        count, told = f"{row['instances']:,}{asked}", _sizes(row) if sizes else _factors(row)
-        table.add_row(row["task"], row["dimension"], count, f"{row['groups']:,}", paper, told)
+        per_instance = f" × {row['questions']}" if row["questions"] > 1 else ""
+        count, factors = f"{row['instances']:,}{per_instance}", _sizes(row) if sizes else _factors(row)
+        table.add_row(row["task"], row["dimension"], count, f"{row['groups']:,}", paper, factors)
     console = Console()
-    if not console.is_terminal:  # programs read lines: one a task, however long
+    if not console.is_terminal:  # one line per task for programs
         console.width = 10_000
     console.print(table)
     for row in rows:
         if row["balance"]:
-            console.print(f"{row['task']}: {balanced(row['balance'])}", highlight=False)
-    console.print(_covered(rows), highlight=False)
+            console.print(f"{row['task']}: {balance_note(row['balance'])}", highlight=False)
+    console.print(_coverage(rows), highlight=False)
 
 
 def _sizes(row: dict[str, Any]) -> str:
-    """The factors and nuisances, by from how many groups something is learnt about them."""
+    """Return the factors and nuisances, grouped by their number of groups."""
     return "; ".join(f"{size:,}: {', '.join(names)}" for size, names in by_size(row["sample_sizes"]).items())
 
 
 def _factors(row: dict[str, Any]) -> str:
-    """How many values each factor has, and in how many groups it is crossed if that is not in all."""
+    """Return the number of levels per factor, and the number of groups that cross it if not all."""
     sizes = {name: row["sample_sizes"][name] for name in row["factors"]}
     crossed = {name: "" if size == row["groups"] else f" in {size:,}" for name, size in sizes.items()}
     return ", ".join(f"{name} ({count or 'continuous'}{crossed[name]})" for name, count in row["factors"].items())
 
 
-def _covered(rows: Sequence[dict[str, Any]]) -> str:
-    """How much there is, and how much of the paper these tasks rebuild."""
+def _coverage(rows: Sequence[dict[str, Any]]) -> str:
+    """Return the totals, and how much of WM-ABench the tasks cover."""
     from wmspec.core.wm_abench import COLUMNS
 
     total, rebuilt = sum(c.cases for c in COLUMNS), [row["paper"] for row in rows if row["paper"]]

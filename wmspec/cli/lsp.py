@@ -1,4 +1,4 @@
-"""`wmspec lsp`: the language server, for editors."""
+"""`wmspec lsp`: run the language server."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from wmspec.core.diagnostics import WmsError
 
 @click.command("lsp")
 def lsp_command() -> None:
-    """Speak the Language Server Protocol on standard input and output: editors start this, not people.
+    """Run the language server on standard input and output. Editors start it.
 
-    Mistakes as one types, completion, hover, definitions, references, renaming, symbols, formatting, quick fixes, and
-    `wmspec.preview`, which draws the instance under the cursor.
+    Diagnostics, completion, hover, definitions, references, renaming, symbols, formatting, quick fixes, and
+    `wmspec.preview`, which draws the instance at the cursor.
     """
     try:
         from wmspec.editor.server import serve

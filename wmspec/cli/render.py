@@ -1,4 +1,4 @@
-"""`wmspec render`: pictures of an instance, a stage or a trace, still or in motion."""
+"""`wmspec render`: render an instance, a stage or a trace as pictures or a film."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.cli.common import (
-    instance_of,
+    exit_if_failed,
     instance_option,
+    load_instance,
     look_options,
     make_folder,
     parse_size,
-    redrawn_option,
+    redraw_option,
     seed_option,
-    settle,
     size_option,
     task_option,
 )
-from wmspec.cli.run import duration_option, seconds_of, tell_notes
+from wmspec.cli.run import duration_option, parse_duration, print_notes
 from wmspec.core.crash import Crash
 from wmspec.core.diagnostics import EngineError, GraphicsError, StageError, WmsError
 from wmspec.core.places import FilePlace
@@ -33,9 +33,9 @@ from wmspec.lang.check.tables.vocabulary import STAGES
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-    from wmspec.api import Drawing, Episode
+    from wmspec.api import Episode, RenderOptions
 
-FILMS = (".gif", ".mp4")
+FILM_SUFFIXES = (".gif", ".mp4")
 
 
 @click.command("render")
@@ -44,27 +44,27 @@ FILMS = (".gif", ".mp4")
     "--backend",
     "-b",
     default="",
-    help="Engines that execute: names joined by commas, or all.  [default: the first there is]",
+    help="Engines that execute: comma-separated names, or all.  [default: first installed]",
 )
-@click.option("--renderer", "-r", default="", help="The engine that draws, if another than the one that executes.")
+@click.option("--renderer", "-r", default="", help="Engine that draws, if different from the executing one.")
 @task_option
 @instance_option
-@redrawn_option
+@redraw_option
 @seed_option
 @duration_option
 @size_option
 @look_options
-@click.option("--camera", default="", help="Only this camera.  [default: those that observe; for a film the first]")
+@click.option("--camera", default="", help="Only this camera.  [default: observing cameras; the first one for a film]")
 @click.option(
-    "--rate", type=click.FloatRange(1, 100), default=25.0, show_default=True, help="Pictures a second of a film."
+    "--rate", type=click.FloatRange(1, 100), default=25.0, show_default=True, help="Frames per second of a film."
 )
-@click.option("--overlay", is_flag=True, help="Draw the names of things and the ways they have come.")
+@click.option("--overlay", is_flag=True, help="Draw object names and paths.")
 @click.option(
     "--output",
     "-o",
     type=click.Path(path_type=Path),
     required=True,
-    help="A folder for one PNG per camera and time; or a file: .png for a sheet of them, .gif or .mp4 for a film.",
+    help="Folder for one PNG per camera and time, or a file: .png for a contact sheet, .gif or .mp4 for a film.",
 )
 def render_command(
     source: Path,
@@ -72,7 +72,7 @@ def render_command(
     renderer: str,
     task: str,
     instance: int,
-    redrawn: int,
+    redraw: int,
     seed: int,
     duration: str,
     size: str,
@@ -83,100 +83,102 @@ def render_command(
     overlay: bool,
     output: Path,
 ) -> None:
-    """Draw what the cameras of an instance, of a USD stage, or of a trace that `wmspec run -o` wrote, observe.
+    """Render the cameras of an instance, of a USD stage, or of a trace written by `wmspec run -o`.
 
-    Of several engines, those that refuse it or fail cost only their own pictures; the exit code is 1 then.
+    If an engine refuses or fails, pictures of the others are written; the exit code is then 1.
     """
-    from wmspec.api.drawing import renderer_of
+    from wmspec.api.rendering import renderer_of
 
-    drawing: Drawing = {"size": parse_size(size), "renderer": renderer, "look": look, "samples": samples}
-    seconds = seconds_of(duration) if duration else None
-    executions = _executions(source, backend, task, instance, seed, redrawn, seconds)
+    drawing: RenderOptions = {"size": parse_size(size), "renderer": renderer, "look": look, "samples": samples}
+    seconds = parse_duration(duration) if duration else None
+    executions = _executions(source, backend, task, instance, seed, redraw, seconds)
     many = len(executions) > 1 or backend == "all"
     drawn, causes = 0, list[str]()
     for execute in executions:
-        with _counted(causes) if len(executions) > 1 else nullcontext():
+        with _record_failure(causes) if len(executions) > 1 else nullcontext():
             episode = execute()
-            renderer_of(episode.engine, **drawing)  # tells what is wrong with it before a folder is made
+            renderer_of(episode.engine, **drawing)  # fails before a folder is created
             name = f"{episode.scene.name.rpartition('/')[2]}-{instance:06d}-{episode.engine}"
-            for path in _written(_Pictures(episode, camera, overlay, drawing), output, name, rate, many):
+            for path in _write(_Pictures(episode, camera, overlay, drawing), output, name, rate, many):
                 click.echo(path)
                 drawn += 1
     cause = "\n".join(causes[:1])
-    settle(Tally("picture was drawn", drawn, "engines", len(executions), len(causes), cause, how="failed", most=0))
+    exit_if_failed(
+        Tally("picture was drawn", drawn, "engines", len(executions), len(causes), cause, how="failed", most=0)
+    )
 
 
 @contextmanager
-def _counted(causes: list[str]) -> Iterator[None]:
-    """Keep why one of several engines cannot execute or draw it. A mistake in what was asked for is raised."""
+def _record_failure(causes: list[str]) -> Iterator[None]:
+    """Record why one of several engines cannot execute or draw; raise mistakes of the user."""
     try:
         yield
     except (StageError, EngineError, GraphicsError) as error:
         causes.append(str(error))
     except (WmsError, OSError):
         raise
-    except Exception as error:  # noqa: BLE001  whatever an engine raises, the others draw
-        causes.append(Crash.of(error).told())
+    except Exception as error:  # noqa: BLE001  the other engines still draw
+        causes.append(Crash.of(error).report())
 
 
 @dataclass(frozen=True)
 class _Pictures:
-    """What is drawn of an episode, and how."""
+    """An episode and its render options."""
 
     episode: Episode
     camera: str
     overlay: bool
-    drawing: Drawing
+    drawing: RenderOptions
 
 
 def _executions(
-    source: Path, backend: str, task: str, instance: int, seed: int, redrawn: int, seconds: float | None
+    source: Path, backend: str, task: str, instance: int, seed: int, redraw: int, seconds: float | None
 ) -> list[Callable[[], Episode]]:
-    """What gives the episodes: one of each engine that executes it, or the one that was written to disk."""
+    """Return functions that give the episodes: one per engine, or one for a stored trace."""
     from wmspec.api import load_episode, open_stage
     from wmspec.api.episode import execute
-    from wmspec.runtime.engines.registry import chosen
+    from wmspec.runtime.engines.registry import select_backends
 
     suffix = source.suffix.lower()
     if suffix == ".npz":
         return [partial(load_episode, source)]
     given = suffix in STAGES
-    stage = open_stage(source) if given else instance_of(source, task, instance, seed, redrawn).stage()
+    stage = open_stage(source) if given else load_instance(source, task, instance, seed, redraw).stage()
 
     def executed(engine: str) -> Episode:
         episode = execute(stage, engine, seconds, strict=not given)
-        tell_notes([episode])
+        print_notes([episode])
         return episode
 
-    return [partial(executed, engine) for engine in chosen(backend)]
+    return [partial(executed, engine) for engine in select_backends(backend)]
 
 
-def _written(pictures: _Pictures, output: Path, name: str, rate: float, many: bool) -> Iterator[Path]:
-    """Write what the suffix of the output asks for; with many engines, each to a file of its own."""
+def _write(pictures: _Pictures, output: Path, name: str, rate: float, many: bool) -> Iterator[Path]:
+    """Write the format of the output's suffix; with several engines, one file each."""
     episode, camera = pictures.episode, pictures.camera
     suffix = output.suffix.lower()
-    if suffix not in (*FILMS, ".png"):
+    if suffix not in (*FILM_SUFFIXES, ".png"):
         if suffix and not output.is_dir():
             raise WmsError("expected a folder, or a file that ends in .png, .gif or .mp4", FilePlace(str(output)))
-        yield from _stills(pictures, make_folder(output), name)
+        yield from _write_stills(pictures, make_folder(output), name)
         return
     path = output.with_stem(f"{output.stem}-{episode.engine}") if many else output
     make_folder(path.parent)
     if suffix == ".png":
-        _saved(episode.sheet(camera, overlay=pictures.overlay, **pictures.drawing), path)
+        _save(episode.sheet(camera, overlay=pictures.overlay, **pictures.drawing), path)
     else:
         episode.film(path, camera, rate=rate, overlay=pictures.overlay, **pictures.drawing)
     yield path
 
 
-def _stills(pictures: _Pictures, folder: Path, name: str) -> Iterator[Path]:
+def _write_stills(pictures: _Pictures, folder: Path, name: str) -> Iterator[Path]:
     episode = pictures.episode
     for camera, time in episode.views(pictures.camera):
         picture = episode.picture(camera, time, overlay=pictures.overlay, **pictures.drawing)
-        yield _saved(picture, folder / f"{name}-{camera}-{time:.3f}s.png")
+        yield _save(picture, folder / f"{name}-{camera}-{time:.3f}s.png")
 
 
-def _saved(picture: Image, path: Path) -> Path:
+def _save(picture: Image, path: Path) -> Path:
     try:
         picture.save(path)
     except OSError as error:

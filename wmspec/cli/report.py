@@ -1,4 +1,4 @@
-"""`wmspec report`: what came of evaluating models and people."""
+"""`wmspec report`: analyse results of models and people."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from wmspec.core.diagnostics import WmsError
 @click.option(
     "--dataset",
     type=click.Path(path_type=Path),
-    help="The dataset that was evaluated: for analyses of factors, differences, pairs and counterfactuals.",
+    help="The evaluated dataset, for analyses of factors, differences, pairs and counterfactuals.",
 )
 @click.option(
     "--output",
@@ -26,15 +26,15 @@ from wmspec.core.diagnostics import WmsError
     type=click.Path(path_type=Path),
     default=Path("report"),
     show_default=True,
-    help="The folder for report.html, report.json, figures and tables.",
+    help="Folder for report.html, report.json, figures and tables.",
 )
 @json_option
 def report_command(results: tuple[Path, ...], dataset: Path | None, output: Path, as_json: bool) -> None:
-    """Tell what results say: tables, intervals, comparisons, curves, entanglement, difficulty.
+    """Report results: tables, intervals, comparisons, psychometric curves, entanglement, difficulty.
 
     RESULTS are files of `wmspec evaluate` and `wmspec study collect`, or folders of them.
     """
-    # Before NumPy starts: the same sums must come out on any number of cores.
+    # Before the import of NumPy: one thread gives the same sums on any number of cores.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     lacking = [name for name in ("pandas", "matplotlib", "statsmodels") if find_spec(name) is None]
     if lacking:

@@ -1,4 +1,4 @@
-"""`wmspec run`: execute an instance, or a stage from anywhere, and see what happened."""
+"""`wmspec run`: execute an instance or a stage and print what happened."""
 
 from __future__ import annotations
 
@@ -11,43 +11,41 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.cli.common import (
-    instance_of,
     instance_option,
     json_option,
+    load_instance,
     paint,
-    redrawn_option,
+    redraw_option,
     seed_option,
     task_option,
     tell,
 )
 from wmspec.core.diagnostics import EngineError, StageError, WmsError
-from wmspec.core.limits import SECONDS
+from wmspec.core.limits import EPISODE_SECONDS
 from wmspec.lang.check.tables.vocabulary import STAGES
 
 if TYPE_CHECKING:
     from wmspec.api import Episode
 
 
-MANY, DEPTH = 3, 2
-"""So many parts of one prim, that deep in a stage (`/World/Objects/arm`), are told together."""
+MIN_PARTS, MIN_DEPTH = 3, 2
+"""A prim at this depth (`/World/Objects/arm`) with at least this many parts is printed as one line."""
 
 duration_option = click.option(
     "--for",
     "duration",
     default="",
     metavar="TIME",
-    help="How long, such as 2s, to the nearest sample; for stages without an episode.",
+    help="Duration of a stage without an episode, such as 2s.",
 )
 
 
 @click.command("run")
 @click.argument("source", type=click.Path(path_type=Path), metavar="SPEC|STAGE")
-@click.option(
-    "--backend", "-b", default="", help="Engines: names joined by commas, or all.  [default: the first there is]"
-)
+@click.option("--backend", "-b", default="", help="Engines: comma-separated names, or all.  [default: first installed]")
 @task_option
 @instance_option
-@redrawn_option
+@redraw_option
 @seed_option
 @duration_option
 @click.option(
@@ -56,43 +54,43 @@ duration_option = click.option(
     type=click.Path(path_type=Path),
     help="Write the trace to this .npz file; `wmspec render` draws it.",
 )
-@click.option("--strict", is_flag=True, help="Refuse stages of which anything would only be nearly as it is meant.")
+@click.option("--strict", is_flag=True, help="Refuse stages with features that would be approximated or ignored.")
 @json_option
 def run_command(
     source: Path,
     backend: str,
     task: str,
     instance: int,
-    redrawn: int,
+    redraw: int,
     seed: int,
     duration: str,
     output: Path | None,
     strict: bool,
     as_json: bool,
 ) -> None:
-    """Execute an instance of a spec, or a USD stage, and print where everything ended and what touched.
+    """Execute an instance of a spec, or a USD stage, and print final positions and contacts.
 
-    Exits with 1 if some of several engines refuse it: the others' results are given all the same.
+    Exits with 1 if some of several engines refuse it; results of the others are printed.
     """
     from wmspec.api import run
-    from wmspec.runtime.engines.registry import chosen
+    from wmspec.runtime.engines.registry import select_backends
 
-    engines = chosen(backend)
+    engines = select_backends(backend)
     if output is not None and len(engines) > 1:
         raise WmsError("one file holds the trace of one engine; choose one with --backend, or leave out --output")
-    seconds = seconds_of(duration) if duration else None
+    seconds = parse_duration(duration) if duration else None
     if source.suffix.lower() in STAGES:
-        episodes, refusals = _each(engines, lambda engine: run(source, engine, seconds, strict=strict))
+        episodes, refusals = _run_each(engines, lambda engine: run(source, engine, seconds, strict=strict))
     else:
-        one = instance_of(source, task, instance, seed, redrawn)
-        episodes, refusals = _each(engines, lambda engine: one.run(engine, duration=seconds))
+        one = load_instance(source, task, instance, seed, redraw)
+        episodes, refusals = _run_each(engines, lambda engine: one.run(engine, duration=seconds))
     if output is not None and episodes:
         episodes[0].save(output)
     if as_json:
         refused = [{"engine": e, "refused": [d.record() for d in error.diagnostics]} for e, error in refusals.items()]
         click.echo(json.dumps([*map(_summary, episodes), *refused], indent=2))
     else:
-        tell_notes(episodes)
+        print_notes(episodes)
         for episode in episodes:
             _print(episode)
     if refusals:
@@ -103,8 +101,8 @@ def run_command(
         raise SystemExit(1)
 
 
-def _each(engines: Sequence[str], execute: Callable[[str], Episode]) -> tuple[list[Episode], dict[str, WmsError]]:
-    """What happened in each engine that executes it, and why the others do not, by name."""
+def _run_each(engines: Sequence[str], execute: Callable[[str], Episode]) -> tuple[list[Episode], dict[str, WmsError]]:
+    """Return the episodes of the engines that can execute it, and the refusals by engine."""
     episodes: list[Episode] = []
     refusals: dict[str, WmsError] = {}
     for engine in engines:
@@ -115,14 +113,14 @@ def _each(engines: Sequence[str], execute: Callable[[str], Episode]) -> tuple[li
     return episodes, refusals
 
 
-def tell_notes(episodes: Sequence[Episode]) -> None:
-    """What was taken for something else, each once."""
+def print_notes(episodes: Sequence[Episode]) -> None:
+    """Print the notes of all episodes, each once."""
     for note in dict.fromkeys(note for episode in episodes for note in episode.notes):
         tell(note.render(paint()))
 
 
-def seconds_of(text: str) -> float:
-    """The time (s) that is meant."""
+def parse_duration(text: str) -> float:
+    """Parse a time in seconds."""
     from wmspec.lang.check.types.units import TIME, UnknownUnit, parse_unit
 
     number = text.rstrip("abcdefghijklmnopqrstuvwxyz ")
@@ -131,19 +129,19 @@ def seconds_of(text: str) -> float:
         seconds = float(number) * scale
     except (ValueError, UnknownUnit):
         dimension, seconds = TIME, 0.0
-    if dimension != TIME or not 0 < seconds <= SECONDS.most:
-        raise WmsError(f"--for {text}: expected a time such as 2s or 500ms, up to {SECONDS.most} s")
+    if dimension != TIME or not 0 < seconds <= EPISODE_SECONDS.most:
+        raise WmsError(f"--for {text}: expected a time such as 2s or 500ms, up to {EPISODE_SECONDS.most} s")
     return seconds
 
 
 def _summary(episode: Episode) -> dict[str, Any]:
-    """Of what can move: where it ends, and its touches, in which it comes first."""
+    """Return the final state of movable bodies, and their contacts; a movable body is named first."""
     bodies = {}
     for name in episode.movable:
         track = episode[name]
         bodies[name] = {
             "position": track.position[-1].tolist(),
-            "middle": track.middle[-1].tolist(),
+            "middle": track.center[-1].tolist(),
             "orientation": track.orientation[-1].tolist(),
             "velocity": track.linear_velocity[-1].tolist(),
         }
@@ -185,7 +183,9 @@ def _print(episode: Episode) -> None:
 
 
 def _links(episode: Episode) -> dict[str, str]:
-    """What moves as told and is one of many parts of something, as links of an arm are: name -> path of the whole."""
+    """Return kinematic bodies that are parts of an articulated whole, such as links of an arm: name -> path of the
+    whole.
+    """
     led = {b.name: b.path.rpartition("/")[0] for b in episode.scene.bodies if b.motion == "kinematic"}
     wholes = Counter(led.values())
-    return {name: whole for name, whole in led.items() if wholes[whole] >= MANY and whole.count("/") > DEPTH}
+    return {name: whole for name, whole in led.items() if wholes[whole] >= MIN_PARTS and whole.count("/") > MIN_DEPTH}

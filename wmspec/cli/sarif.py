@@ -1,4 +1,4 @@
-"""Diagnostics as SARIF 2.1.0, which code hosts and editors show beside the lines (OASIS standard, 27 March 2020)."""
+"""Diagnostics as SARIF 2.1.0 (OASIS standard, 27 March 2020), for code hosts and editors."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sar
 
 
 def sarif(diagnostics: Iterable[Diagnostic]) -> dict[str, Any]:
-    """A SARIF log with one run, whose rules are all codes of the language."""
+    """Return a SARIF log with one run; its rules are all codes of the language."""
     rules = [
         {"id": code, "shortDescription": {"text": meaning}, "help": {"text": f"wmspec explain {code}"}}
         for code, meaning in CODES.items()
@@ -68,6 +68,6 @@ def _physical(name: str, region: dict[str, int]) -> dict[str, Any]:
 
 
 def _uri(name: str) -> str:
-    """A path as a URI: relative to where the command ran, or with a scheme."""
+    """Return a path as a URI: relative to the working folder, or with a scheme."""
     path = Path(name)
     return path.as_uri() if path.is_absolute() else quote(path.as_posix())

@@ -1,4 +1,4 @@
-"""`wmspec schema`: the shape of the intermediate representation."""
+"""`wmspec schema`: print the schema of the intermediate representation."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import click
 
 @click.command("schema")
 def schema_command() -> None:
-    """Print the JSON schema of a checked task, which is what `wmspec compile --ir` prints."""
+    """Print the JSON schema of the output of `wmspec compile --ir`."""
     from wmspec.lang.check.ir.record import schema
 
     click.echo(json.dumps(schema(), indent=2))

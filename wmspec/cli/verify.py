@@ -1,4 +1,4 @@
-"""`wmspec verify`: do a dataset's rows come out again?"""
+"""`wmspec verify`: regenerate part of a dataset and compare."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from wmspec.cli.common import json_option, tell
 if TYPE_CHECKING:
     from wmspec.dataset.verify import Verification
 
-#: So many differences are told one by one.
-TOLD = 10
+#: The most differences that are printed.
+MAX_PRINTED = 10
 
 
 @click.command("verify")
@@ -25,22 +25,22 @@ TOLD = 10
     type=click.IntRange(1),
     default=4,
     show_default=True,
-    help="Make so many instances of each task again, spread over it.",
+    help="Number of instances per task to regenerate, spread evenly.",
 )
-@click.option("--all", "every", is_flag=True, help="Make all of them again.")
+@click.option("--all", "every", is_flag=True, help="Regenerate all instances.")
 @click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
 @click.option(
-    "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Seconds an instance may take."
+    "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Time limit per instance, in seconds."
 )
 @json_option
 @click.pass_context
 def verify_command(
     ctx: click.Context, dataset: Path, sample: int, every: bool, workers: int | None, timeout: float, as_json: bool
 ) -> None:
-    """Make instances of a DATASET again, from the specs in its manifest, and compare them with its rows.
+    """Regenerate instances of a DATASET from the specs in its manifest and compare them with its rows.
 
-    Where they are not the same to the byte, texts, options and answers must still be the same, and numbers and pictures
-    nearly so: that is told. Exit code 1 if anything else differs.
+    If bytes differ, texts, options and answers must be equal, and numbers and pictures close; this is reported. Exits
+    with 1 if anything else differs.
     """
     from wmspec.api import progress_bar
     from wmspec.api.verifying import verify
@@ -50,21 +50,21 @@ def verify_command(
     if as_json:
         click.echo(json.dumps({"verdict": result.verdict, **asdict(result)}, indent=1, ensure_ascii=False))
     else:
-        _tell(result)
+        _print(result)
     ctx.exit(1 if result.verdict == "different" else 0)
 
 
-def _tell(result: Verification) -> None:
+def _print(result: Verification) -> None:
     worst = sorted(result.differences, key=lambda difference: difference.near)
-    for difference in worst[:TOLD]:
+    for difference in worst[:MAX_PRINTED]:
         click.echo(f"{'near     ' if difference.near else 'DIFFERENT'} {difference}")
-    if len(worst) > TOLD:
-        click.echo(f"and {len(worst) - TOLD:,} more")
+    if len(worst) > MAX_PRINTED:
+        click.echo(f"and {len(worst) - MAX_PRINTED:,} more")
     for name, (there, here) in result.versions.items():
-        click.echo(f"made with {name} {there}; here is {here}")
+        click.echo(f"generated with {name} {there}; installed is {here}")
     words = {
-        "same": "all the same to the byte",
-        "near": f"{len(worst):,} not to the byte; texts, options and answers are the same, numbers and pictures near",
+        "same": "byte-identical",
+        "near": f"{len(worst):,} not byte-identical; texts, options and answers are equal, numbers and pictures close",
         "different": f"{sum(not d.near for d in worst):,} different",
     }
-    click.echo(f"{result.questions:,} questions made again: {words[result.verdict]}")
+    click.echo(f"{result.questions:,} questions regenerated: {words[result.verdict]}")

@@ -1,4 +1,4 @@
-"""`wmspec view`: a dataset for people, as a page to look at and to answer, or as a picture."""
+"""`wmspec view`: show a dataset as a page, a folder or a contact sheet."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import click
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 
-#: How many instances of each task are shown on a sheet, in a page and in a folder, if nothing is said.
-PER_TASK = {".png": 3, ".html": 20, "": 50}
+#: The default number of instances per task, by suffix of the output.
+DEFAULT_PER_TASK = {".png": 3, ".html": 20, "": 50}
 
 
 @click.command("view")
@@ -21,31 +21,31 @@ PER_TASK = {".png": 3, ".html": 20, "": 50}
     type=click.Path(path_type=Path),
     default=Path("gallery.html"),
     show_default=True,
-    help="A page (.html), a folder with a page and its pictures, or a contact sheet (.png).",
+    help="A page (.html), a folder with page and pictures, or a contact sheet (.png).",
 )
 @click.option(
     "--per-task",
     type=click.IntRange(1),
-    help="How many instances of each task.  [default: 20 in a page, 50 in a folder, 3 on a sheet]",
+    help="Instances per task.  [default: 20 in a page, 50 in a folder, 3 on a sheet]",
 )
 @click.option(
     "--results",
     multiple=True,
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="What models and people answered (evaluate, study collect), shown beside the truth.",
+    help="Results of models and people (evaluate, study collect) to show next to the truth.",
 )
 def view_command(dataset: Path, output: Path, per_task: int | None, results: tuple[Path, ...]) -> None:
-    """Show a dataset: frames, options and answers, engine beside engine.
+    """Show a dataset as a page: frames, options and answers, engines side by side.
 
-    The page opens from the disk in any browser. Truths are hidden until you answer or ask for them.
+    The page opens from disk in any browser. Answers are hidden until you answer or reveal them.
     """
     kind = output.suffix.lower()
-    if kind not in PER_TASK:
+    if kind not in DEFAULT_PER_TASK:
         raise WmsError(
-            "what to write? a page is a .html file, a sheet a .png file, a folder has no suffix", FilePlace(str(output))
+            "unknown output format: expected .html for a page, .png for a sheet, or a folder", FilePlace(str(output))
         )
-    count = per_task or PER_TASK[kind]
+    count = per_task or DEFAULT_PER_TASK[kind]
     if kind == ".png":
         _sheet(dataset, output, count)
         click.echo(output)

@@ -1,22 +1,22 @@
-"""Plain values as bytes."""
+"""Canonical serialization of plain values."""
 
 from __future__ import annotations
 
 import marshal
 from typing import Any
 
-#: The last version of marshal's format that does not depend on which objects are the same, or on interned strings.
+#: The last marshal format that is independent of object identity and interned strings.
 _FORMAT = 2
 
 
-def dumped(value: Any) -> bytes:
-    """Numbers, strings, bytes, None, and tuples, lists and dictionaries of them: the same bytes for the same.
+def dumps(value: Any) -> bytes:
+    """Serialize numbers, strings, bytes, None, and tuples, lists and dictionaries of them: equal values, equal bytes.
 
-    Raises ValueError for anything else.
+    Raises ValueError for other types.
     """
     return marshal.dumps(value, _FORMAT)
 
 
-def loaded(content: bytes) -> Any:
-    """What was dumped, in this process."""
-    return marshal.loads(content)  # noqa: S302  nobody else wrote it
+def loads(content: bytes) -> Any:
+    """Return the value of bytes that `dumps` made in this process."""
+    return marshal.loads(content)  # noqa: S302  written by this process

@@ -1,4 +1,4 @@
-"""Unexpected errors: one line for the terminal, and a file with everything that helps to explain them."""
+"""Unexpected errors: one line on the terminal, and a file with the details."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
 
-from wmspec.core.diagnostics import visible
+from wmspec.core.diagnostics import escape_controls
 
-#: The exit code of a command that met one: EX_SOFTWARE of sysexits.h.
+#: Exit code of a command after an unexpected error: EX_SOFTWARE of sysexits.h.
 EXIT_CODE = 70
-#: The environment variable that lets a command show the traceback.
+#: Environment variable that makes commands print the traceback.
 VARIABLE = "WMSPEC_TRACEBACK"
-#: The packages that are ours.
-OURS = ("wmspec", "backends")
-#: What Python raises for a mistake in code, whatever the machine.
+#: The packages of wmspec.
+PACKAGES = ("wmspec", "backends")
+#: Exceptions that Python raises for programming errors, independent of the machine.
 MISTAKES = (ArithmeticError, AssertionError, AttributeError, ImportError, LookupError, NameError, TypeError)
 
 
 @dataclass(frozen=True)
 class Crash:
-    """An unexpected error: its type and message, the innermost place, the same in one short line, and the traceback.
+    """An unexpected error: type and message, innermost place, both in one short line, and the traceback.
 
-    `line` is the same in every run; it names the innermost place in our own code.
+    `line` is equal in every run; it names the innermost place in the code of wmspec.
     """
 
     summary: str
@@ -40,9 +40,9 @@ class Crash:
 
     @classmethod
     def of(cls, error: BaseException, skip: int = 0) -> Crash:
-        """The crash that an exception is; its traceback begins after `skip` frames."""
+        """Return the crash of an exception; its traceback omits the first `skip` frames."""
         way = list(traceback.walk_tb(error.__traceback__))[skip:]
-        ours = [step for step in way if step[0].f_globals.get("__name__", "").split(".")[0] in OURS]
+        ours = [step for step in way if step[0].f_globals.get("__name__", "").split(".")[0] in PACKAGES]
         kind, message = type(error).__name__, str(error)
         short = re.sub(r"0x[0-9a-f]{6,}", "0x...", " ".join(message.split()))[:300]
         place = f" ({_place(*ours[-1])})" if ours else ""
@@ -53,22 +53,22 @@ class Crash:
             traceback="".join(traceback.format_exception(error)),
         )
 
-    def told(self) -> str:
-        """What a terminal shows: type and message in full, the file with the rest, how to report it."""
-        return f"{visible(self.summary)}\n{self.advice(self.save())}"
+    def report(self) -> str:
+        """Return the text for a terminal: type and message, the file with the details, how to report it."""
+        return f"{escape_controls(self.summary)}\n{self.advice(self.save())}"
 
     def advice(self, path: Path | None) -> str:
-        """The place, the file with the full text, and how to report it, a line each."""
+        """Return the place, the file with the details, and how to report it, one line each."""
         lines = [f"  at {self.place}"] if self.place else []
-        lines.append(f"  the full text: {path}" if path else "  the full text could not be written anywhere")
+        lines.append(f"  details: {path}" if path else "  the details could not be written to a file")
         return "\n".join([*lines, f"  {how_to_report(path is not None)}"])
 
     def save(self) -> Path | None:
-        """Write the full text, and return its file: in the user's cache, else in the temporary folder.
+        """Write the details to the user's cache, else to the temporary folder, and return the file.
 
         The same error of the same command has the same file. None if no file can be written.
         """
-        content = "\n\n".join([_circumstances(), self.traceback])
+        content = "\n\n".join([_environment(), self.traceback])
         name = f"error-{hashlib.sha256(content.encode()).hexdigest()[:12]}.txt"
         for folder in (_cache, _temporary):
             try:
@@ -80,21 +80,24 @@ class Crash:
         return None
 
 
-def in_our_code(error: BaseException) -> bool:
-    """Whether an exception is a mistake in our code: raised in one of our own lines, or a module of ours is missing."""
+def is_own_error(error: BaseException) -> bool:
+    """Whether an exception is a mistake in wmspec: raised in its code, or by an import of a missing module of it."""
     if isinstance(error, ImportError):
         missing = error.name or ""
-        if missing.split(".")[0] in OURS:
+        if missing.split(".")[0] in PACKAGES:
             return True
         if not error.msg.startswith("cannot import name") and "." not in missing:
             return False  # a package or a system library is not there
     way = list(traceback.walk_tb(error.__traceback__))
     innermost = way[-1][0].f_globals.get("__name__", "") if way else ""
-    return isinstance(error, MISTAKES) and innermost.split(".")[0] in OURS
+    return isinstance(error, MISTAKES) and innermost.split(".")[0] in PACKAGES
 
 
 def how_to_report(file: bool = True) -> str:
-    """How to report an error, with its `file`; with the address of the issue tracker if the package names one."""
+    """Return how to report an error, with the address of the issue tracker if the package has one.
+
+    With `file`, the text refers to the file with the details.
+    """
     try:
         urls = dict(entry.split(", ", 1) for entry in metadata("wmspec").get_all("Project-URL") or () if ", " in entry)
     except PackageNotFoundError:
@@ -107,15 +110,15 @@ def how_to_report(file: bool = True) -> str:
 
 
 def tell(error: BaseException) -> None:
-    """Print an unexpected exception on standard error: message and file, or the traceback if VARIABLE is set."""
+    """Print an unexpected exception to standard error, or its traceback if VARIABLE is set."""
     if os.environ.get(VARIABLE):
         traceback.print_exception(error)
     else:
-        print(f"error: {Crash.of(error).told()}", file=sys.stderr)
+        print(f"error: {Crash.of(error).report()}", file=sys.stderr)
 
 
 def _place(frame: object, line: int) -> str:
-    """The last two parts of a file's path, and the line."""
+    """Return the last two parts of a file's path, and the line."""
     return f"{'/'.join(Path(frame.f_code.co_filename).parts[-2:])}:{line}"  # type: ignore[attr-defined]
 
 
@@ -130,8 +133,8 @@ def _temporary() -> Path:
     return Path(tempfile.mkdtemp(prefix="wmspec-"))
 
 
-def _circumstances() -> str:
-    """The command line, the versions of Python, of the system, of wmspec and of what it requires."""
+def _environment() -> str:
+    """Return the command line and the versions of Python, the system, wmspec and its requirements."""
     try:
         needed = sorted({re.split(r"[^\w.-]", one, maxsplit=1)[0] for one in requires("wmspec") or ()})
     except PackageNotFoundError:

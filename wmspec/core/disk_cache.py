@@ -1,12 +1,12 @@
-"""A cache in a folder of the user's: small files, each complete or absent, of what can always be computed again.
+"""A cache in the user's folder: small files, each complete or absent, of results that can be computed again.
 
-The folder is `$WMSPEC_CACHE_DIR`, else `$XDG_CACHE_HOME/wmspec`, else `~/.cache/wmspec`. Whatever is wrong with it or
-with an entry (no permission, a full disk, a damaged file), the cache behaves as if the entry were absent.
+The folder is `$WMSPEC_CACHE_DIR`, else `$XDG_CACHE_HOME/wmspec`, else `~/.cache/wmspec`. After any error
+(no permission, a full disk, a damaged file), the cache behaves as if the entry were absent.
 
-What is trusted: the folder and each entry must belong to the user who runs wmspec, and nobody else may write to them;
-otherwise they are ignored. Whoever can write there as that user can change wmspec itself. A checksum in front of each
-entry finds accidental damage. Entries hold data only: JSON, or pickles that are read by an unpickler which knows the
-classes of the syntax tree and nothing else, so that even a forged entry cannot execute code.
+Trust: the folder and each entry must belong to the user who runs wmspec and be writable by nobody else; otherwise they
+are ignored. Whoever can write there as that user can change wmspec itself. A checksum in front of each
+entry finds accidental damage. Entries hold data only: JSON, or pickles that are read by an unpickler
+restricted to the classes of the syntax tree, so that even a forged entry cannot execute code.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from pathlib import Path
 import wmspec
 
 #: With more entries than this, the older half is removed.
-MOST_ENTRIES = 4000
+MAX_ENTRIES = 4000
 _CHECKSUM = hashlib.sha256().digest_size
 _WRITABLE_BY_OTHERS = stat.S_IWGRP | stat.S_IWOTH
 
@@ -33,7 +33,7 @@ _disabled = False
 @contextmanager
 def disabled() -> Iterator[None]:
     """Neither read nor write entries within the block."""
-    global _disabled  # noqa: PLW0603  one process checks for one user
+    global _disabled  # noqa: PLW0603  one user per process
     before, _disabled = _disabled, True
     try:
         yield
@@ -42,14 +42,14 @@ def disabled() -> Iterator[None]:
 
 
 def folder() -> Path:
-    """Where entries are kept."""
+    """Return the cache folder."""
     if named := os.environ.get("WMSPEC_CACHE_DIR"):
         return Path(named)
     return Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"), "wmspec")  # noqa: PTH111  need not be
 
 
 def read(name: str) -> bytes | None:
-    """The content of an entry; None if there is none that can be trusted."""
+    """Return the content of an entry; None if there is none or it is not trusted."""
     if _disabled:
         return None
     with suppress(OSError):
@@ -95,7 +95,7 @@ def _ours(status: os.stat_result) -> bool:
 
 def _prune(place: Path) -> None:
     names = os.listdir(place)  # noqa: PTH208  names are enough
-    if len(names) > MOST_ENTRIES:
+    if len(names) > MAX_ENTRIES:
         written = []
         for name in names:
             with suppress(OSError):  # another process was quicker

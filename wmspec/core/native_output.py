@@ -1,4 +1,4 @@
-"""Engines print from C++, past Python's own streams: they are silenced at the file descriptors."""
+"""Suppresses output of native code: engines print from C++, past Python's streams."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from contextlib import contextmanager
 
 @contextmanager
 def silence() -> Iterator[None]:
-    """Whatever is printed meanwhile, by anyone in this process, is dropped."""
+    """Drop everything that this process prints within the block."""
     sys.stdout.flush()
     sys.stderr.flush()
-    kept = [(fd, os.dup(fd)) for fd in (1, 2)]
-    nowhere = os.open(os.devnull, os.O_WRONLY)
+    copies = [(fd, os.dup(fd)) for fd in (1, 2)]
+    null = os.open(os.devnull, os.O_WRONLY)
     try:
-        for fd, _ in kept:
-            os.dup2(nowhere, fd)
+        for fd, _ in copies:
+            os.dup2(null, fd)
         yield
     finally:
         sys.stdout.flush()
         sys.stderr.flush()
-        for fd, copy in kept:
+        for fd, copy in copies:
             os.dup2(copy, fd)
             os.close(copy)
-        os.close(nowhere)
+        os.close(null)

@@ -1,4 +1,4 @@
-"""Where something stands: in a text, in a file, on a stage. What a diagnostic points to."""
+"""Places that diagnostics point to: in a source text, in a file, on a stage."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from wmspec.core.node import Node
 
 @dataclass(frozen=True)
 class Source:
-    """A text with the name it is shown by (a path, or `<text>`)."""
+    """A source text and its display name: a path, or `<text>`."""
 
     name: str
     text: str = field(repr=False)
@@ -23,18 +23,18 @@ class Source:
         return [0, *(i + 1 for i, c in enumerate(self.text) if c == "\n")]
 
     def position(self, offset: int) -> tuple[int, int]:
-        """Line and column of a character, both from 1."""
+        """Return line and column of a character, both from 1."""
         line = bisect_right(self._starts, offset)
         return line, offset - self._starts[line - 1] + 1
 
     def line(self, number: int) -> str:
-        """The text of a line (from 1), without its end."""
+        """Return the text of a line (from 1) without its line break."""
         start = self._starts[number - 1]
         end = self._starts[number] if number < len(self._starts) else len(self.text)
         return self.text[start:end].rstrip("\r\n")
 
 
-#: A comment; a text, in which there are none, as the group.
+#: A string literal (the group) or a comment.
 _COMMENT = re.compile(r'("(?:[^"\\]|\\.)*")|#[^\n]*')
 
 
@@ -67,7 +67,7 @@ class Span:
         return " ".join(_COMMENT.sub(r"\1", self.text).split())
 
     def to(self, other: Span) -> Span:
-        """From the start of this span to the end of the other."""
+        """Return the span from the start of this one to the end of the other."""
         return Span(self.source, self.start, max(self.end, other.end))
 
     def __str__(self) -> str:
@@ -75,7 +75,7 @@ class Span:
 
 
 class Location(Node, kw_only=True):
-    """Where something stands in the text: file, line and column from 1, and character offsets."""
+    """A place in a source text as plain values: file, line and column from 1, character offsets."""
 
     file: str
     line: int
@@ -85,7 +85,7 @@ class Location(Node, kw_only=True):
 
     @classmethod
     def of(cls, span: Span) -> Location:
-        """A span as the IR keeps it."""
+        """Return the location of a span."""
         return cls(file=span.source.name, line=span.line, column=span.column, start=span.start, end=span.end)
 
     def __str__(self) -> str:
@@ -94,7 +94,7 @@ class Location(Node, kw_only=True):
 
 @dataclass(frozen=True)
 class PrimPlace:
-    """A prim of a stage, by its path; of a scene that is read from none, what it is called there."""
+    """A prim path; for a scene without a stage, the name of the body or action."""
 
     path: str
 
@@ -104,7 +104,7 @@ class PrimPlace:
 
 @dataclass(frozen=True)
 class FilePlace:
-    """A file, or a line (from 1) of it, or an element there, such as `joint hinge`."""
+    """A file, optionally with a line (from 1) and an element such as `joint hinge`."""
 
     path: str
     line: int | None = None

@@ -1,4 +1,4 @@
-"""Where the files that come with wmspec are: the grammar and the library of specs."""
+"""Paths of the files that wmspec ships: grammar, specs, templates."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import wmspec
 
 
 def resource(path: str) -> Path:
-    """A file or folder that comes with wmspec, such as `grammar/wms.lark`, in a checkout as in an installed wheel.
+    """Return the path of a shipped file or folder such as `grammar/wms.lark`, in a checkout and in an installed wheel.
 
-    Raises FileNotFoundError if there is none.
+    Raises FileNotFoundError if it is missing.
     """
     for root in wmspec.__path__:
         if (place := Path(root) / path).exists():
             return place
-    raise FileNotFoundError(f"{path} did not come with this installation of wmspec")
+    raise FileNotFoundError(f"{path} is missing from this installation of wmspec")

@@ -1,4 +1,4 @@
-"""Counter-based randomness: every draw is a pure function of what it is for, never of what was drawn before."""
+"""Counter-based random numbers: every draw is a pure function of its key, independent of earlier draws."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ _MASK = (1 << 64) - 1
 
 
 def bits(*key: object) -> int:
-    """64 random bits that depend on the key alone, the same on every machine."""
+    """Return 64 random bits of a key, equal on every machine."""
     text = "\x1f".join(str(k) for k in key)
     return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "big")
 
 
 def uniform(*key: object) -> float:
-    """A number in [0, 1) that depends on the key alone."""
+    """Return a uniform number in [0, 1) of a key."""
     return (bits(*key) >> 11) / (1 << 53)
 
 
 class Permutation:
-    """A random permutation of 0..n-1 that depends on the key alone, forwards and backwards, in constant memory.
+    """A random, invertible permutation of 0..n-1 of a key, in constant memory.
 
-    A Feistel network over `rows` times `columns`, no fewer than n, walked until it lands below n (Black & Rogaway,
-    "Ciphers with Arbitrary Finite Domains", 2002, methods 2 and 3). The bits of the key are blake2b's; within a round
-    they are mixed by multiplication and shift, after SplitMix64 (Steele, Lea & Flood, 2014).
+    A Feistel network over `rows` times `columns` >= n with cycle walking (Black & Rogaway,
+    "Ciphers with Arbitrary Finite Domains", 2002, methods 2 and 3). Round keys come from blake2b; the round
+    function is the finalizer of SplitMix64 (Steele, Lea & Flood, 2014).
     """
 
     def __init__(self, n: int, *key: object) -> None:
@@ -34,10 +34,10 @@ class Permutation:
         self._keys = tuple((bits(*key, r, "row"), bits(*key, r, "column")) for r in range(3))
 
     def __call__(self, i: int) -> int:
-        """Where `i` is sent. Raises IndexError outside 0..n-1."""
+        """Return the image of `i`. Raises IndexError outside 0..n-1."""
         if not 0 <= i < self.n:
             raise IndexError(f"{i} is not in 0..{self.n - 1}")
-        if self.n == 1:  # as the first digit of every sample has it
+        if self.n == 1:  # frequent: the first digit of a sample
             return 0
         while True:
             row, column = divmod(i, self.columns)
@@ -49,7 +49,7 @@ class Permutation:
                 return i
 
     def inverse(self, j: int) -> int:
-        """What is sent to `j`. Raises IndexError outside 0..n-1."""
+        """Return the preimage of `j`. Raises IndexError outside 0..n-1."""
         if not 0 <= j < self.n:
             raise IndexError(f"{j} is not in 0..{self.n - 1}")
         while True:
@@ -69,5 +69,5 @@ def _mixed(x: int) -> int:
 
 
 def permuted(i: int, n: int, *key: object) -> int:
-    """Where the random permutation of 0..n-1 of this key sends `i`."""
+    """Return the image of `i` under the permutation of 0..n-1 of a key."""
     return Permutation(n, *key)(i)

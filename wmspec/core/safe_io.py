@@ -1,4 +1,4 @@
-"""What others wrote, checked before it is used: a name as a name, a path as one that stays, a picture as a picture."""
+"""Guarded reads of untrusted names, paths, files and images."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.limits import FOLDERS, PIXELS, RECORDS, Limit
+from wmspec.core.limits import FOLDERS, PIXELS, TABLE_BYTES, Limit
 
 if TYPE_CHECKING:  # most specs have no pictures, and checking those should not wait for Pillow
     from PIL import Image
@@ -23,18 +23,18 @@ if TYPE_CHECKING:  # most specs have no pictures, and checking those should not 
 _NAME = re.compile(r"\w[\w.-]{0,99}")
 
 
-def is_name(text: object) -> bool:
-    """Whether a text can be (part of) the name of a file: letters, digits, `_`, and later also `-` and `.`."""
+def is_file_name(text: object) -> bool:
+    """Whether a text is safe as (part of) a file name: letters, digits and `_`, then also `-` and `.`; at most 100."""
     return isinstance(text, str) and _NAME.fullmatch(text) is not None
 
 
-#: While files that a spec names are being collected: the folders in which any were looked for, libraries apart.
+#: The folders that were searched for files other than specs, while they are collected.
 _searched: ContextVar[set[Path] | None] = ContextVar("_searched", default=None)
 
 
 @contextmanager
 def folders_searched() -> Iterator[set[Path]]:
-    """Collects the folders in which the block looks for files other than specs."""
+    """Collect the folders that the block searches for files other than specs."""
     folders = set[Path]()
     token = _searched.set(folders)
     try:
@@ -43,8 +43,8 @@ def folders_searched() -> Iterator[set[Path]]:
         _searched.reset(token)
 
 
-def inside(folder: Path, path: Path) -> bool:
-    """Whether there is a file at a path that lies below the folder, wherever symbolic links lead."""
+def is_within(folder: Path, path: Path) -> bool:
+    """Whether a path is a file below the folder after symbolic links are resolved."""
     if (searched := _searched.get()) is not None and path.suffix != ".wms":
         searched.add(folder)
     try:
@@ -53,47 +53,47 @@ def inside(folder: Path, path: Path) -> bool:
         return False
 
 
-class Endless(OSError):
-    """What is to be read is no file: a pipe waits for whoever writes to it, a device may go on for ever."""
+class NotARegularFile(OSError):
+    """The path is a pipe or a device: reading it may block or never end."""
 
 
-def plain(path: Path) -> Path:
-    """The path of a file that has an end: pipes and devices may have none. Raises OSError if there is no such file."""
+def regular_file(path: Path) -> Path:
+    """Return the path if it is a regular file. Raises OSError otherwise."""
     kind = path.stat().st_mode
     if stat.S_ISDIR(kind):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if not stat.S_ISREG(kind):
-        raise Endless(errno.EINVAL, "it is a pipe or a device, not a file", str(path))
+        raise NotARegularFile(errno.EINVAL, "it is a pipe or a device, not a file", str(path))
     return path
 
 
 def make_folders(path: Path) -> Path:
-    """Create a folder and those above it. Raises OSError if that is impossible, or if it lies too deep."""
+    """Create a folder and its parents. Raises OSError if that is impossible or the path is too deep."""
     if len(path.parts) > FOLDERS.most:
         raise OSError(errno.ENAMETOOLONG, f"it {FOLDERS.sentence}", str(path)[:200] + "...")
     path.mkdir(parents=True, exist_ok=True)
     return path
 
 
-def read_plain(path: Path, limit: Limit = RECORDS) -> bytes:
-    """All of a file. Raises OSError if it cannot be read, is no plain file, or is larger than that."""
-    with plain(path).open("rb") as file:
+def read_bytes(path: Path, limit: Limit = TABLE_BYTES) -> bytes:
+    """Return the bytes of a regular file. Raises OSError if it is unreadable, irregular or above the limit."""
+    with regular_file(path).open("rb") as file:
         read = file.read(limit.most + 1)
     if len(read) > limit.most:
         raise OSError(errno.EINVAL, f"it {limit.sentence}", str(path))
     return read
 
 
-def picture(source: Path | bytes, *formats: str) -> Image.Image:
-    """A picture, read to its end: of one of Pillow's `formats`, PNG or JPEG if none are named.
+def load_image(source: Path | bytes, *formats: str) -> Image.Image:
+    """Decode an image completely. `formats` are Pillow's names, PNG and JPEG by default.
 
-    Raises WmsError if it is something else, damaged, or too large.
+    Raises WmsError if the image has another format, is damaged, or is too large.
     """
     from PIL import Image
 
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # our own limit is told below
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # our own limit is checked below
             image = Image.open(source if isinstance(source, Path) else io.BytesIO(source), "r", formats or _FORMATS)
             if image.width * image.height > PIXELS.most:
                 raise PIXELS.exceeded()

@@ -1,23 +1,23 @@
-"""Which known word was meant by a misspelled one."""
+"""Spelling suggestions."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 
-def nearest(word: str, *groups: Iterable[str]) -> str:
-    """The known word that fewest slips of the hand turn into `word`; nothing if none is close.
+def closest_word(word: str, *groups: Iterable[str]) -> str:
+    """Return the known word with the smallest edit distance to `word`, or an empty text if none is close.
 
-    Of equals it is one of an earlier group, and then one of the same letters, or that begins and ends alike. Words that
-    differ in capitals or underscores alone are no slip apart; of one letter nothing else is close.
+    Ties go to the earlier group, then to an anagram, then to equal first and last letters. Capitals and underscores
+    do not count. One-letter words have no close words.
     """
     most = 1 + max(1, (len(word) + 1) // 3)
     best, merit = "", (most, 0, 0, "")
     for number, group in enumerate(groups):
         for known in group:
             if abs(len(known) - len(word)) <= merit[0]:
-                apart = slips(_plain(word), _plain(known), most)
-                changed = sorted(word) != sorted(known)  # not only swapped; rather left out or put in than changed
+                apart = edit_distance(_plain(word), _plain(known), most)
+                changed = sorted(word) != sorted(known)  # prefer swaps, then insertions and deletions, to substitutions
                 unlike = 2 * changed + 2 * (changed and len(word) == len(known))
                 unlike += (word[:1] != known[:1]) + (word[-1:] != known[-1:])
                 if (
@@ -29,11 +29,8 @@ def nearest(word: str, *groups: Iterable[str]) -> str:
     return best
 
 
-def slips(a: str, b: str, most: int = 1_000) -> int:
-    """How many letters to put in, leave out, change, or swap with the next turn one word into the other.
-
-    The restricted Damerau-Levenshtein distance; counting stops at `most`.
-    """
+def edit_distance(a: str, b: str, most: int = 1_000) -> int:
+    """Return the restricted Damerau-Levenshtein distance of two words; counting stops at `most`."""
     before, last = [0] * (len(b) + 1), list(range(len(b) + 1))
     for i, x in enumerate(a):
         this = [i + 1]

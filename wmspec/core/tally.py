@@ -1,19 +1,19 @@
-"""Whether a run has failed as a whole: nothing was made, or too much of it ended in errors."""
+"""Whether a run failed as a whole: nothing was made, or too many units ended in errors."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-#: A run in which a larger share than this ended as internal errors, crashes or timeouts has failed.
-MOST_FAILED = 0.1
+#: The largest accepted share of units that end as internal errors, crashes or timeouts.
+MAX_FAILED_SHARE = 0.1
 
 
 @dataclass(frozen=True)
 class Tally:
-    """The count of a run: of so many `tried` units, so many `failed` by an internal error, a crash or a timeout.
+    """Counts of a run: of `tried` units, `failed` ended by an internal error, a crash or a timeout.
 
-    `made` is how much the run was for: questions, pictures, comparisons, replies, rows, as `product` calls one of them.
-    `most` is the share of failures that is still accepted, `cause` the first failure in full, `how` they failed.
+    `made` counts the results, such as questions or pictures, and `product` is the clause for one of them. `most` is the
+    accepted share of failures, `cause` the first failure in full, `how` the verb phrase for failures.
     """
 
     product: str
@@ -23,16 +23,16 @@ class Tally:
     failed: int = 0
     cause: str = ""
     how: str = "ended as internal errors, crashes or timeouts"
-    most: float = MOST_FAILED
+    most: float = MAX_FAILED_SHARE
 
     @property
     def passed(self) -> bool:
-        """Whether something was made, and not too much failed."""
+        """Whether something was made and not too much failed."""
         return self.made > 0 and self.failed <= self.most * self.tried
 
     @property
-    def told(self) -> str:
-        """What went wrong, with the first cause; empty if nothing did."""
+    def message(self) -> str:
+        """The failures as text, with the first cause; empty if there are none."""
         lines = [] if self.made else [f"error: no {self.product}"]
         if self.failed:
             label = "warning" if self.passed else "error"

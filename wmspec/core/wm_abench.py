@@ -1,4 +1,4 @@
-"""What WM-ABench holds, so that what is here can be set beside it.
+"""The contents of WM-ABench, for comparison with the catalogue.
 
 Source: the table of cases in the appendix of *Do Vision-Language Models Have Internal World Models? Towards an Atomic
 Evaluation* (Gao et al., 2025), "Benchmark Task Breakdown". Its numbers sum to 104,886.
@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Column:
-    """One task of the paper: a sub-dimension (by the paper's letters) in an environment of its.
+    """One task of the paper: a sub-dimension (in the paper's abbreviation) in one environment.
 
-    `cases` are its instances, `images` the pictures shown with each, before the options.
+    `cases` counts its instances, `images` the pictures shown before the options.
     """
 
     letters: str
@@ -23,7 +23,7 @@ class Column:
 
     @property
     def name(self) -> str:
-        """How the paper's tables head it, such as `MS ManiSkill`."""
+        """Its heading in the paper's tables, such as `MS ManiSkill`."""
         return f"{self.letters} {self.environment}"
 
 
@@ -74,8 +74,8 @@ COLUMNS = (
     Column("C-Man", "ManiSkill lift", 2304, 1),
 )
 
-#: The column that a task of ours rebuilds, by the task's name. A new spec of the catalogue adds its line here.
-REBUILT = {
+#: The column that each task of the catalogue rebuilds. A new spec of the catalogue adds a line here.
+COLUMN_OF_TASK = {
     "relation_tabletop": "SR ManiSkill",
     "relation_room": "SR TDW",
     "vacancy_tabletop": "SE-V ManiSkill",
@@ -124,11 +124,11 @@ REBUILT = {
 
 
 def column(task: str) -> Column | None:
-    """The column of the paper that a task rebuilds; None if it rebuilds none."""
-    return next((c for c in COLUMNS if c.name == REBUILT.get(task)), None)
+    """Return the column that a task rebuilds, or None."""
+    return next((c for c in COLUMNS if c.name == COLUMN_OF_TASK.get(task)), None)
 
 
-def instances(task: str, questions: int) -> int | None:
-    """How many instances of a task, so many questions each, are as many as the paper's cases; None if it has none."""
-    there = column(task)
-    return None if there is None else -(-there.cases // questions)
+def instance_count(task: str, questions: int) -> int | None:
+    """Return the number of instances with `questions` each that gives the paper's number of cases, or None."""
+    found = column(task)
+    return None if found is None else -(-found.cases // questions)

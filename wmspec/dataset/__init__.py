@@ -1,1 +1,1 @@
-"""Datasets: built, verified, attested and audited."""
+"""Datasets: generation, verification, attestation and audit."""

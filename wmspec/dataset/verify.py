@@ -1,7 +1,7 @@
-"""Whether a dataset's rows come out again: instances are made anew and held against what the folder has.
+"""Verification: generates instances again and compares them with the rows of a dataset.
 
-With the same engines and graphics every byte is the same. Elsewhere the last digits of a simulation and the pixels at
-edges are others: then what counts is that texts, options and answers are the same, and numbers and pictures nearly so.
+With the same engines and graphics driver all bytes are equal. On another machine the last digits of a simulation and
+pixels at edges may differ. Then texts, options and answers must be equal, numbers and pictures nearly equal.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from typing import Any, Literal
 import numpy as np
 from PIL import Image
 
+from wmspec.dataset.build.batching import batches, weight
 from wmspec.dataset.build.generate import job_of
 from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.reader import CHANNELS, PICTURES, DatasetReader
 from wmspec.dataset.build.rows import Row, identity
-from wmspec.dataset.build.units import units, weight
-from wmspec.dataset.build.worker import work
-from wmspec.runtime.workers.pool import Effort, Lost, by_units
+from wmspec.dataset.build.worker import make_instances
+from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_batches
 
-#: Numbers are near if they differ by less than this share, or by less than this (SI units).
-NEAR, NEAR_ZERO = 0.01, 1e-3
-#: Pictures are near if their pixels (0 to 255) differ by less than this on average.
+#: Relative and absolute (SI units) tolerance within which numbers are nearly equal.
+NEAR_RELATIVE, NEAR_ABSOLUTE = 0.01, 1e-3
+#: Mean absolute difference of pixel values (0 to 255) below which pictures are nearly equal.
 NEAR_PIXELS = 2.0
 
 Verdict = Literal["same", "near", "different"]
@@ -34,7 +34,7 @@ Verdict = Literal["same", "near", "different"]
 
 @dataclass(frozen=True)
 class Difference:
-    """The first thing in which a question came out otherwise: its id, the column (empty: the whole row), in words."""
+    """The first difference of a question: its id, the column (empty for the whole row), a description."""
 
     id: str
     column: str
@@ -47,9 +47,9 @@ class Difference:
 
 @dataclass(frozen=True)
 class Verification:
-    """How many questions were made anew, and those that came out otherwise, the first difference of each.
+    """The number of questions generated again, and the first difference of each that differs.
 
-    `versions` are what is installed here in other versions than the dataset was made with: there, and here.
+    `versions` maps packages whose installed version differs to (version in the dataset, version installed).
     """
 
     questions: int
@@ -58,30 +58,32 @@ class Verification:
 
     @property
     def verdict(self) -> Verdict:
-        """The worst of all."""
+        """The worst verdict of all questions."""
         if not self.differences:
             return "same"
         return "near" if all(difference.near for difference in self.differences) else "different"
 
 
-def verify(dataset: DatasetReader, plan: Plan, effort: Effort, progress: Callable[[str, int], None]) -> Verification:
-    """Make the instances of the plan anew. Its tasks are some of the dataset's, with some of its instances."""
+def verify(
+    dataset: DatasetReader, plan: Plan, effort: PoolConfig, progress: Callable[[str, int], None]
+) -> Verification:
+    """Generate the instances of `plan` again and compare them. The plan is a subset of the dataset's plan."""
     job, differences, questions = job_of(plan, effort), list[Difference](), 0
     tasks = {task.spec.name: task for task in plan.tasks}
     every = (
         [(own, name, piece) for piece in unit]
         for name, task in tasks.items()
         for own in [job.of(name)]
-        for unit in units(task.spec, plan.seed, task.indices)
+        for unit in batches(task.spec, plan.seed, task.indices)
     )
-    with closing(by_units(work, every, effort, lambda p: weight(tasks[p[1]].spec, p[2]))) as outcomes:
+    with closing(map_batches(make_instances, every, effort, lambda p: weight(tasks[p[1]].spec, p[2]))) as outcomes:
         for (_, name, indices), made in outcomes:
-            there = _there(dataset, name, indices)
+            there = _stored_rows(dataset, name, indices)
             for at, index in enumerate(indices):
-                here = made if isinstance(made, Lost) else {row["id"]: row for row in made.outcomes[at].rows}
+                here = made if isinstance(made, JobFailure) else {row["id"]: row for row in made.outcomes[at].rows}
                 rejected = (
                     {}
-                    if isinstance(made, Lost)
+                    if isinstance(made, JobFailure)
                     else {
                         identity(r.task, r.index, r.question, r.engine): f"{r.reason}: {r.detail}"
                         for r in made.outcomes[at].rejected
@@ -90,7 +92,7 @@ def verify(dataset: DatasetReader, plan: Plan, effort: Effort, progress: Callabl
                 for engine in plan.engines:
                     for q in range(len(tasks[name].spec.questions)):
                         id_ = identity(name, index, q, engine)
-                        differences += _compared(id_, there.get(id_), here, rejected)
+                        differences += _compare(id_, there.get(id_), here, rejected)
                         questions += 1
                 progress(name, 1)
     there_versions = dataset.manifest["versions"]
@@ -98,47 +100,49 @@ def verify(dataset: DatasetReader, plan: Plan, effort: Effort, progress: Callabl
     return Verification(questions, tuple(sorted(differences, key=lambda d: d.id)), versions)
 
 
-def _there(dataset: DatasetReader, task: str, indices: Sequence[int]) -> dict[str, Row]:
+def _stored_rows(dataset: DatasetReader, task: str, indices: Sequence[int]) -> dict[str, Row]:
+    """Return the dataset's rows of the given instances, by id."""
     columns = dataset.columns(task)
     return {row["id"]: row for row in dataset.rows(task, columns, set(indices))} if columns else {}
 
 
-def _compared(
-    id_: str, there: Row | None, here: Mapping[str, Row] | Lost, rejected: Mapping[str, str]
+def _compare(
+    id_: str, there: Row | None, here: Mapping[str, Row] | JobFailure, rejected: Mapping[str, str]
 ) -> Iterator[Difference]:
-    """The first difference of a question, if there is one."""
-    if isinstance(here, Lost):
-        yield Difference(id_, "", f"it cannot be made here: {here.reason}", False)
+    """Yield the first difference of a question, if any."""
+    if isinstance(here, JobFailure):
+        yield Difference(id_, "", f"cannot be generated here: {here.reason}", False)
     elif there is None and id_ in here:
-        yield Difference(id_, "", "it was rejected, and is asked here", False)
+        yield Difference(id_, "", "rejected in the dataset, accepted here", False)
     elif there is not None and id_ not in here:
-        yield Difference(id_, "", f"it is asked in the dataset, and rejected here ({rejected.get(id_, '')})", False)
+        yield Difference(id_, "", f"in the dataset, but rejected here ({rejected.get(id_, '')})", False)
     elif there is not None:
         differences = [d for name in there for d in _column(id_, name, there[name], here[id_].get(name))]
         yield from sorted(differences, key=lambda d: d.near)[:1]
 
 
 def _column(id_: str, name: str, there: Any, here: Any) -> Iterator[Difference]:
+    """Yield the difference of one column, if any."""
     if name in (*PICTURES, *CHANNELS):
-        yield from _pictures(id_, name, there or [], here or [])
-    elif (words := _apart(there, here)) is not None:
+        yield from _picture_differences(id_, name, there or [], here or [])
+    elif (words := _value_difference(there, here)) is not None:
         yield Difference(id_, name, f"{_short(there)} in the dataset, {_short(here)} here{words[0]}", words[1])
 
 
-def _apart(there: Any, here: Any) -> tuple[str, bool] | None:
-    """By how much two values differ, in words, and whether that is little; None if they are the same."""
+def _value_difference(there: Any, here: Any) -> tuple[str, bool] | None:
+    """Return a description of the difference of two values and whether it is small; None if they are equal."""
     if there == here or (isinstance(there, list | tuple) and list(there) == list(here or ())):
         return None
     a, b = _numbers(there), _numbers(here)
-    if a is None or b is None or len(a) != len(b) or _words(there) != _words(here):
+    if a is None or b is None or len(a) != len(b) or _without_numbers(there) != _without_numbers(here):
         return "", False
     gaps = [abs(x - y) for x, y in zip(a, b, strict=True)]
-    near = all(math.isclose(x, y, rel_tol=NEAR, abs_tol=NEAR_ZERO) for x, y in zip(a, b, strict=True))
+    near = all(math.isclose(x, y, rel_tol=NEAR_RELATIVE, abs_tol=NEAR_ABSOLUTE) for x, y in zip(a, b, strict=True))
     return f", {max(gaps):.2g} apart", near
 
 
 def _numbers(value: Any) -> list[float] | None:
-    """All floating-point numbers in a value, in order; None if there are none."""
+    """Return all floating-point numbers in a value, in order; None if it contains none."""
     if isinstance(value, float):
         return [value]
     parts = value.values() if isinstance(value, dict) else value if isinstance(value, list | tuple) else ()
@@ -146,13 +150,13 @@ def _numbers(value: Any) -> list[float] | None:
     return numbers or None
 
 
-def _words(value: Any) -> Any:
-    """A value without its floating-point numbers."""
+def _without_numbers(value: Any) -> Any:
+    """Return a value with its floating-point numbers removed."""
     if isinstance(value, float):
         return None
     if isinstance(value, dict):
-        return {name: _words(part) for name, part in value.items()}
-    return [_words(part) for part in value] if isinstance(value, list | tuple) else value
+        return {name: _without_numbers(part) for name, part in value.items()}
+    return [_without_numbers(part) for part in value] if isinstance(value, list | tuple) else value
 
 
 def _short(value: Any) -> str:
@@ -160,8 +164,8 @@ def _short(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _pictures(id_: str, name: str, there: Sequence[Any], here: Sequence[Any]) -> Iterator[Difference]:
-    """The pictures of a column that are not the same file."""
+def _picture_differences(id_: str, name: str, there: Sequence[Any], here: Sequence[Any]) -> Iterator[Difference]:
+    """Yield the differences of a picture column."""
     if len(there) != len(here):
         yield Difference(id_, name, f"{len(there)} pictures in the dataset, {len(here)} here", False)
         return

@@ -1,4 +1,4 @@
-"""A spec as it is being written: its text, and what can be known of it whatever is wrong with it."""
+"""A spec while it is edited, tolerant of mistakes."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from wmspec.core.diagnostics import Report, WmsError
 from wmspec.core.node import Node
 from wmspec.core.places import Source, Span
 from wmspec.lang.check.expressions.expressions import Expressions
-from wmspec.lang.check.statements.task import known
+from wmspec.lang.check.statements.task import scope_of
 from wmspec.lang.parse import syntax as s
-from wmspec.lang.parse.files import shown
+from wmspec.lang.parse.files import display_path
 from wmspec.lang.parse.load import Program, load_source
 from wmspec.lang.parse.parser import parse
 
@@ -29,13 +29,13 @@ class Document:
 
     @cached_property
     def source(self) -> Source:
-        """The text, by the name that messages call it."""
-        return Source(shown(self.path), self.text)
+        """The text under the name that messages use."""
+        return Source(display_path(self.path), self.text)
 
     @cached_property
     def program(self) -> Program:
-        """What could be read, with the libraries that could."""
-        with suppress(WmsError):  # of a library that is not UTF-8, say
+        """The parsed program, with the libraries that could be read."""
+        with suppress(WmsError):  # such as a library that is not UTF-8
             return load_source(self.source, self.path.parent, Report())
         return Program(self.source, parse(self.source, Report()), {}, {})
 
@@ -45,7 +45,7 @@ class Document:
         return self.program.file
 
     def around(self, offset: int) -> tuple[s.Task | None, s.Variant | None]:
-        """The task and the variant in which a character stands; of a task that has variants the first, outside them."""
+        """Return the task and the variant around a character; outside of variants, the first one."""
         tasks = [item for item in self.file.items if isinstance(item, s.Task)]
         task = next((t for t in reversed(tasks) if t.span.start <= offset), tasks[0] if tasks else None)
         variants = [item for item in task.body if isinstance(item, s.Variant)] if task else []
@@ -53,13 +53,13 @@ class Document:
         return task, next(inside, variants[0] if variants else None)
 
     def meaning(self, offset: int) -> Expressions | None:
-        """What expressions mean where a character stands."""
+        """Return the checker of expressions in the scope of a character."""
         with suppress(WmsError):
-            return known(self.program, *self.around(offset))
+            return scope_of(self.program, *self.around(offset))
         return None
 
     def nodes_at(self, offset: int) -> list[Node]:
-        """The nodes of the syntax tree that hold a character, from the file down to the smallest."""
+        """Return the syntax nodes around a character, from the file to the smallest."""
         path: list[Node] = [self.file]
         while (inner := _holding(path[-1], offset)) is not None:
             path.append(inner)
@@ -67,7 +67,7 @@ class Document:
 
 
 def children(node: Node) -> Iterator[tuple[str, Node]]:
-    """The nodes directly in a node, with the field that each is in."""
+    """Yield the direct child nodes with their field names."""
     for field in fields(node):  # type: ignore[arg-type]
         for each in _flat(getattr(node, field.name)):
             yield field.name, each
@@ -82,6 +82,6 @@ def _flat(value: Any) -> Iterator[Node]:
 
 
 def _holding(node: Node, offset: int) -> Node | None:
-    """The child that holds a character; where two meet, the one that begins there."""
+    """Return the child around a character; where two meet, the second."""
     holding = [c for _, c in children(node) if c.span.start <= offset <= c.span.end]  # type: ignore[attr-defined]
     return max(holding, key=lambda c: c.span.start, default=None)  # type: ignore[attr-defined]

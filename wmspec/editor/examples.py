@@ -1,4 +1,4 @@
-"""A few instances of a spec that is being written, in small pictures: drawn in a process of its own."""
+"""Previews of a few instances of a spec, drawn in a separate process."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Cell:
-    """A picture (PNG) or a text with a caption; `true` is the option that is right."""
+    """A captioned picture (PNG) or text; `true` marks the correct option."""
 
     caption: str
     text: str = ""
@@ -31,40 +31,40 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Asked:
-    """A question with what is shown before it and its options; or why it cannot be asked."""
+class QuestionPreview:
+    """A question with its context and options, or the reason for its rejection."""
 
     text: str
-    shown: tuple[Cell, ...] = ()
+    context: tuple[Cell, ...] = ()
     options: tuple[Cell, ...] = ()
     rejected: str = ""
 
 
 @dataclass(frozen=True)
 class Row:
-    """An instance: the values of its factors in words, and what is asked of it."""
+    """An instance: its factor levels in words, and its questions."""
 
     task: str
     index: int
     factors: str
-    asked: tuple[Asked, ...]
+    questions: tuple[QuestionPreview, ...]
 
 
 def draw(text: str, path: Path, task: str, index: int, engine: str, size: int) -> Row:
-    """An instance of a spec without mistakes, executed and asked about in an engine, its pictures `size` px wide.
+    """Return the preview of an instance, executed in an engine, with pictures `size` pixels wide.
 
-    What cannot be executed, asked or drawn is told in its row.
+    The spec must have no mistakes. Failures are part of the row.
     """
     instance = _tasks(text, path)[task][index]
     try:
-        asked = tuple(_asked(instance, engine, size))
+        questions = tuple(_questions(instance, engine, size))
     except WmsError as error:
-        asked = (Asked("", rejected=str(error)),)
-    return Row(task, index, str(instance), asked)
+        questions = (QuestionPreview("", rejected=str(error)),)
+    return Row(task, index, str(instance), questions)
 
 
 def picture(text: str, path: Path, task: str, index: int, engine: str, size: int) -> bytes:
-    """A sheet (PNG) of what the cameras of an instance observe. Raises WmsError if it cannot be executed or drawn."""
+    """Return a sheet (PNG) of the observed views of an instance. Raises WmsError if it cannot be executed or drawn."""
     out = io.BytesIO()
     _tasks(text, path)[task][index].run(engine).sheet(size=size).save(out, "PNG")
     return out.getvalue()
@@ -72,37 +72,37 @@ def picture(text: str, path: Path, task: str, index: int, engine: str, size: int
 
 @lru_cache(maxsize=2)
 def _tasks(text: str, path: Path) -> dict[str, Task]:
-    """The tasks of a text by name. The libraries that it uses may change while this process lives: see `changed`."""
+    """Return the tasks of a text by name, cached; call `changed` when a library changes."""
     from wmspec.api.loading import diagnose_text
 
     return {task.name: task for task in diagnose_text(text, path, tried=False)[1]}
 
 
 def changed() -> None:
-    """Forget texts: a library has changed."""
+    """Clear the cache after a change of a library."""
     _tasks.cache_clear()
 
 
-def _asked(instance: Instance, engine: str, size: int) -> Iterator[Asked]:
+def _questions(instance: Instance, engine: str, size: int) -> Iterator[QuestionPreview]:
     if not instance.task.questions:
         run = instance.run(engine)
         views = run.views()
-        yield Asked("", tuple(Cell(_when(c, t), png=_png(run.frame(c, t, size=size))) for c, t in views))
+        yield QuestionPreview("", tuple(Cell(_when(c, t), png=_png(run.frame(c, t, size=size))) for c, t in views))
         return
     answers = instance.ask(engine, size=size)
     for row in answers:
         yield _question(row)
     for refusal in answers.rejected:
-        yield Asked("", rejected=f"no question: {refusal.detail or refusal.reason} ({refusal.reason})")
+        yield QuestionPreview("", rejected=f"no question: {refusal.detail or refusal.reason} ({refusal.reason})")
 
 
-def _question(row: QuestionRow) -> Asked:
-    shown = tuple(Cell(_when(p.camera, p.time), png=_png(p.rgb)) for p in row.context)
+def _question(row: QuestionRow) -> QuestionPreview:
+    context = tuple(Cell(_when(p.camera, p.time), png=_png(p.rgb)) for p in row.context)
     options = [
         Cell(o.name if o.picture else "", o.text or "", _png(o.picture.rgb) if o.picture else b"", i == row.answer)
         for i, o in enumerate(row.options)
     ]
-    return Asked(row.text, shown, tuple(options) or (Cell("measured", row.value, true=True),))
+    return QuestionPreview(row.text, context, tuple(options) or (Cell("measured", row.value, true=True),))
 
 
 def _when(camera: str, time: float) -> str:

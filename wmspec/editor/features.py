@@ -1,4 +1,4 @@
-"""What editors ask, a function for each request: the text as it is, answered by the rooms of the language."""
+"""Handlers of the language server, one function per request."""
 
 from __future__ import annotations
 
@@ -17,44 +17,46 @@ from wmspec.editor.complete import complete
 from wmspec.editor.document import Document
 from wmspec.editor.hover import hover
 from wmspec.editor.names import Names, Occurrence
-from wmspec.editor.preview import Preview, pointed_at
+from wmspec.editor.preview import Preview, instance_at
 from wmspec.editor.protocol import uri_of
-from wmspec.editor.rename import meant, renamed
+from wmspec.editor.rename import occurrences_of, rename_places
 from wmspec.editor.server import Server, read
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.format import format_spec
-from wmspec.runtime.workers.pool import Lost
+from wmspec.runtime.workers.pool import JobFailure
 
 T = TypeVar("T")
 
 
 async def changed(ls: Server, params: lsp.DidOpenTextDocumentParams | lsp.DidChangeTextDocumentParams) -> None:
-    """A text was opened, or is another now."""
+    """Check a text that was opened or edited."""
     ls.check_soon(params.text_document.uri)
 
 
 async def saved(ls: Server, _: lsp.DidSaveTextDocumentParams) -> None:
-    """A file was written: it may be a library of the others."""
+    """Check all open texts: the saved file may be one of their libraries."""
     for uri in list(ls.workspace.text_documents):
         ls.check_soon(uri)
 
 
 def closed(ls: Server, params: lsp.DidCloseTextDocumentParams) -> None:
-    """Nobody looks at a text any more."""
+    """Discard a closed text."""
     ls.forget(params.text_document.uri)
 
 
 def completion(ls: Server, params: lsp.CompletionParams) -> lsp.CompletionList:
-    """What may stand here."""
+    """Return the suggestions at a position."""
     document, positions = ls.document(params.text_document.uri)
     offset = positions.offset(params.position)
     offers = complete(document, offset)
     where = positions.between(offers.start, offset)
-    return lsp.CompletionList(False, [protocol.item(i, offer, where) for i, offer in enumerate(offers.offers)])
+    return lsp.CompletionList(
+        False, [protocol.lsp_completion(i, offer, where) for i, offer in enumerate(offers.offers)]
+    )
 
 
 def hovered(ls: Server, params: lsp.HoverParams) -> lsp.Hover | None:
-    """What this word means."""
+    """Return the documentation of the word at a position."""
     document, positions = ls.document(params.text_document.uri)
     about = hover(document, positions.offset(params.position))
     if about is None:
@@ -64,7 +66,7 @@ def hovered(ls: Server, params: lsp.HoverParams) -> lsp.Hover | None:
 
 
 def definition(ls: Server, params: lsp.DefinitionParams) -> lsp.Location | None:
-    """Where a name is declared, in a library too."""
+    """Return the declaration of a name, also in a library."""
     document, name = _name(ls, params.text_document.uri, params.position)
     if name is None:
         return None
@@ -75,31 +77,31 @@ def definition(ls: Server, params: lsp.DefinitionParams) -> lsp.Location | None:
 
 
 def references(ls: Server, params: lsp.ReferenceParams) -> list[lsp.Location]:
-    """Everywhere that a name is meant."""
+    """Return all occurrences of a name."""
     document, name = _name(ls, params.text_document.uri, params.position)
     if name is None:
         return []
     documents = ls.around(document, name.declared.path)
     return [
         lsp.Location(uri_of(path), where)
-        for path, ranges in _ranges(ls, documents, meant(documents, name))
+        for path, ranges in _ranges(ls, documents, occurrences_of(documents, name))
         for where in ranges
     ]
 
 
 def prepare_rename(ls: Server, params: lsp.PrepareRenameParams) -> lsp.Range | None:
-    """The name that would be renamed."""
+    """Return the range of the name that would be renamed."""
     document, name = _name(ls, params.text_document.uri, params.position)
     return None if name is None else ls.positions_in(document).range(name.span)
 
 
 def rename(ls: Server, params: lsp.RenameParams) -> lsp.WorkspaceEdit | None:
-    """Another name, everywhere."""
+    """Return the edits that rename a name everywhere."""
     document, name = _name(ls, params.text_document.uri, params.position)
     if name is None:
         return None
     documents = ls.around(document, name.declared.path)
-    places = _reported(lambda: renamed(documents, name, params.new_name))
+    places = _reported(lambda: rename_places(documents, name, params.new_name))
     changes = {
         uri_of(path): [lsp.TextEdit(where, params.new_name) for where in ranges]
         for path, ranges in _ranges(ls, documents, places)
@@ -108,35 +110,35 @@ def rename(ls: Server, params: lsp.RenameParams) -> lsp.WorkspaceEdit | None:
 
 
 def symbols(ls: Server, params: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol]:
-    """What the text declares."""
+    """Return the declarations of a text."""
     document, positions = ls.document(params.text_document.uri)
     return list(protocol.symbols(document.file, positions))
 
 
 def formatting(ls: Server, params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
-    """The text as `wmspec fmt` writes it."""
+    """Return the edits of `wmspec fmt`."""
     document, positions = ls.document(params.text_document.uri)
     try:
         formatted = format_spec(document.source)
-    except WmsError:  # its mistakes are told already
+    except WmsError:  # diagnostics are already published
         return []
     return [] if formatted == document.text else [lsp.TextEdit(positions.between(0, len(document.text)), formatted)]
 
 
 def fixes(ls: Server, params: lsp.CodeActionParams) -> list[lsp.CodeAction]:
-    """Remedies that can be applied."""
+    """Return the remedies that can be applied."""
     uri = params.text_document.uri
     _, positions = ls.document(uri)
     lines = range(params.range.start.line, params.range.end.line + 1)
     source = ls.workspace.get_text_document(uri).source
-    current = (d for d in ls.told.get(uri, ()) if isinstance(d.place, Span) and d.place.source.text == source)
+    current = (d for d in ls.published.get(uri, ()) if isinstance(d.place, Span) and d.place.source.text == source)
     near = (d for d in current if isinstance(d.place, Span) and d.place.line - 1 in lines)
-    made = (protocol.fix(d, uri, positions, params.context.diagnostics) for d in near)
+    made = (protocol.quick_fix(d, uri, positions, params.context.diagnostics) for d in near)
     return [fix for fix in made if fix is not None]
 
 
 async def preview(ls: Server, uri: str, position: lsp.Position | None = None) -> dict[str, object]:
-    """Draw the instance under the cursor: where the picture is, and which instance it shows."""
+    """Draw the instance at the cursor; return the picture's address and the instance."""
     document, positions = ls.document(uri)
     at = lsp.Position(position.line, position.character) if position is not None else lsp.Position(0, 0)
     offset = positions.offset(at)
@@ -144,7 +146,7 @@ async def preview(ls: Server, uri: str, position: lsp.Position | None = None) ->
 
 
 def _reported(work: Callable[[], T]) -> T:
-    """What the work gives; a mistake of the user is the answer of the request."""
+    """Return the result of `work`; a WmsError becomes the response to the request."""
     try:
         return work()
     except WmsError as error:
@@ -152,9 +154,9 @@ def _reported(work: Callable[[], T]) -> T:
 
 
 def _drawn(ls: Server, document: Document, offset: int) -> dict[str, object]:
-    which = pointed_at(document, offset)
+    which = instance_at(document, offset)
     png = ls.drawer.do(Preview.draw, which, document.text, document.path)
-    if isinstance(png, Lost):
+    if isinstance(png, JobFailure):
         raise WmsError(f"{which.task} cannot be drawn: {png.reason}")
     path = Path(ls.pictures.name, f"{which.task}-{which.index}.png")
     path.write_bytes(png)
@@ -162,7 +164,7 @@ def _drawn(ls: Server, document: Document, offset: int) -> dict[str, object]:
 
 
 def _name(ls: Server, uri: str, position: lsp.Position) -> tuple[Document, Occurrence | None]:
-    """The name at the position of a request."""
+    """Return the document and the name at the position of a request."""
     document, positions = ls.document(uri)
     return document, Names(document).at(positions.offset(position))
 
@@ -176,7 +178,7 @@ def _ranges(
             yield document.path, [positions.range(span) for span in places[document.path]]
 
 
-#: Every request with its answer, and what is told of it at the start.
+#: Each request with its handler and registration options.
 FEATURES = (
     (lsp.TEXT_DOCUMENT_DID_OPEN, changed, None),
     (lsp.TEXT_DOCUMENT_DID_CHANGE, changed, None),

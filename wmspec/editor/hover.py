@@ -1,4 +1,4 @@
-"""What a word means: the same as the tables of the reference say, or what it was declared as."""
+"""Documentation of the word at a place, from the tables of the language or its declaration."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from wmspec.core.node import Node
 from wmspec.core.places import Source, Span
-from wmspec.editor.complete import shown_type, takes
+from wmspec.editor.complete import accepted_values, type_with_example
 from wmspec.editor.document import Document
 from wmspec.editor.names import Names, Occurrence
 from wmspec.lang.check.expressions.calls import signature
@@ -15,25 +15,34 @@ from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.tables.functions import FUNCTIONS
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
-from wmspec.lang.check.tables.vocabulary import COLORS, JOINTS, PLANS, PROPERTIES, SETS, TOLERANCES, WORDS, Slot
+from wmspec.lang.check.tables.vocabulary import (
+    COLORS,
+    DESIGNS,
+    JOINTS,
+    PROPERTIES,
+    SETS,
+    TOLERANCES,
+    WORDS,
+    PropertySpec,
+)
 from wmspec.lang.check.types.units import UNITS, UnknownUnit, parse_unit
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.lexer import Token
-from wmspec.lang.parse.parser import words
+from wmspec.lang.parse.parser import tokens_and_comments
 from wmspec.lang.parse.tables import tables
 from wmspec.sim.materials import MATERIALS
 
 
 @dataclass(frozen=True)
 class Hover:
-    """Markdown about the characters of a span."""
+    """Markdown for a span."""
 
     span: Span
     markdown: str
 
 
 def hover(document: Document, offset: int) -> Hover | None:
-    """What there is to say about the word at an offset; None if there is nothing."""
+    """Return the documentation of the word at an offset; None if there is none."""
     token = _token(document, offset)
     if token is None:
         return None
@@ -47,7 +56,7 @@ def hover(document: Document, offset: int) -> Hover | None:
 
 
 def _token(document: Document, offset: int) -> Token | None:
-    touching = [t for t in words(document.text) if t.start <= offset <= t.end and t.type != "COMMENT"]
+    touching = [t for t in tokens_and_comments(document.text) if t.start <= offset <= t.end and t.type != "COMMENT"]
     telling = [t for t in touching if t.text[0].isalnum() or t.text[0] == "_"]
     return next(reversed(telling or touching), None)
 
@@ -55,8 +64,8 @@ def _token(document: Document, offset: int) -> Token | None:
 # ---------------------------------------------------------------- properties, arguments, verbs
 
 
-def _key(document: Document, nodes: list[Node], token: Token) -> str:  # noqa: C901  a case for each holder
-    """What a property or an argument is, by what it belongs to."""
+def _key(document: Document, nodes: list[Node], token: Token) -> str:  # noqa: C901  one case per owner
+    """Return the documentation of a property or an argument, from the table of its owner."""
     name = nodes[-1]
     if not isinstance(name, s.Name) or len(nodes) < 2:
         return ""
@@ -65,28 +74,28 @@ def _key(document: Document, nodes: list[Node], token: Token) -> str:  # noqa: C
         case s.Property(name=s.Name(id=key)) if holder.name is name:
             whole = next((n for n in reversed(outer) if isinstance(n, s.Part | s.Block | s.Template)), None)
             slot = PROPERTIES.get(_kind(whole), {}).get(key)
-            return slot_shown(f"{key}:", slot) if slot is not None else ""
+            return slot_markdown(f"{key}:", slot) if slot is not None else ""
         case s.Argument(name=s.Name(id=key)) if holder.name is name:
             call = next((n for n in reversed(outer) if isinstance(n, s.Call)), None)
             called = call.function.span.text if call else ""
             verb = _verb(called)
             if verb is not None and key in verb.arguments:
-                return slot_shown(f"{key}:", verb.arguments[key])
+                return slot_markdown(f"{key}:", verb.arguments[key])
             return _function(called)
         case s.Call(function=function) if function is name:
             verb = VERBS.get(name.id) if any(isinstance(n, s.Action) for n in outer) else None
-            return verb_shown(name.id, verb) if verb is not None else _function(name.id)
+            return verb_markdown(name.id, verb) if verb is not None else _function(name.id)
         case s.Member(name=last) if last is name and any(isinstance(n, s.Call) and n.function is holder for n in outer):
             robot = _verb(f".{name.id}")
-            return verb_shown(name.id, robot) if robot is not None else ""
+            return verb_markdown(name.id, robot) if robot is not None else ""
         case s.Member(name=last) if last is name:
             slot = next((table[name.id] for table in PROPERTIES.values() if name.id in table), None)
             declared = Names(document).at(token.start)
-            return slot_shown(name.id, slot) if slot is not None and declared is None else ""
-        case s.Design(kind=kind) if kind is name and name.id in PLANS:
-            return f"`{PLANS[name.id].written}`\n\n{PLANS[name.id].meaning}"
+            return slot_markdown(name.id, slot) if slot is not None and declared is None else ""
+        case s.Design(kind=kind) if kind is name and name.id in DESIGNS:
+            return f"`{DESIGNS[name.id].written}`\n\n{DESIGNS[name.id].meaning}"
         case s.Tolerance(name=kind) if kind is name and name.id in TOLERANCES:
-            return slot_shown(name.id, TOLERANCES[name.id])
+            return slot_markdown(name.id, TOLERANCES[name.id])
         case s.Block(model=model, kind=kind) if model is name and SETS.get(kind, kind) == "joint" and name.id in JOINTS:
             return f"`{name.id}`: {JOINTS[name.id]}"
     return ""
@@ -113,20 +122,21 @@ def _function(name: str) -> str:
         return ""
     function = FUNCTIONS[name]
     where = "\n\nMeasured on the executed episode." if function.measured else ""
-    return f"```wms\n{signature(name, function)}\n```\n{function.meaning}; gives {shown_type(function.result)}{where}"
+    result = type_with_example(function.result)
+    return f"```wms\n{signature(name, function)}\n```\n{function.meaning}; returns {result}{where}"
 
 
-def slot_shown(name: str, slot: Slot) -> str:
-    """A property or argument: what it takes, what it is if left out, what it means."""
-    kinds = " or ".join(shown_type(t) for t in slot.types)
+def slot_markdown(name: str, slot: PropertySpec) -> str:
+    """Return the meaning, types and default of a property or argument."""
+    kinds = " or ".join(type_with_example(t) for t in slot.types)
     left_out = f"  \nleft out: `{slot.default}`" if slot.default is not None else ""
     return f"**{name}** {slot.meaning}\n\ntakes {kinds}{left_out}"
 
 
-def verb_shown(name: str, verb: Verb) -> str:
-    """A verb and its arguments."""
+def verb_markdown(name: str, verb: Verb) -> str:
+    """Return the signature, meaning and arguments of a verb."""
     call = f"{name}({', '.join(verb.arguments)}){' for TIME' if verb.lasts else ''}"
-    rows = "\n".join(f"- `{key}`: {slot.meaning} ({takes(slot)})" for key, slot in verb.arguments.items())
+    rows = "\n".join(f"- `{key}`: {slot.meaning} ({accepted_values(slot)})" for key, slot in verb.arguments.items())
     return f"```wms\n{call}\n```\n{verb.meaning}\n\n{rows}".rstrip()
 
 
@@ -154,7 +164,7 @@ def _word(word: str) -> str:
 
 
 def _keyword(token: Token, nodes: list[Node]) -> str:
-    """A keyword: what the statement is that it begins, or stands in."""
+    """Return the documentation of the statement that a keyword begins or is part of."""
     if token.text not in tables().keywords:
         return ""
     node = nodes[-1]
@@ -163,7 +173,7 @@ def _keyword(token: Token, nodes: list[Node]) -> str:
 
 
 def _declared(document: Document, meaning: Expressions | None, name: Occurrence) -> str:
-    """A name: the first line of what declares it, its type, and where that is."""
+    """Return the first line of a declaration, with its type and file."""
     node = name.declared.node
     if isinstance(node, s.File):  # a library
         about = next((item.text for item in node.items if isinstance(item, s.Docstring)), "")
@@ -174,6 +184,6 @@ def _declared(document: Document, meaning: Expressions | None, name: Occurrence)
     known = meaning.scope.names.get(name.span.text) if meaning is not None else None
     if meaning is not None and isinstance(node, s.Factor | s.Let) and known is not None:
         with suppress(Failed):
-            of = f"\n\n{shown_type(meaning.infer(s.Name(name.span.text, name.span)).type)}"
+            of = f"\n\n{type_with_example(meaning.infer(s.Name(name.span.text, name.span)).type)}"
     where = "" if source.name == document.source.name else f"\n\nfrom `{source.name}`"
     return f"```wms\n{first}\n```{of}{where}"

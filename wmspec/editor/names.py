@@ -1,4 +1,4 @@
-"""Names in a spec and its libraries: where each is declared, and everywhere that it is meant."""
+"""Declarations and occurrences of names in a spec and its libraries."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from wmspec.lang.parse.parser import parse_expression
 _HOLE = re.compile(r"(?<!\\)\{([^{}]*)\}")
 _DECLARING = (s.Factor, s.Let, s.Parameter, s.Block, s.Template, s.Action, s.Part, s.Task, s.Variant, s.Question,
               s.Counterfactual)  # fmt: skip
-#: Fields with names that stand for nothing that is declared.
+#: Fields whose names refer to no declaration.
 _WORDS = {
     (s.Property, "name"), (s.Argument, "name"), (s.Use, "name"), (s.Design, "kind"), (s.Tolerance, "name"),
     (s.Task, "path"),
@@ -27,8 +27,8 @@ _WORDS = {
 
 
 @dataclass(frozen=True)
-class Declared:
-    """A declaration: the file and the offset of its name there, and the node that declares it."""
+class Declaration:
+    """A declaration: its node, its file, and the offset of its name."""
 
     path: Path
     start: int
@@ -36,20 +36,20 @@ class Declared:
 
     @property
     def key(self) -> tuple[Path, int]:
-        """What tells it from all others."""
+        """The identity of the declaration."""
         return self.path, self.start
 
 
 @dataclass(frozen=True)
 class Occurrence:
-    """A name in a document, and what it means."""
+    """A name in a document, with its declaration."""
 
     span: Span
-    declared: Declared
+    declared: Declaration
 
 
 class Names:
-    """All names of a document that mean something that is declared, here or in a library."""
+    """All names of a document that refer to a declaration, here or in a library."""
 
     def __init__(self, document: Document) -> None:
         self.document = document
@@ -57,58 +57,58 @@ class Names:
 
     @cached_property
     def occurrences(self) -> tuple[Occurrence, ...]:
-        """In the order of the text, each once."""
+        """All occurrences, in the order of the text."""
         path = self.document.path.resolve()
         by_place = {(o.span.start, o.span.end): o for o in self._walk(self.document.file, path, {})}
         return tuple(by_place[key] for key in sorted(by_place))
 
     def at(self, offset: int) -> Occurrence | None:
-        """The name that holds a character, or ends before it."""
+        """Return the name that contains a character or ends before it."""
         holding = [o for o in self.occurrences if o.span.start <= offset <= o.span.end]
         return min(holding, key=lambda o: (o.span.end - o.span.start, -o.span.start), default=None)
 
-    def of(self, declared: Declared) -> tuple[Span, ...]:
-        """Everywhere in the document that a declaration is meant."""
+    def of(self, declared: Declaration) -> tuple[Span, ...]:
+        """Return all occurrences of a declaration in the document."""
         return tuple(o.span for o in self.occurrences if o.declared.key == declared.key)
 
-    def visible(self, offset: int) -> dict[str, Declared]:
-        """Every name that may be used where a character stands; of a library with a name of its own, with that."""
+    def visible(self, offset: int) -> dict[str, Declaration]:
+        """Return all names in scope at a character; names of a prefixed library include the prefix."""
         path = self.document.path.resolve()
         names = self._level(self.document.file.items, path)
         for inside in self.document.around(offset):
             names |= self._level(inside.body, path) if inside is not None else {}
         for node in self.document.nodes_at(offset):
             if isinstance(node, s.Template):
-                names |= {p.name.id: Declared(path, p.name.span.start, p) for p in node.parameters}
+                names |= {p.name.id: Declaration(path, p.name.span.start, p) for p in node.parameters}
         return names
 
     # ------------------------------------------------------------ scopes
 
-    def _level(self, items: tuple[Any, ...], path: Path) -> dict[str, Declared]:
-        """What the statements of a file, a task or a variant declare, and what they bring from libraries."""
-        names: dict[str, Declared] = {}
+    def _level(self, items: tuple[Any, ...], path: Path) -> dict[str, Declaration]:
+        """Return the declarations of a file, a task or a variant, including those from libraries."""
+        names: dict[str, Declaration] = {}
         for item in items:
             if isinstance(item, s.Use):
                 names |= self._used(item)
         for item in items:
             if isinstance(item, s.Factor | s.Let | s.Parameter | s.Block | s.Template | s.Action):
-                names[item.name.id] = Declared(path, item.name.span.start, item)
+                names[item.name.id] = Declaration(path, item.name.span.start, item)
         return names
 
-    def _used(self, use: s.Use) -> dict[str, Declared]:
+    def _used(self, use: s.Use) -> dict[str, Declaration]:
         library = self.document.program.paths.get(use.name.span)
         if library is None or library not in self._files:
             return {}
         brought = self._level(self._files[library].items, library)
         if use.prefix is None:
             return brought
-        own = Declared(self.document.path.resolve(), use.prefix.span.start, use)
+        own = Declaration(self.document.path.resolve(), use.prefix.span.start, use)
         return {use.prefix.id: own} | {f"{use.prefix.id}.{name}": d for name, d in brought.items()}
 
     # ------------------------------------------------------------ the walk
 
-    def _walk(  # noqa: C901, PLR0912  a case for each kind of node
-        self, node: Any, path: Path, scope: dict[str, Declared]
+    def _walk(  # noqa: C901, PLR0912  one case per kind of node
+        self, node: Any, path: Path, scope: dict[str, Declaration]
     ) -> Iterator[Occurrence]:
         match node:
             case s.File(items=items):
@@ -117,7 +117,7 @@ class Names:
                 scope = scope | self._level(body, path)
             case s.Template(parameters=parameters):
                 yield from (o for o in self._declaration(node, path))
-                own = {p.name.id: Declared(path, p.name.span.start, p) for p in parameters}
+                own = {p.name.id: Declaration(path, p.name.span.start, p) for p in parameters}
                 for p in parameters:
                     yield Occurrence(p.name.span, own[p.name.id])
                 scope = scope | own
@@ -149,31 +149,31 @@ class Names:
         name = getattr(node, "name", None)
         world = isinstance(node, s.Block) and node.kind == "world"
         if isinstance(node, _DECLARING) and isinstance(name, s.Name) and name.span.text == name.id and not world:
-            yield Occurrence(name.span, Declared(path, name.span.start, node))
+            yield Occurrence(name.span, Declaration(path, name.span.start, node))
 
-    def _filled(self, block: s.Block, node: Any, scope: dict[str, Declared]) -> Iterator[Occurrence]:
-        """A property that fills in a parameter of the block's template."""
+    def _filled(self, block: s.Block, node: Any, scope: dict[str, Declaration]) -> Iterator[Occurrence]:
+        """Yield a property that sets a parameter of the block's template."""
         template = scope.get(block.model.id) if block.model else None
         if isinstance(node, s.Property) and template is not None and isinstance(template.node, s.Template):
             for p in template.node.parameters:
                 if p.name.id == node.name.id:
-                    yield Occurrence(node.name.span, Declared(template.path, p.name.span.start, p))
+                    yield Occurrence(node.name.span, Declaration(template.path, p.name.span.start, p))
 
     def _use(self, use: s.Use, path: Path) -> Iterator[Occurrence]:
-        """The library, the name that it is given, its parameters, and what is taken of it."""
+        """Yield the library, its prefix, its parameters, and the imported names."""
         library = self.document.program.paths.get(use.name.span)
         if use.prefix is not None:
-            yield Occurrence(use.prefix.span, Declared(path, use.prefix.span.start, use))
+            yield Occurrence(use.prefix.span, Declaration(path, use.prefix.span.start, use))
         if library is None or library not in self._files:
             return
-        yield Occurrence(use.name.span, Declared(library, 0, self._files[library]))
+        yield Occurrence(use.name.span, Declaration(library, 0, self._files[library]))
         brought = self._level(self._files[library].items, library)
         for p in use.given:
             yield from self._name(p.name, brought)
         if use.only is not None:
             yield from self._walk(use.only, path, brought)
 
-    def _name(self, name: s.Name, scope: dict[str, Declared]) -> Iterator[Occurrence]:
+    def _name(self, name: s.Name, scope: dict[str, Declaration]) -> Iterator[Occurrence]:
         if name.id in scope and "." not in name.id:
             yield Occurrence(name.span, scope[name.id])
         elif "." in name.id:
@@ -183,8 +183,8 @@ class Names:
             if name.id in scope:
                 yield Occurrence(Span(name.span.source, name.span.end - len(last), name.span.end), scope[name.id])
 
-    def _member(self, node: s.Member, path: Path, scope: dict[str, Declared]) -> Iterator[Occurrence]:
-        """`here.floor` is a name of a library, `rack.left` a part."""
+    def _member(self, node: s.Member, path: Path, scope: dict[str, Declaration]) -> Iterator[Occurrence]:
+        """Yield a name of a library, as in `here.floor`, or a part, as in `rack.left`."""
         yield from self._walk(node.value, path, scope)
         whole = node.value.id if isinstance(node.value, s.Name) else node.value.span.text
         if (declared := scope.get(f"{whole}.{node.name.id}")) is not None:
@@ -198,11 +198,11 @@ class Names:
         for place in places:
             for part in getattr(place.node, "parts", ()):
                 if part.name.id == node.name.id:
-                    yield Occurrence(node.name.span, Declared(place.path, part.name.span.start, part))
+                    yield Occurrence(node.name.span, Declaration(place.path, part.name.span.start, part))
                     return
 
-    def _holes(self, span: Span, path: Path, scope: dict[str, Declared]) -> Iterator[Occurrence]:
-        """The `{...}` of a text."""
+    def _holes(self, span: Span, path: Path, scope: dict[str, Declaration]) -> Iterator[Occurrence]:
+        """Yield the names in the `{...}` of a text."""
         for hole in _HOLE.finditer(span.text):
             inner = Span(span.source, span.start + hole.start(1), span.start + hole.end(1))
             if (expression := parse_expression(inner, Report())) is not None:

@@ -15,15 +15,15 @@ function cell(it, option) {
   return figure;
 }
 function question(it) {
-  const whole = made("div", "asked");
+  const whole = made("div", "question");
   if (it.text) whole.append(made("p", "text", it.text));
   if (it.rejected) whole.append(made("p", "rejected", it.rejected));
-  whole.append(made("div", "looks", made("div", "strip", ...it.shown.map((c) => cell(c, false))), made("div", "strip", ...it.options.map((c) => cell(c, true)))));
+  whole.append(made("div", "looks", made("div", "strip", ...it.context.map((c) => cell(c, false))), made("div", "strip", ...it.options.map((c) => cell(c, true)))));
   return whole;
 }
 function row(it) {
   const head = made("h2", "", `${it.task} ${it.index} `, made("small", "", it.factors));
-  return made("article", "", head, ...it.asked.map(question));
+  return made("article", "", head, ...it.questions.map(question));
 }
 function show(state) {
   const errors = state.diagnostics.filter((d) => d.severity === "error").length;

@@ -1,4 +1,4 @@
-"""The page of `wmspec watch`, served on the loopback address: the server tells every open page what is new."""
+"""The page of `wmspec watch`, served on the loopback address; server-sent events update it."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from wmspec.editor.examples import Cell, Row
 from wmspec.editor.watch import State, Watch, picture_name
 
 HOST = "127.0.0.1"
-#: After so many seconds without news, a word is sent, which tells whether anyone still listens.
+#: Seconds without news after which a comment is sent, to detect closed pages.
 HEARTBEAT = 5.0
-#: The page takes nothing from anywhere else.
+#: The content-security policy: the page loads nothing from other hosts.
 POLICY = "default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; script-src 'self' 'unsafe-inline'"
 
 
 class PageServer(ThreadingHTTPServer):
-    """Serves the page of a watch; `url` is where it is. Raises WmsError if the port is taken."""
+    """Serves the page of a watch at `url`. Raises WmsError if the port is taken."""
 
     daemon_threads = True
 
@@ -32,15 +32,15 @@ class PageServer(ThreadingHTTPServer):
             super().__init__((HOST, port), _Handler)
         except OSError as error:
             what = f"port {port} of {HOST} cannot be used: {error.strerror}"
-            raise WmsError(what, help="choose another with `--port`; 0 takes any that is free") from None
+            raise WmsError(what, help="choose another one with `--port`; 0 selects a free one") from None
 
     @property
     def url(self) -> str:
-        """Where the page is."""
+        """The address of the page."""
         return f"http://{HOST}:{self.server_address[1]}/"
 
-    def handle_error(self, request: Any, client_address: Any) -> None:  # noqa: ARG002  as the base class has it
-        """A page that was closed is no error."""
+    def handle_error(self, request: Any, client_address: Any) -> None:  # noqa: ARG002  the signature of the base class
+        """Ignore closed connections; report other exceptions."""
         error = sys.exception()
         if error is not None and not isinstance(error, OSError):
             tell(error)
@@ -50,7 +50,7 @@ class _Handler(BaseHTTPRequestHandler):
     server: PageServer
 
     def do_GET(self) -> None:
-        if self.headers.get("Host", "").rpartition(":")[0] not in (HOST, "localhost"):  # a name that was bent to here
+        if self.headers.get("Host", "").rpartition(":")[0] not in (HOST, "localhost"):  # DNS rebinding
             self.send_error(HTTPStatus.FORBIDDEN)
         elif self.path == "/":
             self._send("text/html; charset=utf-8", page(self.server.watch.path.name).encode())
@@ -62,7 +62,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_error(HTTPStatus.NOT_FOUND)
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Say nothing of requests."""
+        """Log nothing."""
 
     def _send(self, kind: str, content: bytes) -> None:
         self.send_response(HTTPStatus.OK)
@@ -74,7 +74,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def _events(self) -> None:
-        """Server-sent events: the state, whenever there is a new one."""
+        """Send each new state as a server-sent event."""
         self.send_response(HTTPStatus.OK)
         self.send_header("Content-Type", "text/event-stream")
         self.send_header("Cache-Control", "no-store")
@@ -92,12 +92,12 @@ class _Handler(BaseHTTPRequestHandler):
 
 
 def page(name: str) -> str:
-    """The page, for a spec of this name."""
+    """Return the HTML page for a spec with this name."""
     return webpage("wmspec.editor", name=name)
 
 
 def record(state: State) -> dict[str, object]:
-    """A state as JSON values; pictures by their names."""
+    """Return a state as JSON values; pictures are referred to by name."""
     return {
         "version": state.version,
         "phase": state.phase,
@@ -117,14 +117,14 @@ def _row(row: Row) -> dict[str, object]:
         "task": row.task,
         "index": row.index,
         "factors": row.factors,
-        "asked": [
+        "questions": [
             {
-                "text": asked.text,
-                "rejected": asked.rejected,
-                "shown": [_cell(c) for c in asked.shown],
-                "options": [_cell(c) for c in asked.options],
+                "text": each.text,
+                "rejected": each.rejected,
+                "context": [_cell(c) for c in each.context],
+                "options": [_cell(c) for c in each.options],
             }
-            for asked in row.asked
+            for each in row.questions
         ],
     }
 

@@ -1,4 +1,4 @@
-"""Which instance the cursor points at, and a picture of it."""
+"""The instance at the cursor, and its picture."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from wmspec.lang.parse import syntax as s
 
 @dataclass(frozen=True)
 class Preview:
-    """An instance: its task, its index, the values of its factors in words."""
+    """An instance: task, index, and factor levels in words."""
 
     task: str
     index: int
     factors: str
 
     def draw(self, text: str, path: Path) -> bytes:
-        """A sheet (PNG) of what is observed of it, by the first engine that there is. For a process of its own."""
+        """Return a sheet (PNG) of its observed views, by the default engine. Runs in a separate process."""
         from wmspec.runtime.engines.registry import default
 
         examples.changed()  # a library may have changed
         return examples.picture(text, path, self.task, self.index, default(), 256)
 
 
-def pointed_at(document: Document, offset: int) -> Preview:
-    """The instance under the cursor: the first of the task there, with the value of a factor if one is there.
+def instance_at(document: Document, offset: int) -> Preview:
+    """Return the instance at the cursor: the first of the task, with the factor level at the cursor, if any.
 
     Raises WmsError if the text has mistakes or no task.
     """
@@ -47,7 +47,7 @@ def pointed_at(document: Document, offset: int) -> Preview:
 
 
 def _with_value(task: Task, document: Document, offset: int) -> Instance | None:
-    """An instance that has the value of a factor at an offset, and is otherwise as the first."""
+    """Return the neighbour of the first instance that has the factor level at an offset; None if there is none."""
     path = document.nodes_at(offset)
     factor = next((n for n in path if isinstance(n, s.Factor) and not n.nuisance), None)
     if factor is None or not isinstance(factor.domain, s.Items):

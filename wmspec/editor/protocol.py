@@ -1,4 +1,4 @@
-"""What the server knows as what the protocol calls it: places, paths, diagnostics, fixes, offers, symbols."""
+"""Conversion to the types of the language server protocol: positions, diagnostics, fixes, completions, symbols."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from pygls.workspace.position_codec import ServerTextPosition
 from wmspec.core.diagnostics import Diagnostic, Remedy
 from wmspec.core.node import Node
 from wmspec.core.places import FilePlace, Place, Span
-from wmspec.editor.complete import Offer, Sort
+from wmspec.editor.complete import CompletionItem, ItemKind
 from wmspec.editor.document import Document, children
 from wmspec.lang.parse import codes
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.codes import CODES
-from wmspec.lang.parse.files import located
+from wmspec.lang.parse.files import resolve_display_path
 
-#: Where the page of each code is, as `wmspec explain` shows it.
+#: The folder with the page of each code, as shown by `wmspec explain`.
 PAGES = Path(codes.__file__).parent
 
-_SORTS: dict[Sort, lsp.CompletionItemKind] = {
+_SORTS: dict[ItemKind, lsp.CompletionItemKind] = {
     "property": lsp.CompletionItemKind.Property,
     "argument": lsp.CompletionItemKind.Field,
     "unit": lsp.CompletionItemKind.Unit,
@@ -51,21 +51,21 @@ _SYMBOLS: dict[type, lsp.SymbolKind] = {
 
 
 class Positions:
-    """Between offsets in a text and positions of the protocol, which count in units that the client has chosen."""
+    """Converts between offsets in a text and positions in the units that the client chose."""
 
     def __init__(self, text: TextDocument) -> None:
         self._text = text
 
     def offset(self, position: lsp.Position) -> int:
-        """The offset of a position."""
+        """Return the offset of a position."""
         return min(self._text.offset_at_position(position), len(self._text.source))
 
     def range(self, span: Span) -> lsp.Range:
-        """The range of a span of this text."""
+        """Return the range of a span of this text."""
         return self.between(span.start, span.end)
 
     def between(self, start: int, end: int) -> lsp.Range:
-        """The range between two offsets."""
+        """Return the range between two offsets."""
         return lsp.Range(self._position(start), self._position(end))
 
     def _position(self, offset: int) -> lsp.Position:
@@ -75,25 +75,25 @@ class Positions:
 
 
 def positions_in(document: Document, codec: PositionCodec) -> Positions:
-    """The positions in a document that need not be open."""
+    """Return the positions in a document, open or not."""
     return Positions(TextDocument(uri_of(document.path), document.text, position_codec=codec))
 
 
 def path_of(uri: str) -> Path:
-    """The path of a document; of one that was never saved, its name in the current folder."""
+    """Return the path of a document; for an unsaved one, its name in the current folder."""
     path = to_fs_path(uri) if uri.startswith("file:") else None
     return Path(path or uri.rpartition(":")[2] or "untitled").resolve()
 
 
 def uri_of(path: Path) -> str:
-    """The address of a file."""
+    """Return the URI of a file."""
     return from_fs_path(str(path)) or path.as_uri()
 
 
-def shown(d: Diagnostic, text: TextDocument) -> lsp.Diagnostic:
-    """The diagnostic as editors show it; one that lies in another file stands at the start, with its place told."""
+def lsp_diagnostic(d: Diagnostic, text: TextDocument) -> lsp.Diagnostic:
+    """Return the diagnostic for editors; one of another file is at the start of the text and names its place."""
     codec = text.position_codec
-    here = isinstance(d.place, Span) and located(d.place.source.name).resolve() == path_of(text.uri)
+    here = isinstance(d.place, Span) and resolve_display_path(d.place.source.name).resolve() == path_of(text.uri)
     message = d.message if here or d.place is None else f"{d.place}: {d.message}"
     related = [r for note in d.notes if (r := _related(note.message, note.place, codec)) is not None]
     if not here and (where := _related(d.message, d.place, codec)) is not None:
@@ -112,7 +112,7 @@ def shown(d: Diagnostic, text: TextDocument) -> lsp.Diagnostic:
 def _related(message: str, place: Place | None, codec: PositionCodec) -> lsp.DiagnosticRelatedInformation | None:
     match place:
         case Span(source=source):
-            document = Document(located(source.name).resolve(), source.text)
+            document = Document(resolve_display_path(source.name).resolve(), source.text)
             location = lsp.Location(uri_of(document.path), positions_in(document, codec).range(place))
         case FilePlace(path, line):
             start = lsp.Position((line or 1) - 1, 0)
@@ -122,8 +122,8 @@ def _related(message: str, place: Place | None, codec: PositionCodec) -> lsp.Dia
     return lsp.DiagnosticRelatedInformation(location, message)
 
 
-def fix(d: Diagnostic, uri: str, positions: Positions, shown: Iterable[lsp.Diagnostic]) -> lsp.CodeAction | None:
-    """The remedy of a diagnostic as an edit, if it is one."""
+def quick_fix(d: Diagnostic, uri: str, positions: Positions, shown: Iterable[lsp.Diagnostic]) -> lsp.CodeAction | None:
+    """Return the remedy of a diagnostic as an edit, if it has one."""
     if not isinstance(d.help, Remedy) or not isinstance(d.place, Span) or d.place.text.count(d.help.wrong) == 0:
         return None
     start = d.place.start + d.place.text.rindex(d.help.wrong)
@@ -137,11 +137,11 @@ def fix(d: Diagnostic, uri: str, positions: Positions, shown: Iterable[lsp.Diagn
     )
 
 
-# ---------------------------------------------------------------- offers and symbols
+# ---------------------------------------------------------------- completions and symbols
 
 
-def item(number: int, offer: Offer, where: lsp.Range) -> lsp.CompletionItem:
-    """An offer, the `number`-th, that replaces a range."""
+def lsp_completion(number: int, offer: CompletionItem, where: lsp.Range) -> lsp.CompletionItem:
+    """Return a suggestion that replaces a range; `number` is its rank."""
     return lsp.CompletionItem(
         label=offer.word,
         kind=_SORTS[offer.sort],
@@ -154,7 +154,7 @@ def item(number: int, offer: Offer, where: lsp.Range) -> lsp.CompletionItem:
 
 
 def symbols(node: Node, positions: Positions) -> Iterator[lsp.DocumentSymbol]:
-    """What a file, a task or a block declares, as a tree."""
+    """Yield the declarations of a file, a task or a block, as a tree."""
     for _, child in children(node):
         kind = _SYMBOLS.get(type(child))
         if kind is None:

@@ -1,4 +1,4 @@
-"""A lexer for Pygments, so that documentation shows specs in colour: the words are those of the parser."""
+"""A Pygments lexer for specs in documentation, based on the parser's tokens."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from pygments.token import (
 )
 
 from wmspec.editor.words import SOFT, constants
-from wmspec.lang.parse.lexer import Token, read
+from wmspec.lang.parse.lexer import Token, tokenize
 from wmspec.lang.parse.tables import tables
 
 _PLAIN: dict[str, _TokenType] = {
@@ -42,7 +42,7 @@ _PLAIN: dict[str, _TokenType] = {
 
 
 class WmsLexer(Lexer):
-    """Specs in the language of wmspec."""
+    """Lexer for the language of wmspec."""
 
     name = "wmspec"
     aliases: ClassVar[list[str]] = ["wms"]
@@ -50,8 +50,8 @@ class WmsLexer(Lexer):
     mimetypes: ClassVar[list[str]] = []
 
     def get_tokens_unprocessed(self, text: str) -> Iterator[tuple[int, _TokenType, str]]:
-        """Every word with its place and its kind."""
-        tokens = list(read(text))
+        """Yield every token with its offset and kind."""
+        tokens = list(tokenize(text))
         after: str = ""
         for token, following in zip(tokens, [*tokens[1:], Token("WHITE", "", 0, 0)], strict=True):
             yield token.start, _kind(token, after, following), token.text

@@ -1,7 +1,7 @@
-"""The language server: the open documents, what is known of them, and when they are checked.
+"""The language server: open documents, their analysis, and when they are checked.
 
-Offsets here are characters of the text, positions those of the protocol. What takes long, building scenes and drawing,
-is done outside of the loop that answers.
+Offsets count characters of the text; positions are those of the protocol. Slow work, such as building scenes and
+rendering, runs outside of the event loop.
 """
 
 from __future__ import annotations
@@ -21,38 +21,38 @@ from wmspec import __version__
 from wmspec.api.loading import TextCheck
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.editor.document import Document
-from wmspec.editor.protocol import Positions, path_of, positions_in, shown
-from wmspec.runtime.workers.pool import Helper
+from wmspec.editor.protocol import Positions, lsp_diagnostic, path_of, positions_in
+from wmspec.runtime.workers.pool import HelperProcess
 
-#: How long after the last key a text is checked (s), and how long a picture may take.
-PAUSE, PATIENCE = 0.12, 120.0
-#: So many specs of a folder are looked through for a name.
-MOST_FILES = 500
+#: The pause after the last key before a check, and the time limit of a picture, in seconds.
+CHECK_DELAY, DRAW_TIMEOUT = 0.12, 120.0
+#: The most specs of a folder that are searched for a name.
+MAX_FILES = 500
 
 
 class Server(LanguageServer):
-    """Answers for the documents that are open; what was found out about a version of one is kept until the next."""
+    """Serves open documents; the analysis of a version is cached until the next."""
 
     def __init__(self) -> None:
         super().__init__("wmspec", __version__)
         self._documents: dict[str, tuple[int | None, Document]] = {}
         self._checks: dict[str, asyncio.Task[None]] = {}
-        self.told: dict[str, tuple[Diagnostic, ...]] = {}
+        self.published: dict[str, tuple[Diagnostic, ...]] = {}
 
     def document(self, uri: str) -> tuple[Document, Positions]:
-        """An open document as it is now."""
+        """Return an open document in its current version."""
         text = self.workspace.get_text_document(uri)
-        kept = self._documents.get(uri)
-        if kept is None or kept[0] != text.version or kept[1].text != text.source:
-            kept = (text.version, Document(path_of(uri), text.source))
-            self._documents[uri] = kept
-        return kept[1], Positions(text)
+        cached = self._documents.get(uri)
+        if cached is None or cached[0] != text.version or cached[1].text != text.source:
+            cached = (text.version, Document(path_of(uri), text.source))
+            self._documents[uri] = cached
+        return cached[1], Positions(text)
 
     def around(self, document: Document, declared: Path) -> list[Document]:
-        """The documents in which a name of this one, or of the library that declares it, may be meant."""
+        """Return the documents that may contain a name of this one, or of the library that declares it."""
         opened = {path_of(uri): doc.source for uri, doc in self.workspace.text_documents.items()}
         folders = {document.path.parent, declared.parent} | {path_of(uri) for uri in self.workspace.folders}
-        nearby = [p for folder in sorted(folders) for p in sorted(folder.glob("**/*.wms"))[:MOST_FILES]]
+        nearby = [p for folder in sorted(folders) for p in sorted(folder.glob("**/*.wms"))[:MAX_FILES]]
         documents = {document.path: document}
         for path in dict.fromkeys([declared, *opened, *nearby]):
             if path not in documents and (path in opened or path.is_file()):
@@ -62,14 +62,14 @@ class Server(LanguageServer):
     # ------------------------------------------------------------ diagnostics
 
     def check_soon(self, uri: str) -> None:
-        """Check a document once nobody types."""
+        """Check a document after a pause in typing."""
         if (running := self._checks.get(uri)) is not None:
             running.cancel()
         self._checks[uri] = asyncio.get_running_loop().create_task(self._check(uri))
 
     async def _check(self, uri: str) -> None:
-        """Tell what is wrong with the text at once, then what is wrong with its values."""
-        await asyncio.sleep(PAUSE)
+        """Publish the mistakes of the text, then those of its scenes."""
+        await asyncio.sleep(CHECK_DELAY)
         text = self.workspace.get_text_document(uri)
         version, source, path = text.version, text.source, path_of(uri)
         try:
@@ -86,36 +86,36 @@ class Server(LanguageServer):
                 self._tell(text, error.diagnostics)
 
     def _tell(self, text: TextDocument, diagnostics: tuple[Diagnostic, ...]) -> None:
-        self.told[text.uri] = diagnostics
-        told = [shown(d, text) for d in diagnostics]
+        self.published[text.uri] = diagnostics
+        published = [lsp_diagnostic(d, text) for d in diagnostics]
         self.text_document_publish_diagnostics(
-            lsp.PublishDiagnosticsParams(uri=text.uri, diagnostics=told, version=text.version)
+            lsp.PublishDiagnosticsParams(uri=text.uri, diagnostics=published, version=text.version)
         )
 
     def forget(self, uri: str) -> None:
-        """A document was closed."""
+        """Discard a closed document."""
         if (running := self._checks.pop(uri, None)) is not None:
             running.cancel()
         self._documents.pop(uri, None)
-        self.told.pop(uri, None)
+        self.published.pop(uri, None)
         self.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(uri=uri, diagnostics=[]))
 
     def positions_in(self, document: Document) -> Positions:
-        """The positions in a document that need not be open."""
+        """Return the positions in a document, open or not."""
         return positions_in(document, self.workspace.position_codec)
 
     @cached_property
-    def drawer(self) -> Helper:
-        """Who draws, in a process of its own."""
-        return Helper(PATIENCE)
+    def drawer(self) -> HelperProcess:
+        """The process that renders."""
+        return HelperProcess(DRAW_TIMEOUT)
 
     @cached_property
     def pictures(self) -> tempfile.TemporaryDirectory[str]:
-        """Where pictures are kept until the server ends."""
+        """The folder of pictures, removed when the server ends."""
         return tempfile.TemporaryDirectory(prefix="wmspec-")
 
     def close(self) -> None:
-        """End what was started, and remove what was drawn."""
+        """Stop the process and remove the pictures."""
         if "drawer" in self.__dict__:
             self.drawer.close()
         if "pictures" in self.__dict__:
@@ -123,7 +123,7 @@ class Server(LanguageServer):
 
 
 def read(path: Path) -> str:
-    """The text of a file; nothing if it cannot be read."""
+    """Return the text of a file; "" if it cannot be read."""
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError):
@@ -131,11 +131,11 @@ def read(path: Path) -> str:
 
 
 def serve() -> None:
-    """Answer on standard input and output until the client leaves."""
+    """Serve on standard input and output until the client disconnects."""
     from wmspec.editor.features import COMMANDS, FEATURES
 
     logging.getLogger("pygls").setLevel(logging.ERROR)
-    # Libraries and syntax trees stay: looking for garbage in them every 700 objects takes a tenth of each check.
+    # Libraries and syntax trees are long-lived; the default threshold of 700 costs 10 % of each check.
     gc.set_threshold(100_000, 20, 100)
     server = Server()
     for request, answer, options in FEATURES:

@@ -1,4 +1,4 @@
-"""First specs: templates that are specs themselves, with another name for their task."""
+"""Templates of first specs: valid specs whose task is renamed."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ SUFFIX = ".wms"
 
 
 def templates() -> dict[str, str]:
-    """The templates by name, each with its text."""
+    """Return the text of each template by name."""
     folder = files("wmspec.editor") / "templates"
     texts = {entry.name: entry.read_text(encoding="utf-8") for entry in folder.iterdir() if entry.name.endswith(SUFFIX)}
     return {name.removesuffix(SUFFIX): texts[name] for name in sorted(texts)}
 
 
-def about() -> dict[str, str]:
-    """What each template is about, in a line."""
+def template_titles() -> dict[str, str]:
+    """Return a line about each template."""
     return {name: text.splitlines()[0].strip('"') for name, text in templates().items()}
 
 
 def first_spec(name: str, template: str) -> str:
-    """The text of a first spec whose task is called `name`. Raises WmsError for a name or template that cannot be."""
+    """Return the text of a first spec with a task `name`. Raises WmsError for an invalid name or template."""
     known = templates()
     if template not in known:
         raise WmsError(f"there is no template `{template}`; {suggestion(template, known)}")
@@ -34,7 +34,7 @@ def first_spec(name: str, template: str) -> str:
         better = re.sub(r"\W+", "_", name).strip("_") or "my_task"
         better = f"task_{better}" if better[0].isdigit() else better
         raise WmsError(
-            f"`{name}` is no name: names are letters, digits and `_`, and begin with no digit; try `{better}`"
+            f"`{name}` is not a name: names are letters, digits and `_`, and do not begin with a digit; try `{better}`"
         )
     text = _named(known[template], name)
     report = Report()

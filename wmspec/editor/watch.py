@@ -1,4 +1,4 @@
-"""A spec that is checked and drawn whenever its file is saved: what is known of it, and who is told."""
+"""A spec that is checked and drawn whenever its file is saved."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from wmspec.api.task import Task
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError
 from wmspec.core.places import Source
 from wmspec.editor import examples
-from wmspec.lang.parse.files import read_source, shown
+from wmspec.lang.parse.files import display_path, read_source
 from wmspec.lang.parse.load import load_source
-from wmspec.runtime.workers.pool import Helper, Lost
+from wmspec.runtime.workers.pool import HelperProcess, JobFailure
 
-#: How often the files are looked at (s), and how long one instance may take.
-PERIOD, PATIENCE = 0.2, 60.0
+#: The interval between polls, and the time limit of an instance, in seconds.
+POLL_INTERVAL, INSTANCE_TIMEOUT = 0.2, 60.0
 
 
 @dataclass(frozen=True)
-class Drawing:
-    """How a sheet is drawn: the engine, the instances of each task, the width of a picture (px)."""
+class PreviewOptions:
+    """The engine, the instances per task, and the width of a picture in pixels."""
 
     engine: str
     instances: int = 3
@@ -34,7 +34,7 @@ class Drawing:
 
 @dataclass(frozen=True)
 class State:
-    """What the page shows: rows of the text as it is, or, while that is broken, of the last one that was not."""
+    """The state of the page: previews of the current text, or of the last one without mistakes (`stale`)."""
 
     version: int = 0
     phase: Literal["checking", "drawing", "done"] = "checking"
@@ -47,18 +47,18 @@ class State:
 
 @dataclass
 class Watch:
-    """Looks at a spec's file and its libraries; `state` is always a whole one, and who waits is told of the next."""
+    """Polls a spec and its libraries; `state` is always complete, and waiting readers are notified of each new one."""
 
     path: Path
-    drawing: Drawing
+    options: PreviewOptions
     state: State = field(default_factory=State)
     stopped: Event = field(default_factory=Event)
     _before: tuple[examples.Row, ...] = ()
-    _news: Condition = field(default_factory=Condition)
+    _updated: Condition = field(default_factory=Condition)
 
     def run(self) -> None:
-        """Check and draw at every change, until it is stopped."""
-        helper = Helper(PATIENCE)
+        """Check and draw at every change, until stopped."""
+        helper = HelperProcess(INSTANCE_TIMEOUT)
         before: dict[Path, bytes] | None = None
         libraries: tuple[Path, ...] = ()
         try:
@@ -68,83 +68,87 @@ class Watch:
                     before = now
                     libraries = self._changed(helper, before)
                     before |= _contents(libraries)
-                self.stopped.wait(PERIOD)
+                self.stopped.wait(POLL_INTERVAL)
         finally:
             helper.close()
 
     def stop(self) -> None:
-        """End `run`, and let go of those who wait."""
+        """End `run` and release waiting readers."""
         self.stopped.set()
-        with self._news:
-            self._news.notify_all()
+        with self._updated:
+            self._updated.notify_all()
 
     def after(self, version: int, timeout: float) -> State | None:
-        """A state newer than `version`, as soon as there is one; None if there is none in `timeout` seconds."""
-        with self._news:
-            self._news.wait_for(lambda: self.state.version > version or self.stopped.is_set(), timeout)
+        """Wait for a state newer than `version`; None if there is none within `timeout` seconds."""
+        with self._updated:
+            self._updated.wait_for(lambda: self.state.version > version or self.stopped.is_set(), timeout)
             return self.state if self.state.version > version else None
 
     def png(self, name: str) -> bytes | None:
-        """A picture of the sheet by its name, or of the one before, which a page may still be asking for."""
+        """Return a picture by name, of the current or the previous previews, which a page may still request."""
         return next(
             (c.png for c in _cells((*self.state.rows, *self._before)) if c.png and picture_name(c.png) == name), None
         )
 
-    def _say(self, state: State) -> None:
-        with self._news:
+    def _publish(self, state: State) -> None:
+        with self._updated:
             self.state = replace(state, version=self.state.version + 1)
-            self._news.notify_all()
+            self._updated.notify_all()
 
-    def _changed(self, helper: Helper, contents: dict[Path, bytes]) -> tuple[Path, ...]:
-        """Check the text, then draw it. Returns the libraries that it uses."""
+    def _changed(self, helper: HelperProcess, contents: dict[Path, bytes]) -> tuple[Path, ...]:
+        """Check the text, then draw it. Returns its libraries."""
         self._before = last = self.state.rows
-        self._say(replace(self.state, phase="checking", stale=bool(last)))
+        self._publish(replace(self.state, phase="checking", stale=bool(last)))
         try:
             text = read_source(self.path).text
             diagnosis, tasks = diagnose_text(text, self.path)
         except WmsError as error:
-            self._say(State(phase="done", diagnostics=error.diagnostics, rows=last, stale=bool(last)))
+            self._publish(State(phase="done", diagnostics=error.diagnostics, rows=last, stale=bool(last)))
             return ()
-        told = State(phase="drawing", diagnostics=diagnosis.diagnostics, tasks=diagnosis.tasks, rows=last, stale=True)
+        checked = State(
+            phase="drawing", diagnostics=diagnosis.diagnostics, tasks=diagnosis.tasks, rows=last, stale=True
+        )
         if not tasks:
-            self._say(replace(told, phase="done", stale=bool(last)))
+            self._publish(replace(checked, phase="done", stale=bool(last)))
             return self._libraries(text)
-        self._say(told)
-        self._draw(helper, text, tasks, told, contents)
+        self._publish(checked)
+        self._draw(helper, text, tasks, checked, contents)
         return tuple(path for task in tasks for path in task.program.libraries)
 
     def _libraries(self, text: str) -> tuple[Path, ...]:
-        """Those of a text that has mistakes, whatever is in the file by now: one of them may be where these are."""
+        """Return the libraries of a text with mistakes: one of them may contain these."""
         with suppress(WmsError):
-            return tuple(load_source(Source(shown(self.path), text), self.path.parent, Report()).libraries)
+            return tuple(load_source(Source(display_path(self.path), text), self.path.parent, Report()).libraries)
         return ()
 
     def _draw(
-        self, helper: Helper, text: str, tasks: tuple[Task, ...], told: State, contents: dict[Path, bytes]
+        self, helper: HelperProcess, text: str, tasks: tuple[Task, ...], checked: State, contents: dict[Path, bytes]
     ) -> None:
-        """Draw instance by instance; a newer text ends it."""
+        """Draw instance by instance, until the text changes."""
         rows: tuple[examples.Row, ...] = ()
         helper.do(examples.changed)
-        for task, index in _chosen(tasks, self.drawing.instances):
+        for task, index in _chosen(tasks, self.options.instances):
             if self.stopped.is_set() or _contents((self.path,)) != {self.path: contents[self.path]}:
                 return
             row = helper.do(
-                examples.draw, text, self.path.resolve(), task.name, index, self.drawing.engine, self.drawing.size
+                examples.draw, text, self.path.resolve(), task.name, index, self.options.engine, self.options.size
             )
-            if isinstance(row, Lost):
-                row = examples.Row(task.name, index, str(task[index]), (examples.Asked("", rejected=row.reason),))
+            if isinstance(row, JobFailure):
+                row = examples.Row(
+                    task.name, index, str(task[index]), (examples.QuestionPreview("", rejected=row.reason),)
+                )
             rows = (*rows, row)
-            self._say(replace(told, rows=rows, stale=False))
-        self._say(replace(told, phase="done", rows=rows, stale=False))
+            self._publish(replace(checked, rows=rows, stale=False))
+        self._publish(replace(checked, phase="done", rows=rows, stale=False))
 
 
 def picture_name(png: bytes) -> str:
-    """What a picture is called: the same one always the same."""
+    """Return the name of a picture, a hash of its bytes."""
     return hashlib.sha256(png).hexdigest()[:20]
 
 
 def _chosen(tasks: tuple[Task, ...], count: int) -> Iterator[tuple[Task, int]]:
-    """The same instances after every change that leaves the design as it is."""
+    """Yield the instances to draw; the same as long as the design is the same."""
     for task in tasks:
         for instance in sorted(task.design.sample(count)):
             yield task, instance
@@ -152,12 +156,12 @@ def _chosen(tasks: tuple[Task, ...], count: int) -> Iterator[tuple[Task, int]]:
 
 def _cells(rows: tuple[examples.Row, ...]) -> Iterator[examples.Cell]:
     for row in rows:
-        for asked in row.asked:
-            yield from (*asked.shown, *asked.options)
+        for each in row.questions:
+            yield from (*each.context, *each.options)
 
 
 def _contents(paths: tuple[Path, ...]) -> dict[Path, bytes]:
-    """What the files hold; nothing for one that cannot be read."""
+    """Return the contents of files; empty for unreadable ones."""
     contents = {}
     for path in paths:
         try:

@@ -1,4 +1,4 @@
-"""The words of the language by what they are, for those who colour it: read off the grammar and the tables."""
+"""The words of the language by category, for syntax highlighting: from the grammar and the tables."""
 
 from __future__ import annotations
 
@@ -10,37 +10,37 @@ from wmspec.lang.check.tables.verbs import ROBOTS, VERBS
 from wmspec.lang.check.tables.vocabulary import JOINTS, WORDS
 from wmspec.lang.parse.tables import grammar, tables
 
-#: Keywords that join expressions; all others begin or part statements.
+#: Keywords within expressions; all others begin or divide statements.
 _JOINING = ("and", "or", "not", "if", "then", "else", "true", "false", "in", "by", "of", "as", "at", "for", "after",
             "with", "apart", "unless", "only")  # fmt: skip
-#: The settings, which the grammar has as one word.
+#: The settings, a single terminal of the grammar.
 _SETTING = re.search(r"^SETTING\S*: /\((\S+)\)", grammar(), re.MULTILINE)
 
 
 def keywords() -> tuple[str, ...]:
-    """All keywords, the settings of a task too, in the order of the alphabet."""
+    """Return all keywords and the settings of a task, sorted."""
     settings = _SETTING[1].split("|") if _SETTING else []
     return tuple(sorted({*tables().keywords, *settings}))
 
 
 def statements() -> tuple[str, ...]:
-    """The keywords that begin a statement or clause, or part one."""
+    """Return the keywords that begin or divide a statement."""
     return tuple(word for word in keywords() if word not in _JOINING)
 
 
 def joining() -> tuple[str, ...]:
-    """The keywords within statements."""
+    """Return the keywords within statements."""
     return tuple(word for word in keywords() if word in _JOINING)
 
 
 @cache
 def constants() -> frozenset[str]:
-    """The words for values."""
+    """Return the words for values."""
     return frozenset({*(word for words in WORDS.values() for word in words), *JOINTS, "end", "index"})
 
 
 def functions() -> tuple[str, ...]:
-    """Verbs and functions."""
+    """Return the names of verbs and functions."""
     robots = {verb for verbs in ROBOTS.values() for verb in verbs}
     return tuple(sorted({*FUNCTIONS, *VERBS, *robots}))
 

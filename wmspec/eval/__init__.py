@@ -1,1 +1,1 @@
-"""Evaluation of models and people: models, replies, exports, studies, reports."""
+"""Evaluation of models and people, reports, exports, studies, galleries and imported photographs."""

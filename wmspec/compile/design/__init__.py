@@ -1,1 +1,1 @@
-"""From a task and an index to an instance: which value every factor has, and what the scene then is in numbers."""
+"""Designs: factor values of every instance, each computed from the instance's index."""

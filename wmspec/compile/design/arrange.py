@@ -1,37 +1,37 @@
-"""From a spec's plan to the columns it chooses from and the arrangement of what is chosen."""
+"""Builds the control groups of a design: columns of factor values, and their arrangement."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, combinations, islice
 
-from wmspec.compile.design.blocks import Blocks, Groups, Repeated, TooManyTied
-from wmspec.compile.design.columns import Column, Free, Strata
+from wmspec.compile.design.blocks import Blocks, Groups, RepeatedPlan, TooManyTied
+from wmspec.compile.design.columns import Column, FreeFactor, Strata
 from wmspec.compile.design.constrain import Constraint
-from wmspec.compile.design.constraint_chain import MOST_COUNTED, Chain, TooMuch
-from wmspec.compile.design.describe import told
+from wmspec.compile.design.constraint_chain import MAX_COUNTED, Chain, TooManyCombinations
+from wmspec.compile.design.describe import format_levels
 from wmspec.compile.design.levels import Level
 from wmspec.compile.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sample
 from wmspec.core.diagnostics import Note, SpecError
 from wmspec.lang.check.ir.ir import Choices, TaskSpec
 
-_EVEN = "tie what is crossed to nothing, or remove `balance`"
-#: So many sets of conditions are looked through for the smallest that leaves nothing.
-MOST_SETS = 500
+_EVEN = "remove the conditions on crossed factors, or remove `balance`"
+#: Maximum number of subsets of conditions tried when searching for a minimal contradictory one.
+MAX_SUBSETS = 500
 
 
 def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Blocks:
-    """The control groups of a task's design. Raises SpecError if there can be none."""
+    """Return the control groups of a task's design. Raises SpecError if the design is empty or infeasible."""
     columns: tuple[Column, ...] = (*_chains(spec, conditions), *_strata(spec, seed))
     key = (seed, spec.name, spec.plan.kind)
     if spec.plan.kind != "groups":
-        return Repeated(columns, _arranged(spec, conditions, columns, key), spec.repeat)
+        return RepeatedPlan(columns, _arrangement(spec, conditions, columns, key), spec.repeat)
     try:
         groups = Groups(columns, spec.plan.cross, spec.plan.turn, spec.plan.count or 1, key)
     except TooManyTied as tied:
         place = spec.plan.place or spec.factors[0].place
         names = ", ".join(tied.names[:6])
-        what = f"conditions tie what is crossed to too much else ({names}): groups cannot be counted up"
+        what = f"conditions tie the crossed factors to too many others ({names}): groups cannot be enumerated"
         raise SpecError(what, place, "cross other factors, or tie fewer to one another", code="WMS404") from None
     if spec.plan.balance and not groups.even:
         what = "conditions make some groups larger than others, so that answers cannot be balanced among them"
@@ -39,9 +39,10 @@ def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Block
     return groups
 
 
-def _arranged(
+def _arrangement(
     spec: TaskSpec, conditions: Sequence[Constraint], columns: tuple[Column, ...], key: tuple[object, ...]
 ) -> Arrangement:
+    """Return the arrangement of the columns that the plan of a spec describes."""
     count = spec.plan.count or 1
     match spec.plan.kind:
         case "sample":
@@ -49,11 +50,12 @@ def _arranged(
         case "latin":
             return Latin(columns, count, key)
         case "one_at_a_time":
-            return Listed(tuple(_around(spec, columns, conditions)))
+            return Listed(tuple(_one_at_a_time(spec, columns, conditions)))
     return Factorial(columns)
 
 
 def _strata(spec: TaskSpec, seed: int) -> Iterator[Strata]:
+    """Yield the columns of a Latin design, whose intervals are divided into strata."""
     for factor in spec.factors:
         if not factor.nuisance and not isinstance(factor.domain, Choices):
             if spec.plan.kind != "latin" or spec.plan.count is None:
@@ -67,36 +69,38 @@ def _strata(spec: TaskSpec, seed: int) -> Iterator[Strata]:
 
 
 def _chains(spec: TaskSpec, conditions: Sequence[Constraint]) -> tuple[Column, ...]:
-    """The factors with separate values, in groups of those that conditions tie together.
+    """Return columns of the discrete factors; factors that share a condition form one column.
 
-    They are in the order of the spec, or by name where combinations are drawn: draws do not look at the order.
+    Columns follow the order of the spec. Where combinations are sampled, they are sorted by name, so that the order of
+    declarations does not change the draws.
     """
     domains = {f.name: f.domain.values for f in spec.factors if not f.nuisance and isinstance(f.domain, Choices)}
     if spec.plan.kind in ("sample", "latin", "groups"):
         domains = dict(sorted(domains.items()))
     try:
-        columns = tuple(_tied(domains, conditions))
-    except TooMuch as much:
-        raise _too_much(much, conditions) from None
+        columns = tuple(_tied_columns(domains, conditions))
+    except TooManyCombinations as much:
+        raise _too_many_combinations(much, conditions) from None
     constant = [c for c in conditions if not c.scope and not c.allowed]
     if constant or not all(c.size for c in columns):
         raise _nothing_left(domains, conditions)
     return columns
 
 
-def _tied(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> Iterator[Column]:
-    """The columns, in the order of their first factors. Raises TooMuch."""
+def _tied_columns(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> Iterator[Column]:
+    """Yield the columns in the order of their first factors. Raises TooManyCombinations."""
     placed: set[str] = set()
     for name in domains:
         members = _closure({name}, [frozenset(c.scope) for c in conditions])
         here = [c for c in conditions if members & {*c.scope}]
         if name not in placed:
             tied = {n: values for n, values in domains.items() if n in members}
-            yield Chain(tied, here) if here else Free(name, domains[name])
+            yield Chain(tied, here) if here else FreeFactor(name, domains[name])
         placed |= members
 
 
 def _closure(members: set[str], ties: Sequence[frozenset[str]]) -> set[str]:
+    """Return the factors that conditions connect to `members`, directly or indirectly."""
     while True:
         wider = members.union(*(t for t in ties if t & members))
         if wider == members:
@@ -104,13 +108,14 @@ def _closure(members: set[str], ties: Sequence[frozenset[str]]) -> set[str]:
         members = wider
 
 
-def _too_much(much: TooMuch, conditions: Sequence[Constraint]) -> SpecError:
+def _too_many_combinations(much: TooManyCombinations, conditions: Sequence[Constraint]) -> SpecError:
+    """Return the error for conditions whose combinations are too many to count."""
     tying = {c.statement: c for c in conditions if len({*c.scope} & {*much.names}) > 1}
     first, *more = tying.values()
     names = f"{', '.join(much.names[:6])}{', ...' if len(much.names) > 6 else ''}"
     return SpecError(
         f"conditions tie {len(much.names)} factors together ({names}): {much.combinations:,} combinations to count at "
-        f"once, and {MOST_COUNTED:,} are the most",
+        f"once, and {MAX_COUNTED:,} are the most",
         first.place,
         "tie fewer factors to one another",
         code="WMS404",
@@ -119,10 +124,10 @@ def _too_much(much: TooMuch, conditions: Sequence[Constraint]) -> SpecError:
 
 
 def _nothing_left(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> SpecError:
-    """Names the smallest set of conditions that leaves no combination."""
+    """Return the error that names a minimal set of conditions that leaves no combination."""
     by_require = {c.statement: c for c in reversed(conditions)}
-    guilty = _smallest(
-        sorted(by_require), lambda some: _satisfiable(domains, [c for c in conditions if c.statement in some])
+    guilty = _smallest_conflict(
+        sorted(by_require), lambda some: _is_satisfiable(domains, [c for c in conditions if c.statement in some])
     )
     first, *more = (by_require[i] for i in guilty)
     names = [n for n in domains if any(n in c.scope for c in conditions if c.statement in guilty)]
@@ -133,19 +138,20 @@ def _nothing_left(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence
     return SpecError(f"no {whose} meets {met}", first.place, remedy, code="WMS402", notes=notes)
 
 
-def _satisfiable(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> bool:
+def _is_satisfiable(domains: Mapping[str, tuple[Level, ...]], conditions: Sequence[Constraint]) -> bool:
+    """Whether the conditions leave at least one combination."""
     if any(not c.scope and not c.allowed for c in conditions):
         return False
     try:
-        return all(column.size for column in _tied(domains, conditions))
-    except TooMuch:
+        return all(column.size for column in _tied_columns(domains, conditions))
+    except TooManyCombinations:
         return True
 
 
-def _smallest(candidates: Sequence[int], satisfiable: Callable[[set[int]], bool]) -> tuple[int, ...]:
-    """The smallest set that is not satisfiable; of very many sets, one of which every member is needed."""
+def _smallest_conflict(candidates: Sequence[int], satisfiable: Callable[[set[int]], bool]) -> tuple[int, ...]:
+    """Return the smallest unsatisfiable subset; a minimal one if there are more than MAX_SUBSETS candidates."""
     sets = chain.from_iterable(combinations(candidates, n) for n in range(1, len(candidates)))
-    for some in islice(sets, MOST_SETS):
+    for some in islice(sets, MAX_SUBSETS):
         if not satisfiable(set(some)):
             return some
     needed = list(candidates)
@@ -158,13 +164,13 @@ def _smallest(candidates: Sequence[int], satisfiable: Callable[[set[int]], bool]
 # ---------------------------------------------------------------- one factor at a time
 
 
-def _around(spec: TaskSpec, columns: Sequence[Column], conditions: Sequence[Constraint]) -> Iterator[Ranks]:
-    """The baseline, then all that is allowed and differs from it in one factor, in the order of the spec."""
+def _one_at_a_time(spec: TaskSpec, columns: Sequence[Column], conditions: Sequence[Constraint]) -> Iterator[Ranks]:
+    """Yield the baseline, then the allowed combinations that differ from it in one factor, in the order of the spec."""
     baseline = _baseline(spec, conditions)
     ranks = _ranks(columns, baseline)
     if ranks is None:
         broken = next(c for c in conditions if not c.holds(baseline))
-        where = told(spec.factors, {name: baseline[name] for name in broken.scope})
+        where = format_levels(spec.factors, {name: baseline[name] for name in broken.scope})
         place = spec.plan.place or broken.place
         message, remedy = f"the baseline, with {where}, is excluded", "choose another value for it"
         raise SpecError(message, place, remedy, code="WMS408", notes=(Note("this condition", broken.place),))
@@ -177,7 +183,7 @@ def _around(spec: TaskSpec, columns: Sequence[Column], conditions: Sequence[Cons
 
 
 def _baseline(spec: TaskSpec, conditions: Sequence[Constraint]) -> dict[str, Level]:
-    """What is named; of the other factors the first value, or the first that a conditional domain has then."""
+    """Return the baseline: the named levels; otherwise the first value, or the first allowed conditional one."""
     levels: dict[str, Level] = {
         f.name: spec.plan.baseline.get(f.name, f.domain.values[0])
         for f in spec.factors
@@ -192,5 +198,6 @@ def _baseline(spec: TaskSpec, conditions: Sequence[Constraint]) -> dict[str, Lev
 
 
 def _ranks(columns: Sequence[Column], values: Mapping[str, Level]) -> Ranks | None:
+    """Return the rank of a combination in each column, or None if a column excludes it."""
     ranks = [column.rank([values[n] for n in column.names]) for column in columns]
     return None if None in ranks else tuple(rank for rank in ranks if rank is not None)

@@ -1,7 +1,7 @@
-"""Control groups ("blocks"): the instances that share every draw, and differ in the factors that are crossed in them.
+"""Control groups ("blocks"): instances that share all draws and differ in the crossed factors only.
 
-Either the whole plan is one block, made again as often as `repeat` says; or there are many small groups, in each of
-which a few factors are crossed, while all others are drawn anew for each group.
+Either the whole plan is one block, repeated `repeat` times. Or there are many small groups: each crosses a few factors,
+and all other factors are drawn once per group.
 """
 
 from __future__ import annotations
@@ -14,45 +14,45 @@ from itertools import accumulate
 from math import prod
 from typing import Protocol
 
-from wmspec.compile.design.columns import MOST_LISTED, Column, balanced
+from wmspec.compile.design.columns import MAX_LISTED, Column, balanced_order
 from wmspec.compile.design.levels import Level
 from wmspec.compile.design.plans import Arrangement
 from wmspec.core.rng import Permutation
 
-#: More groups of unequal sizes are not counted up.
-MOST_UNEQUAL = 100_000
+#: Maximum number of groups of unequal size; their start indices are listed in memory.
+MAX_UNEQUAL = 100_000
 
 
 class Blocks(Protocol):
-    """Where each instance stands: its block, and its place there."""
+    """The partition of a design into blocks, and the position of each instance in its block."""
 
     @property
     def count(self) -> int:
-        """How many blocks there are."""
+        """Number of blocks."""
 
     @property
     def size(self) -> int:
-        """How many instances they hold together."""
+        """Number of instances in all blocks."""
 
     def locate(self, index: int) -> tuple[int, int]:
-        """The block of an instance, and its place in the block."""
+        """Return the block of an instance and its position in the block."""
 
     def values(self, block: int, place: int) -> dict[str, Level]:
-        """The values of all factors."""
+        """Return the values of all factors at a position of a block."""
 
     def index(self, values: Mapping[str, Level], block: int) -> int | None:
-        """The instance with these values in a block; None if there is none."""
+        """Return the index of the instance with these values in a block, or None if there is none."""
 
     def members(self, block: int) -> range:
-        """The instances of a block."""
+        """Return the indices of the instances of a block."""
 
     def crossed(self, block: int) -> tuple[str, ...]:
-        """The factors that vary within a block."""
+        """Return the factors that vary within a block."""
 
 
 @dataclass(frozen=True)
-class Repeated:
-    """One plan, made `count` times."""
+class RepeatedPlan:
+    """One plan, repeated `count` times."""
 
     columns: tuple[Column, ...]
     plan: Arrangement
@@ -60,22 +60,22 @@ class Repeated:
 
     @property
     def size(self) -> int:
-        """All instances of all repetitions."""
+        """Number of instances in all repetitions."""
         return self.plan.size * self.count
 
     def locate(self, index: int) -> tuple[int, int]:
-        """One repetition after the other."""
+        """Return the repetition of an instance and its position in the plan."""
         return divmod(index, self.plan.size)
 
     def values(self, block: int, place: int) -> dict[str, Level]:  # noqa: ARG002  the same in every repetition
-        """What the plan has at this place."""
+        """Return the values of all factors at a position of the plan."""
         picked: dict[str, Level] = {}
         for column, rank in zip(self.columns, self.plan.ranks(place), strict=True):
             picked.update(zip(column.names, column.values(rank), strict=True))
         return picked
 
     def index(self, values: Mapping[str, Level], block: int) -> int | None:
-        """Where the plan has this combination."""
+        """Return the index of a combination in a repetition, or None if the plan omits it."""
         ranks = []
         for column in self.columns:
             rank = column.rank([values[n] for n in column.names])
@@ -86,22 +86,22 @@ class Repeated:
         return None if place is None else block * self.plan.size + place
 
     def members(self, block: int) -> range:
-        """The instances of a repetition."""
+        """Return the indices of the instances of a repetition."""
         return range(block * self.plan.size, (block + 1) * self.plan.size)
 
     def crossed(self, block: int) -> tuple[str, ...]:  # noqa: ARG002
-        """All factors."""
+        """Return all factors."""
         return tuple(sorted(name for column in self.columns for name in column.names))
 
 
 class Groups:
-    """`count` groups. In each, the factors `cross` are crossed, and one of `turns`, each in its turn.
+    """`count` groups, each of which crosses the factors `cross` and one of `turns`, in rotation.
 
-    Every other factor has one value in a group. Over the groups of a turn, each of its values comes equally often, to
-    within one (of factors that conditions tie together: each combination that is allowed). What a group draws depends
-    on its number, the turn and the factor, so that neither more groups nor more factors move it.
+    Every other factor has one value per group. Over the groups of a turn, its values occur equally often, to within
+    one; for factors tied by conditions, this holds for their allowed combinations. A draw depends on the group's
+    number, the turn and the factor only: adding groups or factors leaves existing draws unchanged.
 
-    Raises TooManyTied if conditions tie what is crossed to too much else.
+    Raises TooManyTied if conditions tie the crossed factors to too many others.
     """
 
     def __init__(
@@ -111,21 +111,21 @@ class Groups:
         self._turns = tuple(
             _Turn(columns, (*cross, *([turn] if turn else [])), (*key, turn)) for turn in turns or ("",)
         )
-        if count > MOST_UNEQUAL and any(turn.even is None for turn in self._turns):
+        if count > MAX_UNEQUAL and any(turn.even is None for turn in self._turns):
             raise TooManyTied(max((c for c in columns if len(c.names) > 1), key=lambda c: c.size).names)
 
     @property
     def even(self) -> bool:
-        """Whether all groups in which the same factors are crossed are of one size."""
+        """Whether all groups that cross the same factors have the same size."""
         return all(turn.even is not None for turn in self._turns)
 
     @property
     def size(self) -> int:
-        """All members of all groups."""
+        """Number of members of all groups."""
         return self._before(self.count)
 
     def locate(self, index: int) -> tuple[int, int]:
-        """The group of an instance, and its place in the group."""
+        """Return the group of an instance and its position in the group."""
         if self._starts is not None:
             block = bisect_right(self._starts, index) - 1
             return block, index - self._starts[block]
@@ -134,33 +134,33 @@ class Groups:
         return whole * len(self._turns) + turn, rest - self._round[turn]
 
     def values(self, block: int, place: int) -> dict[str, Level]:
-        """What the group has everywhere, and what it has at this place."""
+        """Return the values of all factors at a position of a group."""
         turn, number = self._turn(block)
         return turn.values(number, place)
 
     def index(self, values: Mapping[str, Level], block: int) -> int | None:
-        """Which member of a group has these values."""
+        """Return the index of the member of a group with these values, or None."""
         turn, number = self._turn(block)
         place = turn.place(values, number)
         return None if place is None else self._before(block) + place
 
     def members(self, block: int) -> range:
-        """The instances of a group."""
+        """Return the indices of the instances of a group."""
         turn, number = self._turn(block)
         first = self._before(block)
         return range(first, first + turn.size(number))
 
     def crossed(self, block: int) -> tuple[str, ...]:
-        """The factors that vary in a group."""
+        """Return the factors that vary within a group."""
         return self._turn(block)[0].crossed
 
     def _turn(self, block: int) -> tuple[_Turn, int]:
-        """Whose turn it is in a group, and how many groups before it had the same."""
+        """Return the turn of a group, and the number of earlier groups with the same turn."""
         number, turn = divmod(block, len(self._turns))
         return self._turns[turn], number
 
     def _before(self, block: int) -> int:
-        """How many instances the groups before this one hold."""
+        """Return the number of instances in the groups before this one."""
         if self._starts is not None:
             return self._starts[block]
         whole, rest = divmod(block, len(self._turns))
@@ -168,12 +168,12 @@ class Groups:
 
     @cached_property
     def _round(self) -> tuple[int, ...]:
-        """Where each turn begins within a round of all turns, and where the round ends; only if sizes are even."""
+        """Start of each turn within a round of all turns, and the end of the round; only for even sizes."""
         return (0, *accumulate(turn.even or 0 for turn in self._turns))
 
     @cached_property
     def _starts(self) -> tuple[int, ...] | None:
-        """Where each group begins, and the last ends; None where that follows from the turn alone."""
+        """Start index of each group and the end of the last; None if sizes are even."""
         if all(turn.even is not None for turn in self._turns):
             return None
         sizes = (turn.size(number) for turn, number in map(self._turn, range(self.count)))
@@ -181,7 +181,7 @@ class Groups:
 
 
 class TooManyTied(Exception):
-    """Conditions tie factors that are crossed to so many combinations of others that these cannot be listed."""
+    """Conditions tie crossed factors to more combinations of others than can be listed."""
 
     def __init__(self, names: tuple[str, ...]) -> None:
         super().__init__(", ".join(names))
@@ -189,21 +189,23 @@ class TooManyTied(Exception):
 
 
 class _Turn:
-    """Groups in which the same factors are crossed, numbered from 0."""
+    """The groups that cross the same factors, numbered from 0."""
 
     def __init__(self, columns: Sequence[Column], crossed: Sequence[str], key: tuple[object, ...]) -> None:
         self.crossed = tuple(sorted(crossed))
-        self._parts = tuple(_Part(column, frozenset(crossed), (*key, *sorted(column.names))) for column in columns)
+        self._parts = tuple(
+            _GroupColumn(column, frozenset(crossed), (*key, *sorted(column.names))) for column in columns
+        )
         sizes = [part.even for part in self._parts]
-        #: The size of each group, if that is the same for all.
+        #: The size of each group, or None if sizes differ.
         self.even = None if None in sizes else prod(size for size in sizes if size is not None)
 
     def size(self, number: int) -> int:
-        """How many members group `number` has."""
+        """Return the number of members of group `number`."""
         return prod(len(part.choices(number)) for part in self._parts) if self.even is None else self.even
 
     def values(self, number: int, place: int) -> dict[str, Level]:
-        """The values of all factors; the factors of the last part change fastest."""
+        """Return the values of all factors; those of the last part change fastest."""
         picked: dict[str, Level] = {}
         for part in reversed(self._parts):
             choices = part.choices(number)
@@ -212,7 +214,7 @@ class _Turn:
         return picked
 
     def place(self, values: Mapping[str, Level], number: int) -> int | None:
-        """Where a combination stands in group `number`; None if it does not."""
+        """Return the position of a combination in group `number`, or None if the group omits it."""
         place = 0
         for part in self._parts:
             choices = part.choices(number)
@@ -223,8 +225,8 @@ class _Turn:
         return place
 
 
-class _Part:
-    """A column as groups see it: contexts, which are its factors that are not crossed, and what is crossed in each."""
+class _GroupColumn:
+    """A column split for groups: contexts of its uncrossed factors, and the crossed combinations in each context."""
 
     def __init__(self, column: Column, crossed: frozenset[str], key: tuple[object, ...]) -> None:
         self.column = column
@@ -233,34 +235,34 @@ class _Part:
         self._single = crossed.isdisjoint(column.names)
         self._contexts: tuple[tuple[int, ...], ...] = ()
         if self._whole is None and not self._single:
-            if column.size > MOST_LISTED:
+            if column.size > MAX_LISTED:
                 raise TooManyTied(column.names)
             self._contexts = _contexts(column, crossed)
 
     @property
     def even(self) -> int | None:
-        """How many combinations there are to cross, if they are equally many in all contexts."""
+        """The number of crossed combinations, if it is the same in all contexts; else None."""
         if self._whole is not None:
             return len(self._whole)
         counts = {1} if self._single else {len(ranks) for ranks in self._contexts}
         return counts.pop() if len(counts) == 1 else None
 
     def choices(self, number: int) -> Sequence[int]:
-        """The ranks of the combinations that group `number` has."""
+        """Return the ranks of the combinations in group `number`."""
         if self._whole is not None:
             return self._whole
         size = self.column.size if self._single else len(self._contexts)
         lap, at = divmod(number, size)
-        drawn = self._order(lap)[at] if size <= MOST_LISTED else Permutation(size, *self._key, lap)(at)
+        drawn = self._order(lap)[at] if size <= MAX_LISTED else Permutation(size, *self._key, lap)(at)
         return (drawn,) if self._single else self._contexts[drawn]
 
     def _order(self, lap: int) -> Sequence[int]:
-        """The contexts in the order in which the groups of a lap have them; kept until another lap is asked for."""
+        """Return the order of contexts in a lap of groups; the latest lap is cached."""
         known, order = self._known
         if known != lap:
             key = (*self._key, lap)
             if self._single:
-                order = balanced(self.column, key)
+                order = balanced_order(self.column, key)
             else:
                 order = list(map(Permutation(len(self._contexts), *key), range(len(self._contexts))))
             self._known = (lap, order)
@@ -270,7 +272,7 @@ class _Part:
 
 
 def _contexts(column: Column, crossed: frozenset[str]) -> tuple[tuple[int, ...], ...]:
-    """The ranks of a column, put together where its factors that are not crossed have the same values."""
+    """Return the ranks of a column, grouped by equal values of its uncrossed factors."""
     ranks: dict[tuple[Level, ...], list[int]] = {}
     for rank in range(column.size):
         values = zip(column.names, column.values(rank), strict=True)

@@ -1,4 +1,4 @@
-"""What a design chooses from: columns of numbered values, for factors that are tied together or stand alone."""
+"""Columns of a design: numbered combinations of one factor, or of several factors tied by conditions."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from wmspec.compile.design.levels import Level, quantile
 from wmspec.core.rng import Permutation, bits, uniform
 from wmspec.lang.check.ir.ir import Factor
 
-#: Up to so many allowed combinations of tied factors are put in an order in which every beginning is balanced.
-MOST_BALANCED = 128
-#: Up to so many combinations are kept in order; of more, each is worked out when it is asked for.
-MOST_LISTED = 4096
+#: Maximum number of allowed combinations for which an order with balanced prefixes is computed.
+MAX_BALANCED = 128
+#: Maximum number of combinations kept in a list; larger columns compute each one on demand.
+MAX_LISTED = 4096
 
 
 class Column(Protocol):
@@ -24,38 +24,38 @@ class Column(Protocol):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The factors."""
+        """The names of the factors."""
 
     @property
     def size(self) -> int:
-        """How many combinations there are."""
+        """Number of combinations."""
 
     def values(self, rank: int) -> tuple[Level, ...]:
-        """Combination number `rank`."""
+        """Return combination number `rank`."""
 
     def rank(self, values: Sequence[Level]) -> int | None:
-        """The number of a combination; None if it is not one of these."""
+        """Return the number of a combination, or None if the column omits it."""
 
 
 @dataclass(frozen=True)
-class Free:
-    """A factor that nothing ties to another: all its values."""
+class FreeFactor:
+    """A factor that no condition ties to another, with all its values."""
 
     name: str
     domain: tuple[Level, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The factor."""
+        """The name of the factor."""
         return (self.name,)
 
     @property
     def size(self) -> int:
-        """How many values it has."""
+        """Number of values."""
         return len(self.domain)
 
     def values(self, rank: int) -> tuple[Level, ...]:
-        """Value number `rank`."""
+        """Return value number `rank`."""
         return (self.domain[rank],)
 
     @cached_property
@@ -63,13 +63,13 @@ class Free:
         return {value: rank for rank, value in enumerate(self.domain)}
 
     def rank(self, values: Sequence[Level]) -> int | None:
-        """The number of a value; None if the factor does not have it."""
+        """Return the number of a value, or None if the factor lacks it."""
         return self._ranks.get(values[0])
 
 
 @dataclass(frozen=True)
 class Strata:
-    """A continuous factor cut into `size` equally likely strata, with one value drawn from each."""
+    """A continuous factor divided into `size` equally likely strata, with one value drawn from each."""
 
     factor: Factor
     size: int
@@ -77,11 +77,11 @@ class Strata:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The factor."""
+        """The name of the factor."""
         return (self.factor.name,)
 
     def values(self, rank: int) -> tuple[Level, ...]:
-        """The value in stratum `rank`."""
+        """Return the value drawn in stratum `rank`."""
         share = (rank + uniform(*self.key, self.factor.name, rank)) / self.size
         return (quantile(self.factor.domain, share),)
 
@@ -90,14 +90,15 @@ class Strata:
         return {self.values(rank): rank for rank in range(self.size)}
 
     def rank(self, values: Sequence[Level]) -> int | None:
-        """The stratum of a value; None if it is not the one drawn there."""
+        """Return the stratum of a value, or None if it is not the value drawn there."""
         return self._ranks.get(tuple(values))
 
 
 class Spread:
-    """Some of a column's combinations in a random order: number 0, 1, ... up to `count`, as even as they can be.
+    """Up to `count` combinations of a column in a random order, as evenly spread as possible.
 
-    Of more than `count` combinations one is drawn from each of `count` equal shares of them; fewer are all taken.
+    A column with more than `count` combinations is divided into `count` equal shares, and one combination is drawn from
+    each. A smaller column is taken whole.
     """
 
     def __init__(self, column: Column, count: int, key: tuple[object, ...]) -> None:
@@ -110,8 +111,8 @@ class Spread:
         else:
             permutation = Permutation(column.size, *self._key, "order")
             self.rank, self.number = permutation, permutation.inverse
-            if column.size <= MOST_LISTED:
-                order = balanced(column, self._key)
+            if column.size <= MAX_LISTED:
+                order = balanced_order(column, self._key)
                 self.rank = order.__getitem__
                 self.number = {rank: number for number, rank in enumerate(order)}.get
 
@@ -125,29 +126,29 @@ class Spread:
         return number if self._drawn(number) == rank else None
 
 
-def balanced(column: Column, key: tuple[object, ...]) -> list[int]:
-    """All ranks of a column in a random order; of factors that are tied, one in which every beginning is balanced."""
-    if len(column.names) > 1 and column.size <= MOST_BALANCED:
-        return _evened(column, key)
+def balanced_order(column: Column, key: tuple[object, ...]) -> list[int]:
+    """Return all ranks of a column in random order; prefixes are balanced if several factors are tied."""
+    if len(column.names) > 1 and column.size <= MAX_BALANCED:
+        return _even_order(column, key)
     return list(map(Permutation(column.size, *key, "order"), range(column.size)))
 
 
-def _evened(column: Column, key: tuple[object, ...]) -> list[int]:
-    """The ranks of a column in an order in which each value of each factor comes at even intervals, else at random."""
+def _even_order(column: Column, key: tuple[object, ...]) -> list[int]:
+    """Return the ranks in an order that spaces each value of each factor evenly, otherwise random."""
     cells: dict[tuple[int, Level], int] = {}
     ranks = (enumerate(column.values(rank)) for rank in range(column.size))
     rows = tuple(tuple(cells.setdefault(cell, len(cells)) for cell in row) for row in ranks)
     return list(_spread_evenly(rows, key))
 
 
-@lru_cache(maxsize=256)  # a dry run needs the same few orders dozens of times
+@lru_cache(maxsize=256)  # a dry run uses the same few orders dozens of times
 def _spread_evenly(rows: tuple[tuple[int, ...], ...], key: tuple[object, ...]) -> tuple[int, ...]:
-    """The numbers of rows in an order in which each cell comes at even intervals; ties depend on the key."""
+    """Return row numbers in an order that spaces each cell evenly; ties depend on the key."""
     total = Counter(chain.from_iterable(rows))
     due = [1 / total[cell] for cell in range(len(total))]
     taken = [0] * len(due)
     tied = {i: bits(*key, "tie", i) for i in range(len(rows))}
-    left = sorted(tied, key=tied.__getitem__)  # of equals, min takes the first
+    left = sorted(tied, key=tied.__getitem__)  # min returns the first of equal items
     order: list[int] = []
     while left:
         chosen = min(left, key=lambda i: sum(map(due.__getitem__, rows[i])))

@@ -1,4 +1,4 @@
-"""What `require`s and conditional domains allow: for each, the combinations of the few factors that it looks at."""
+"""Constraints of `require`s and conditional domains: allowed combinations of the factors in each one's scope."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from math import prod
 from typing import Any
 
 from wmspec.compile.design.depend import Dependencies
-from wmspec.compile.design.describe import told
+from wmspec.compile.design.describe import format_levels
 from wmspec.compile.design.levels import Level
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import ImpossibleValue, SpecError, WmsError
 from wmspec.core.places import Location
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Choices, Expr, Factor, Operation, TaskSpec
 
-#: The most combinations on which conditions are tried, for all conditions of a task: about half a second.
-MOST_TRIED = 100_000
+#: Maximum number of combinations on which the conditions of a task are evaluated; takes about 0.5 s.
+MAX_TRIED = 100_000
 
 
 @dataclass(frozen=True, eq=False)
 class Constraint:
-    """A condition on the factors of its scope; `statement` numbers the `require` or domain that it is a part of."""
+    """A condition on the factors of its scope; `statement` is the index of its `require` or domain."""
 
     spec: TaskSpec
     statement: int
@@ -37,12 +37,12 @@ class Constraint:
 
     @property
     def tries(self) -> int:
-        """How many combinations there are to try."""
+        """Number of combinations to evaluate."""
         return prod(len(self.domains[name]) for name in self.scope)
 
     @cached_property
     def allowed(self) -> frozenset[tuple[int, ...]]:
-        """The combinations that are allowed, as numbers of the values of the factors in the scope."""
+        """The allowed combinations, as indices of the values of the factors in scope."""
         levels = product(*(range(len(self.domains[name])) for name in self.scope))
         return frozenset(at for at in levels if self._holds(at))
 
@@ -54,22 +54,22 @@ class Constraint:
         known = {name: self.domains[name][level] for name, level in zip(self.scope, at, strict=True)}
         condition = self.conditions[at[0] if self.conditional else 0]
         try:
-            return bool(evaluate(condition, _Known(self.spec, known)))
+            return bool(evaluate(condition, _FactorEnvironment(self.spec, known)))
         except WmsError as error:
-            where = told(self.spec.factors, known)
+            where = format_levels(self.spec.factors, known)
             raise ImpossibleValue(f"{self.text} has no value where {where}: {error}", self.place) from None
 
 
-class _Known:
-    """An environment for conditions on factors; only what is more than factors and `let`s needs the whole scene."""
+class _FactorEnvironment:
+    """An environment for conditions on factors; builds the scene only when a condition needs it."""
 
     def __init__(self, spec: TaskSpec, known: Mapping[str, Level]) -> None:
         self._spec = spec
         self._known = known
 
     @cached_property
-    def _scene(self) -> Values:
-        return Values(self._spec, self._known)
+    def _scene(self) -> Evaluator:
+        return Evaluator(self._spec, self._known)
 
     def ref(self, name: str) -> Any:
         return self._known[name] if name in self._known else self._scene.ref(name)
@@ -82,18 +82,18 @@ class _Known:
 
 
 def constraints(spec: TaskSpec) -> tuple[Constraint, ...]:
-    """All that a spec demands of the values of its factors, `and`s taken apart.
+    """Return the constraints of a spec on its factors, one for each conjunct of an `and`.
 
-    Raises SpecError where a condition depends on what has no separate values to try, or there is too much to try.
+    Raises SpecError if a condition depends on a continuous value, or if there are too many combinations to evaluate.
     """
     made = tuple(_constraints(spec))
     tries = 0
     for constraint in made:
         tries += constraint.tries
-        if tries > MOST_TRIED:
+        if tries > MAX_TRIED:
             names = ", ".join(constraint.scope)
             raise SpecError(
-                f"this condition ties {names} together, {constraint.tries:,} combinations to try, and {MOST_TRIED:,} "
+                f"this condition ties {names} together, {constraint.tries:,} combinations to try, and {MAX_TRIED:,} "
                 "are the most",
                 constraint.place,
                 "split it into conditions on fewer factors, joined by `and`",
@@ -103,6 +103,7 @@ def constraints(spec: TaskSpec) -> tuple[Constraint, ...]:
 
 
 def _constraints(spec: TaskSpec) -> Iterator[Constraint]:
+    """Yield the constraints of `require`s, then those of conditional domains."""
     domains = {f.name: f.domain.values for f in spec.factors if not f.nuisance and isinstance(f.domain, Choices)}
     depend = Dependencies(spec)
     order = [f.name for f in spec.factors]
@@ -111,19 +112,20 @@ def _constraints(spec: TaskSpec) -> Iterator[Constraint]:
         for condition in _conjuncts(require.condition):
             tied = depend.expression(condition) & set(order)
             scope = tuple(name for name in order if name in tied)
-            _separate(scope, domains, spec, require.place)
+            _require_discrete(scope, domains, spec, require.place)
             yield Constraint(spec, number, f"`{require.text}`", require.place, scope, (condition,), domains)
     for number, factor in enumerate(conditional, start=len(spec.requires)):
         assert isinstance(factor.domain, Choices)
         when = factor.domain.when or ()
         tied = frozenset[str]().union(*(depend.expression(e) for e in when)) & set(order)
         scope = (factor.name, *(name for name in order if name in tied and name != factor.name))
-        _separate(scope, domains, spec, factor.place)
+        _require_discrete(scope, domains, spec, factor.place)
         text = f"the domain of `{factor.name}`"
         yield Constraint(spec, number, text, factor.place, scope, when, domains, conditional=True)
 
 
 def _conjuncts(condition: Expr) -> Iterator[Expr]:
+    """Yield the operands of nested `and`s."""
     if isinstance(condition, Operation) and condition.operator == "and":
         for operand in condition.operands:
             yield from _conjuncts(operand)
@@ -131,13 +133,13 @@ def _conjuncts(condition: Expr) -> Iterator[Expr]:
         yield condition
 
 
-def _separate(scope: tuple[str, ...], domains: Mapping[str, Any], spec: TaskSpec, place: Location) -> None:
-    """A condition looks at factors with separate values alone: nothing else can be tried out."""
+def _require_discrete(scope: tuple[str, ...], domains: Mapping[str, Any], spec: TaskSpec, place: Location) -> None:
+    """Raise SpecError unless every factor in scope has discrete values."""
     for name in scope:
         if name not in domains:
             factor: Factor = next(f for f in spec.factors if f.name == name)
             what = "the nuisance" if factor.nuisance else "the interval"
-            drawn = "a condition on what is drawn is an `ensure` of a question"
+            drawn = "write a condition on nuisances as an `ensure` of a question"
             remedy = drawn if factor.nuisance else "give that separate values, with `by STEP` or `in COUNT`"
             message = f"a condition on the design cannot depend on {what} `{name}`"
             raise SpecError(message, place, remedy, code="WMS407")

@@ -1,4 +1,4 @@
-"""Factors tied together by conditions: their allowed combinations, counted and numbered without listing them."""
+"""Factors tied by conditions: allowed combinations, counted and numbered without listing them."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from math import prod
 from wmspec.compile.design.constrain import Constraint
 from wmspec.compile.design.levels import Level
 
-#: The most combinations of a factor's values with those that it is tied to that are counted, for a group of factors.
-MOST_COUNTED = 300_000
+#: Maximum number of combinations of a factor's values with its tied factors, summed over a group of factors.
+MAX_COUNTED = 300_000
 
 
-class TooMuch(Exception):
-    """Counting would take too long: so many `combinations` of so many factors would have to be looked at."""
+class TooManyCombinations(Exception):
+    """Counting needs `combinations` combinations of the factors `names`, more than MAX_COUNTED."""
 
     def __init__(self, names: tuple[str, ...], combinations: int) -> None:
         super().__init__(combinations)
@@ -26,17 +26,16 @@ class TooMuch(Exception):
 
 @dataclass(frozen=True)
 class _Link:
-    """One factor of a chain: which earlier ones its choices depend on, and for their values, what may follow.
+    """One factor of a chain: the earlier factors that it depends on, and the values allowed for each context.
 
-    `choices[context]` holds the allowed values (as numbers) and, for each, how many ways there are up to and with it to
-    complete what hangs on this factor.
+    `choices[context]` holds the indices of the allowed values, and cumulative counts of completions up to each one.
     """
 
     context: tuple[int, ...]
     choices: dict[tuple[int, ...], tuple[Sequence[int], Sequence[int]]]
 
-    def ways(self, at: Sequence[int]) -> int:
-        """In how many ways this factor and what hangs on it can be chosen after the earlier values `at`."""
+    def completions(self, at: Sequence[int]) -> int:
+        """Return the number of choices of this factor and its dependents, given the earlier values `at`."""
         reached = self.choices[tuple([at[v] for v in self.context])][1]
         return reached[-1] if reached else 0
 
@@ -44,10 +43,10 @@ class _Link:
 class Chain:
     """The allowed combinations of some factors, in the order of their domains, the last factor fastest.
 
-    Factors are eliminated from the last to the first, each leaving a table of counts over the earlier ones that it is
-    tied to (bucket elimination: Dechter, "Bucket elimination: a unifying framework for reasoning", 1999). So the cost
-    grows with how many factors are tied at once, not with the number of combinations. Where the order of the spec would
-    be too costly, factors with few ties come last; then the combinations are numbered in that order.
+    Factors are eliminated from the last to the first. Each elimination leaves a table of counts over the earlier
+    factors tied to it (bucket elimination: Dechter, "Bucket elimination: a unifying framework for reasoning", 1999).
+    The cost grows with the number of factors tied at once, not with the number of combinations. If the order of the
+    spec is too costly, factors with few ties come last, and combinations are numbered in that order.
     """
 
     def __init__(self, domains: dict[str, tuple[Level, ...]], constraints: Sequence[Constraint]) -> None:
@@ -57,15 +56,15 @@ class Chain:
         order = _order(tuple(map(len, self._values)), [_scope(c, self.names) for c in constraints], self.names)
         self._order = order
         self._links = _links([len(self._values[v]) for v in order], self._placed(constraints))
-        self.size = prod(link.ways(()) for link in self._links if not link.context)
+        self.size = prod(link.completions(()) for link in self._links if not link.context)
 
     def _placed(self, constraints: Sequence[Constraint]) -> list[tuple[tuple[int, ...], frozenset[tuple[int, ...]]]]:
-        """Constraints with the positions of their factors in the order of counting."""
+        """Return constraints as positions of their factors in the counting order, with their allowed combinations."""
         where = {self.names[v]: position for position, v in enumerate(self._order)}
         return [(tuple(where[name] for name in c.scope), c.allowed) for c in constraints]
 
     def levels(self, rank: int) -> tuple[int, ...]:
-        """Combination number `rank`, 0 to `size` - 1, as the numbers of the factors' values."""
+        """Return combination number `rank` (0 to `size` - 1) as indices of the factors' values."""
         at: list[int] = []
         total = self.size
         for link in self._links:
@@ -82,11 +81,11 @@ class Chain:
         return tuple(by_factor)
 
     def values(self, rank: int) -> tuple[Level, ...]:
-        """Combination number `rank`."""
+        """Return combination number `rank`."""
         return tuple([values[level] for values, level in zip(self._values, self.levels(rank), strict=True)])
 
     def rank(self, values: Sequence[Level]) -> int | None:
-        """The number of a combination; None if it is not allowed."""
+        """Return the number of a combination, or None if it is not allowed."""
         known = [levels.get(value) for levels, value in zip(self._levels, values, strict=True)]
         at: list[int] = []
         rank, total = 0, self.size
@@ -105,6 +104,7 @@ class Chain:
 
 
 def _scope(constraint: Constraint, names: tuple[str, ...]) -> frozenset[int]:
+    """Return the positions of the factors in a constraint's scope."""
     return frozenset(names.index(name) for name in constraint.scope)
 
 
@@ -112,19 +112,19 @@ def _scope(constraint: Constraint, names: tuple[str, ...]) -> frozenset[int]:
 
 
 def _order(sizes: tuple[int, ...], scopes: Sequence[frozenset[int]], names: tuple[str, ...]) -> tuple[int, ...]:
-    """The order in which factors are numbered: that of the spec, or else a cheap one. Raises TooMuch without one."""
+    """Return the numbering order of factors: that of the spec, else a cheaper one. Raises TooManyCombinations."""
     written = tuple(range(len(sizes)))
-    if max(_costs(written, sizes, scopes), default=0) <= MOST_COUNTED:
+    if max(_costs(written, sizes, scopes), default=0) <= MAX_COUNTED:
         return written
     cheap = _cheapest(sizes, scopes)
     costs = _costs(cheap, sizes, scopes)
-    if (most := max(costs)) > MOST_COUNTED:
-        raise TooMuch(names, most)
+    if (most := max(costs)) > MAX_COUNTED:
+        raise TooManyCombinations(names, most)
     return cheap
 
 
 def _costs(order: Sequence[int], sizes: Sequence[int], scopes: Sequence[frozenset[int]]) -> list[int]:
-    """How many combinations are looked at when each factor of the order is eliminated, from the last to the first."""
+    """Return the number of combinations visited when each factor is eliminated, from the last to the first."""
     left, costs = list(scopes), []
     for v in reversed(order):
         touched = [s for s in left if v in s]
@@ -135,7 +135,7 @@ def _costs(order: Sequence[int], sizes: Sequence[int], scopes: Sequence[frozense
 
 
 def _cheapest(sizes: Sequence[int], scopes: Sequence[frozenset[int]]) -> tuple[int, ...]:
-    """An order found by always eliminating the factor that is tied to the fewest combinations of others."""
+    """Return a greedy order: eliminate the factor that is tied to the fewest combinations of others."""
     left, order = list(scopes), list[int]()
     while len(order) < len(sizes):
         reach = {v: frozenset({v}).union(*(s for s in left if v in s)) for v in range(len(sizes)) if v not in order}
@@ -149,9 +149,9 @@ def _cheapest(sizes: Sequence[int], scopes: Sequence[frozenset[int]]) -> tuple[i
 
 
 def _links(sizes: Sequence[int], allowed: list[tuple[tuple[int, ...], frozenset[tuple[int, ...]]]]) -> list[_Link]:
-    """The chain, built from its last factor to its first."""
+    """Return the chain, built from its last factor to its first."""
     links: list[_Link] = []
-    waiting: list[tuple[int, _Link]] = []  # links with the latest factor that they depend on
+    waiting: list[tuple[int, _Link]] = []  # links, each with the latest factor in its context
     for v in reversed(range(len(sizes))):
         conditions = [(scope, table) for scope, table in allowed if scope and max(scope) == v]
         hanging = [link for latest, link in waiting if latest == v]
@@ -173,7 +173,7 @@ def _choices(
     conditions: list[tuple[tuple[int, ...], frozenset[tuple[int, ...]]]],
     hanging: list[_Link],
 ) -> tuple[Sequence[int], Sequence[int]]:
-    """The values that factor `v` may have in a context, and how many ways there are up to and with each."""
+    """Return the allowed values of factor `v` in a context, and cumulative counts of completions."""
     if not conditions and not hanging:
         return range(sizes[v]), range(1, sizes[v] + 1)
     known = [0] * (v + 1)
@@ -183,7 +183,7 @@ def _choices(
     for level in range(sizes[v]):
         known[v] = level
         if all(tuple([known[u] for u in scope]) in table for scope, table in conditions):
-            count = prod(link.ways(known) for link in hanging)
+            count = prod(link.completions(known) for link in hanging)
             if count:
                 levels.append(level)
                 ways.append(count)

@@ -1,34 +1,34 @@
-"""Which factors and properties a value depends on, by looking at the spec alone.
+"""Static dependencies between factors and properties of a spec.
 
-A source is the name of a factor or nuisance, or an `owner.property` of the spec. Some names stand for several of them:
-`ball.pose` (where an object is and how it is turned), `ball.form` (its shape, size and parts), `push.there` (whether an
-action happens), `push.way` (where its object is when it begins).
+A source is the name of a factor or nuisance, or an `owner.property` of the spec. Some names group several properties:
+`ball.pose` (position and orientation), `ball.form` (shape, size and parts), `push.there` (whether the action happens),
+`push.way` (the position of its object when it begins).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
+from wmspec.compile.layout.evaluator import INHERITED
 from wmspec.compile.layout.motion import CARRYING
-from wmspec.compile.layout.values import INHERITED
 from wmspec.core.memoize import LRU
-from wmspec.lang.check.ir.evaluate import parts
-from wmspec.lang.check.ir.ir import Call, Choices, Expr, Property, Ref, TaskSpec, Thing, Value
+from wmspec.lang.check.ir.evaluate import subexpressions
+from wmspec.lang.check.ir.ir import Call, Choices, Entity, Expr, Property, Ref, TaskSpec, Value
 from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MEASURES
 
-#: What decides the form of an object or part.
+#: Properties that determine the form of an object or part.
 FORM = ("shape", *MEASURES, "file", "scale", "collision")
 _TURN = ("yaw", "pitch", "roll")
-#: What decides where an object is.
+#: Properties that determine the position of an object.
 PLACEMENT = ("at", "on", "inside", *_TURN)
 _SCATTER = ("scatter", "gap")
 
-#: Of so many specs the dependencies are remembered.
-_REMEMBERED = 8
-_latest: LRU[int, tuple[TaskSpec, Dependencies]] = LRU(_REMEMBERED)
+#: Number of specs whose dependencies are cached.
+_MAX_CACHED = 8
+_latest: LRU[int, tuple[TaskSpec, Dependencies]] = LRU(_MAX_CACHED)
 
-#: What of its objects a function looks at.
-_LOOKS_AT: dict[str, tuple[str, ...]] = {
+#: Properties of its objects that a function reads.
+_FUNCTION_READS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("toward", "left_of", "right_of", "in_front_of", "behind", "polar", "between"), ("pose",)),
     **dict.fromkeys(("volume", "largest", "smallest"), ("form",)),
     **dict.fromkeys(("luminance", "darkest", "lightest"), ("color",)),
@@ -38,12 +38,12 @@ _LOOKS_AT: dict[str, tuple[str, ...]] = {
 
 
 def dependencies(spec: TaskSpec) -> Dependencies:
-    """Those of a spec, the same for all its instances: a spec never changes, and is known by being the same object."""
-    return _latest.get(id(spec), lambda: (spec, Dependencies(spec)))[1]  # the spec stays, and so its `id`
+    """Return the dependencies of a spec, cached by identity since specs are immutable."""
+    return _latest.get(id(spec), lambda: (spec, Dependencies(spec)))[1]  # keeping the spec keeps its `id` unique
 
 
 class Dependencies:
-    """Transitive dependencies within one task, each worked out once."""
+    """Transitive dependencies within one task, each computed once."""
 
     def __init__(self, spec: TaskSpec) -> None:
         self._lets = {let.name: let.value for let in spec.lets}
@@ -56,15 +56,15 @@ class Dependencies:
             self._next[name] = self._next.get(name, frozenset()) | self._direct(observation.times)
 
     def expression(self, expr: Expr) -> frozenset[str]:
-        """The names of the factors and nuisances, and the `owner.property`s, that the value depends on."""
+        """Return the factors, nuisances and `owner.property`s that an expression depends on."""
         return self._reached(self._direct(expr))
 
     def sources(self, sources: Iterable[str]) -> frozenset[str]:
-        """What any of these sources depends on, themselves included."""
+        """Return all dependencies of these sources, including themselves."""
         return self._reached(sources)
 
     def source(self, source: str) -> frozenset[str]:
-        """What a source depends on, itself included."""
+        """Return all dependencies of a source, including itself."""
         if source not in self._all:
             self._all[source] = self._reached((source,))
         return self._all[source]
@@ -72,6 +72,7 @@ class Dependencies:
     # ------------------------------------------------------------ from one to the next
 
     def _reached(self, sources: Iterable[str]) -> frozenset[str]:
+        """Return the sources reachable from these."""
         reached: set[str] = set()
         waiting = list(sources)
         while waiting:
@@ -84,7 +85,7 @@ class Dependencies:
         return frozenset(reached - self._lets.keys())
 
     def _step(self, source: str) -> frozenset[str]:
-        """What a source is made of directly."""
+        """Return the direct dependencies of a source."""
         if source in self._lets:
             return self._direct(self._lets[source])
         owner, _, name = source.rpartition(".")
@@ -96,25 +97,27 @@ class Dependencies:
         return frozenset(made_of)
 
     def _direct(self, expr: Expr) -> frozenset[str]:
-        """What is named in an expression."""
+        """Return the sources that an expression names."""
         direct: set[str] = set()
-        for part in parts(expr):
+        for part in subexpressions(expr):
             match part:
                 case Ref(name=name):
                     direct.add(name)
                 case Property(owner=owner, name=name):
                     direct |= {f"{named}.{name}" for named in self._named(owner)}
-                case Call(function=function, arguments=arguments, options=options) if function in _LOOKS_AT:
+                case Call(function=function, arguments=arguments, options=options) if function in _FUNCTION_READS:
                     for argument in (*arguments, *(option.value for option in options)):
-                        direct |= {f"{n}.{aspect}" for n in self._named(argument) for aspect in _LOOKS_AT[function]}
+                        direct |= {
+                            f"{n}.{aspect}" for n in self._named(argument) for aspect in _FUNCTION_READS[function]
+                        }
         return frozenset(direct)
 
     # ------------------------------------------------------------ what one property is made of
 
-    def _of_property(self, thing: Thing, name: str) -> Iterator[str | Expr]:
-        """The sources and expressions that decide a property of a thing."""
-        if name in _TOGETHER:
-            yield from _TOGETHER[name](self, thing)
+    def _of_property(self, thing: Entity, name: str) -> Iterator[str | Expr]:
+        """Yield the sources and expressions that determine a property of an entity."""
+        if name in _COMPOSITE_SOURCES:
+            yield from _COMPOSITE_SOURCES[name](self, thing)
         elif name in thing.properties:
             yield thing.properties[name].value
         elif thing.kind == "part" and name in INHERITED:
@@ -122,12 +125,14 @@ class Dependencies:
         if name in BY_MATERIAL and name not in thing.properties:
             yield from (f"{thing.name}.material", f"{thing.name}.image")
 
-    def _form(self, thing: Thing) -> Iterator[str]:
+    def _form(self, thing: Entity) -> Iterator[str]:
+        """Yield the sources of an entity's form."""
         placed = ("at", *_TURN, "solid") if thing.kind == "part" else ()
         yield from (f"{thing.name}.{name}" for name in (*FORM, *placed))
         yield from (f"{part.name}.form" for part in self._parts(thing))
 
-    def _pose(self, thing: Thing) -> Iterator[str | Expr]:
+    def _pose(self, thing: Entity) -> Iterator[str | Expr]:
+        """Yield the sources and expressions of an entity's pose."""
         yield f"{thing.name}.form"
         for near in self._asset(thing):
             turns = ("pose",) if near.name == thing.of else ("start",) if near.kind == "joint" else ("form", *_TURN)
@@ -146,16 +151,18 @@ class Dependencies:
         for drop in self._acting(("drop",), thing.name):
             yield from (f"{drop.name}.{name}" for name in ("there", "object", "height"))
 
-    def _ridden(self, camera: Thing) -> frozenset[str]:
-        """What carries a camera."""
+    def _ridden(self, camera: Entity) -> frozenset[str]:
+        """Return the objects that may carry a camera."""
         return self._named(camera.properties["ride"].value) if "ride" in camera.properties else frozenset()
 
-    def _there(self, action: Thing) -> Iterator[str]:
+    def _there(self, action: Entity) -> Iterator[str]:
+        """Yield the sources that determine whether an action happens."""
         if "object" in action.properties:
             yield f"{action.name}.object"
             yield from (f"{owner}.present" for owner in self._named(action.properties["object"].value))
 
-    def _way(self, action: Thing) -> Iterator[str]:
+    def _way(self, action: Entity) -> Iterator[str]:
+        """Yield the sources of the pose of an action's object when the action begins."""
         yield f"{action.name}.start"
         if action.of:
             arm = "object" in action.properties
@@ -167,7 +174,7 @@ class Dependencies:
                 yield from (f"{move.name}.{name}" for name in ("there", "yaw", *move.properties))
 
     def _robots(self) -> Iterator[str]:
-        """What the plan of all arms goes by: all that they do, to what, and where they stand."""
+        """Yield the sources of the arms' plan: all their actions, handled objects and base poses."""
         yield from ("end", "world.gravity")
         for thing in self._things.values():
             if thing.kind == "robot":
@@ -184,8 +191,8 @@ class Dependencies:
                     for owner in self._named(thing.properties[name].value):
                         yield from (f"{owner}.{aspect}" for aspect in ("pose", "form", "mass", "density", "friction"))
 
-    def _travels(self, robot: Thing) -> Iterator[str]:
-        """What the way of a car or a walker goes by: where it starts, what it does, what may stand in its way."""
+    def _travels(self, robot: Entity) -> Iterator[str]:
+        """Yield the sources of a vehicle's or walker's plan: start, actions and possible obstacles."""
         yield from (f"{robot.name}.{name}" for name in ("on", "at", "yaw", "roads", "lane", "keeps"))
         for thing in self._things.values():
             if thing.kind == "action" and thing.of == robot.name:
@@ -197,28 +204,29 @@ class Dependencies:
 
     # ------------------------------------------------------------ who is who
 
-    def _asset(self, thing: Thing) -> Iterator[Thing]:
-        """The other links and the joints of the asset that an object is a link of; of one, also its base."""
+    def _asset(self, thing: Entity) -> Iterator[Entity]:
+        """Yield the other links and the joints of a link's asset; for one link or joint, also the base."""
         base = thing.of or thing.name
         for other in self._things.values():
             near = other.kind in ("object", "joint") and base in (other.name, other.of)
             if thing.kind == "object" and near and other.name != thing.name:
                 yield other
 
-    def _parts(self, thing: Thing) -> Iterator[Thing]:
+    def _parts(self, thing: Entity) -> Iterator[Entity]:
+        """Yield the parts of an object."""
         return (t for t in self._things.values() if t.kind == "part" and t.of == thing.name)
 
-    def _acting(self, verbs: Iterable[str], owner: str) -> Iterator[Thing]:
-        """The actions of these verbs that may be done to an object."""
+    def _acting(self, verbs: Iterable[str], owner: str) -> Iterator[Entity]:
+        """Yield the actions with these verbs that may apply to an object."""
         for thing in self._things.values():
             acts = thing.kind == "action" and thing.verb in verbs and not thing.of
             if acts and owner in self._named(thing.properties["object"].value):
                 yield thing
 
     def _named(self, expr: Expr) -> frozenset[str]:
-        """The names of the things that a value may be, or that a list may hold."""
+        """Return the names of the entities that an expression may refer to."""
         named: set[str] = set()
-        for part in parts(expr):
+        for part in subexpressions(expr):
             match part:
                 case Value(value=str(name)) if name in self._things:
                     named.add(name)
@@ -233,7 +241,7 @@ class Dependencies:
         return frozenset(named)
 
 
-_TOGETHER: dict[str, Callable[[Dependencies, Thing], Iterator[str | Expr]]] = {
+_COMPOSITE_SOURCES: dict[str, Callable[[Dependencies, Entity], Iterator[str | Expr]]] = {
     "form": Dependencies._form,
     "pose": Dependencies._pose,
     "way": Dependencies._way,

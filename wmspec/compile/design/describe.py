@@ -1,4 +1,4 @@
-"""Combinations of factors, as messages tell them."""
+"""Formats combinations of factors for messages."""
 
 from __future__ import annotations
 
@@ -13,24 +13,25 @@ if TYPE_CHECKING:
     from wmspec.compile.design.design import Design, Instance
 
 
-def told(factors: Iterable[Factor], values: Mapping[str, Level]) -> str:
-    """Such as `tone = red, pace = 0.5 m/s`, of those factors that have a value."""
-    return ", ".join(f"{f.name} = {_shown(values[f.name], f.unit)}" for f in factors if f.name in values)
+def format_levels(factors: Iterable[Factor], values: Mapping[str, Level]) -> str:
+    """Return, for example, `tone = red, pace = 0.5 m/s`; factors without a value are omitted."""
+    return ", ".join(f"{f.name} = {_format_level(values[f.name], f.unit)}" for f in factors if f.name in values)
 
 
-def told_of(design: Design, instance: Instance) -> str:
-    """Which instance that is, with its factors if they are few."""
-    where = told(design.factors, instance.factors)
+def format_instance(design: Design, instance: Instance) -> str:
+    """Return the index of an instance, followed by its factors if they are few."""
+    where = format_levels(design.factors, instance.factors)
     return f"in instance {instance.index}" + (f" ({where})" if where and len(where) < 60 else "")
 
 
-def _shown(value: Level, unit: str) -> str:
+def _format_level(value: Level, unit: str) -> str:
+    """Return a level with its unit."""
     match value:
         case bool():
             return "true" if value else "false"
         case float():
-            return units.told(value, units.parse_unit(unit)[1])
+            return units.format_quantity(value, units.parse_unit(unit)[1])
         case tuple():
-            return f"({', '.join(_shown(x, unit) for x in value)})"
+            return f"({', '.join(_format_level(x, unit) for x in value)})"
         case _:
             return str(value)

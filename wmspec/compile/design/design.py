@@ -1,4 +1,4 @@
-"""The design of a task: all its instances, each built from its index alone."""
+"""The design of a task: all its instances, each computed from its index."""
 
 from __future__ import annotations
 
@@ -20,11 +20,10 @@ from wmspec.lang.check.ir.ir import Choices, Items, TaskSpec
 
 @dataclass(frozen=True)
 class Instance:
-    """One instance: its index, the control group (block) it belongs to, and the value of every factor and nuisance.
+    """One instance: its index, its control group (block), and the value of every factor and nuisance.
 
-    `crossed` are the factors that vary within its group. `key` is what every draw for this instance begins with: the
-    seed, the task and its control group, within which nothing varies but these factors. `redrawn` is how often before
-    this the nuisances of the group were drawn otherwise.
+    `crossed` are the factors that vary within its group. `key` is the prefix of every random draw: seed, task and
+    control group. `redrawn` counts how often the nuisances of the group have been redrawn.
     """
 
     index: int
@@ -42,15 +41,15 @@ class Instance:
 
 
 class Design:
-    """The combinations of a task's factors that its plan picks and its `require`s allow, in control groups (blocks).
+    """The combinations of factors that a plan selects and `require`s allow, in control groups (blocks).
 
-    A block is all that the plan picks, made again as often as `repeat` says, or one of many small groups. Nuisances are
-    drawn once per block, so that instances of a block differ in factors alone; in a Latin hypercube, whose instances
-    differ in everything, once per instance. Indices count blocks first, then the combinations; in a factorial design
-    those follow the order of the spec, the last factor fastest, and factors that `require`s tie together count where
-    the first of them stands.
+    A block is either the whole selection, repeated `repeat` times, or one of many small groups. Nuisances are drawn
+    once per block, so that instances of a block differ in factors only. In a Latin hypercube, whose instances differ in
+    every factor, they are drawn once per instance. Indices count blocks first, then combinations. Combinations of a
+    factorial design follow the order of the spec, the last factor fastest. Factors tied by `require`s count at the
+    position of the first one.
 
-    Raises SpecError if there is no such design.
+    Raises SpecError if the design is empty or infeasible.
     """
 
     def __init__(self, spec: TaskSpec, seed: int = 0) -> None:
@@ -73,15 +72,15 @@ class Design:
 
     @property
     def draws(self) -> int:
-        """How many times everything that is drawn is drawn: the number of independent control groups."""
+        """Number of independent draws of the nuisances, one for each control group."""
         return len(self) if self._alone else self.blocks.count
 
     @property
     def sample_sizes(self) -> dict[str, int]:
-        """Of every factor and nuisance, from how many independent control groups one learns something about it.
+        """The number of independent control groups that inform about each factor and nuisance.
 
-        Of a factor that is crossed these are the groups in which it is, since there alone nothing else differs; of what
-        has one value in a group, all groups.
+        For a crossed factor, these are the groups that cross it. For a factor with one value per group, these are all
+        groups.
         """
         turns = self.spec.plan.turn
         rounds, rest = divmod(self.draws, max(1, len(turns)))
@@ -91,14 +90,14 @@ class Design:
     @overload
     def __getitem__(self, index: int) -> Instance: ...
     @overload
-    def __getitem__(self, index: slice) -> Part: ...
-    def __getitem__(self, index: int | slice) -> Instance | Part:
-        """Instance `index`, at the same cost whatever the size of the design; for a slice, a lazy sequence.
+    def __getitem__(self, index: slice) -> InstanceSequence: ...
+    def __getitem__(self, index: int | slice) -> Instance | InstanceSequence:
+        """Return instance `index` in constant time; for a slice, a lazy sequence.
 
         Raises IndexError outside 0..len-1.
         """
         if isinstance(index, slice):
-            return Part(self, range(len(self))[index])
+            return InstanceSequence(self, range(len(self))[index])
         if not 0 <= index < len(self):
             raise IndexError(f"{self.spec.name} has instances 0 to {len(self) - 1}, not {index}")
         block, place = self.blocks.locate(index)
@@ -111,9 +110,9 @@ class Design:
         return (self[i] for i in range(len(self)))
 
     def redrawn(self, times: int) -> Design:
-        """The same design with everything drawn anew that is drawn for a group, for the so-manieth time; 0 is itself.
+        """Return the same design with group-level draws re-sampled; `times` selects the re-sample (0 = original).
 
-        Factors keep their values. Where answers are balanced, one of these is kept of each group.
+        Factors keep their values. Where answers are balanced, one re-sample of each group is kept.
         """
         if times and self._alone:
             raise IndexError(f"what {self.spec.name} draws is spread over all its instances, and drawn once")
@@ -122,11 +121,11 @@ class Design:
         return other
 
     def index(self, factors: Mapping[str, Level], block: int = 0) -> int | None:
-        """The index of a combination; None if the design leaves it out."""
+        """Return the index of a combination, or None if the design omits it."""
         return self.blocks.index(factors, block)
 
     def neighbours(self, index: int, factor: str) -> tuple[int, ...]:
-        """The indices of the instances that differ from this one in one factor alone."""
+        """Return the indices of the instances that differ from this one in one factor only."""
         here = self[index]
         if self._alone or factor not in here.crossed:
             return ()
@@ -135,10 +134,10 @@ class Design:
         others = (self.index(here.factors | {factor: value}, here.block) for value in domain.values)
         return tuple(other for other in others if other is not None and other != index)
 
-    def lap(self, block: int) -> tuple[int, ...]:
-        """The blocks that are made together with this one: itself, or those among which answers are balanced.
+    def balance_batch(self, block: int) -> tuple[int, ...]:
+        """Return the blocks that are generated together with this one: itself, or its balance batch.
 
-        These are as many as there are answers, in all of which the same factors are crossed.
+        A balance batch has one block per answer, all of which cross the same factors.
         """
         if not self.spec.plan.balance:
             return (block,)
@@ -150,17 +149,17 @@ class Design:
 
     @cached_property
     def answers(self) -> int:
-        """How many answers there are to balance."""
+        """Number of answers to balance."""
         options = next(q.options for q in self.spec.questions if q.name == self.spec.plan.balance)
         assert isinstance(options, Items)
         return len(options.items)
 
     def sample(self, count: int) -> tuple[int, ...]:
-        """`count` different indices in a random order that depends on the seed alone; all if there are fewer.
+        """Return `count` distinct indices in a random order that depends on the seed only; all if there are fewer.
 
-        Of a design in groups, as many groups as can be: of each in turn the instances that differ in what every group
-        crosses, with one of the values of what takes turns, then with another; whole parts, at least one.
-        Where answers are balanced, whole laps.
+        A design with groups covers as many groups as possible. From each group in turn it takes whole parts, at least
+        one: the instances that differ in the factors crossed in every group and share the value of the rotating factor.
+        Where answers are balanced, it takes whole balance batches.
         """
         if self.spec.plan.kind != "groups":
             order = Permutation(len(self), self.seed, self.spec.name, "sample")
@@ -178,12 +177,12 @@ class Design:
         return Permutation(self.blocks.count, self.seed, self.spec.name, "sample")
 
     def _laps(self) -> Iterator[list[int]]:
-        """The members of all laps."""
-        laps = dict.fromkeys(map(self.lap, map(self._order, range(self.blocks.count))))
+        """Yield the members of all balance batches."""
+        laps = dict.fromkeys(map(self.balance_batch, map(self._order, range(self.blocks.count))))
         return ([index for block in lap for index in self.blocks.members(block)] for lap in laps)
 
     def _parts(self) -> Iterator[tuple[int, ...]]:
-        """The parts of all groups, a first one of each, then a second: each has one value of what takes turns."""
+        """Yield the parts of all groups, first one of each group, then the second, and so on."""
         groups: list[Iterator[tuple[int, ...]]] = []
         for block in map(self._order, range(self.blocks.count)):
             parts = self._parted(block)
@@ -192,10 +191,10 @@ class Design:
             yield next(groups[-1])
         yield from (part for turn in zip_longest(*groups) for part in turn if part is not None)
 
-    def drawn_with(self, index: int) -> tuple[int, int, int]:
-        """Of what `sample` draws together with an instance: its turn, the instance's place in it, and how many it is.
+    def sample_part(self, index: int) -> tuple[int, int, int]:
+        """Return the part that `sample` takes together with an instance: number, position in it and size.
 
-        Whatever follows the turns comes equally often in every sample.
+        A balance that follows the parts occurs equally often in every sample.
         """
         if self.spec.plan.kind != "groups":
             return Permutation(len(self), self.seed, self.spec.name, "sample").inverse(index), 0, 1
@@ -209,7 +208,7 @@ class Design:
         return lap * self.blocks.count + turn, parts[number].index(index), len(parts[number])
 
     def _parted(self, block: int) -> list[tuple[int, ...]]:
-        """The members of a group, together those that differ in nothing but what every group crosses."""
+        """Return the members of a group, divided into parts that differ in the always-crossed factors only."""
         turning = [name for name in self.blocks.crossed(block) if name not in self.spec.plan.cross]
         parts: dict[tuple[Level, ...], list[int]] = {}
         for place, index in enumerate(self.blocks.members(block)):
@@ -217,18 +216,18 @@ class Design:
             parts.setdefault(tuple(values[name] for name in turning), []).append(index)
         return [tuple(part) for part in parts.values()]
 
-    def shard(self, number: int, count: int) -> Part:
-        """Shard `number`, 1 .. `count`: equal shares of the design, to within one, which in order make up the whole."""
+    def shard(self, number: int, count: int) -> InstanceSequence:
+        """Return shard `number` (1 .. `count`): contiguous equal shares of the design, to within one."""
         return self[share(len(self), number, count)]
 
     def _key(self, block: int, place: int) -> object:
-        """What tells a control group's draws from those of others."""
+        """Return the key that distinguishes the draws of a control group."""
         if self._alone:
             return f"{block}.{place}"
         return f"{block}/{self._redrawn}" if self._redrawn else block
 
     def _draw(self, key: tuple[object, ...]) -> dict[str, Level]:
-        """The nuisances of a control group, kept until another group is asked for."""
+        """Return the nuisances of a control group; the latest group is cached."""
         known, drawn = self._drawn
         if known != key:
             drawn = {n.name: quantile(n.domain, uniform(*key, n.name)) for n in self.nuisances}
@@ -237,14 +236,14 @@ class Design:
 
 
 def share(size: int, number: int, count: int) -> slice:
-    """Share `number`, 1 .. `count`, of so many things. Raises IndexError if there is no such share."""
+    """Return share `number` (1 .. `count`) of `size` items as a slice. Raises IndexError if there is no such share."""
     if not 1 <= number <= count:
         raise IndexError(f"there are shards 1 to {count}, not {number}")
     return slice(size * (number - 1) // count, size * number // count)
 
 
-class Part(Sequence[Instance]):
-    """Some instances of a design, each built when it is asked for."""
+class InstanceSequence(Sequence[Instance]):
+    """Some instances of a design, each built on access."""
 
     def __init__(self, design: Design, indices: range) -> None:
         self.design = design
@@ -256,8 +255,8 @@ class Part(Sequence[Instance]):
     @overload
     def __getitem__(self, index: int) -> Instance: ...
     @overload
-    def __getitem__(self, index: slice) -> Part: ...
-    def __getitem__(self, index: int | slice) -> Instance | Part:
-        """The instance at a place of this part, or a part of it."""
+    def __getitem__(self, index: slice) -> InstanceSequence: ...
+    def __getitem__(self, index: int | slice) -> Instance | InstanceSequence:
+        """Return the instance at a position of this part, or a slice as a part."""
         picked = self.indices[index]
-        return Part(self.design, picked) if isinstance(picked, range) else self.design[picked]
+        return InstanceSequence(self.design, picked) if isinstance(picked, range) else self.design[picked]

@@ -1,1 +1,1 @@
-"""What a scene is in numbers, for one assignment of the factors: the values of properties, and where everything is."""
+"""Layout: evaluates the properties of a spec for one assignment of its factors, and places all objects."""

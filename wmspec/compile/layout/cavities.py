@@ -1,4 +1,4 @@
-"""Whether one object fits into the hollow of another, as boxes that are not turned."""
+"""Whether one object fits into the cavity of another, both approximated by axis-aligned boxes."""
 
 from __future__ import annotations
 
@@ -8,32 +8,32 @@ from typing import TYPE_CHECKING
 
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import Box, bounds
-from wmspec.core.space import HERE, Pose, Vector, inverse, multiply
+from wmspec.core.space import IDENTITY, Pose, Vector, inverse, multiply
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.evaluator import Evaluator
 
-#: What touches does not overlap, m.
+#: Overlap (m) that still counts as contact.
 _TOUCH = 1e-9
 
 
-def fits(values: Values, owner: str, container: str) -> bool:
-    """Whether the object's upright box has a place within the container's upright box that meets none of its parts'.
+def fits(values: Evaluator, owner: str, container: str) -> bool:
+    """Whether the object's axis-aligned box fits into the container's box without overlapping its parts' boxes.
 
-    Upright is meant in the container's frame.
+    Axes are those of the container's frame.
     """
     inside = pieces(values, container)
     seen = multiply(inverse(values.pose(container).orientation), values.pose(owner).orientation)
     low, high = bounds(pieces(values, owner), Pose(orientation=seen))
     edges = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
-    return room(edges, bounds(inside, HERE), [bounds((piece,), HERE) for piece in inside])
+    return has_room(edges, bounds(inside, IDENTITY), [bounds((piece,), IDENTITY) for piece in inside])
 
 
-def room(edges: Vector, whole: Box, parts: Sequence[Box]) -> bool:
-    """Whether a box of these edges has a place within `whole` that overlaps none of `parts`.
+def has_room(edges: Vector, whole: Box, parts: Sequence[Box]) -> bool:
+    """Whether a box with these edges has a position within `whole` that overlaps none of `parts`.
 
-    If it has one, it can be pushed from there to lower coordinates until, along each axis, it meets `whole` or a part.
-    So only such places need to be looked at.
+    Any such position can be lowered along each axis until the box meets `whole` or a part. So only positions in contact
+    are tried.
     """
     low, high = whole
     corners = [sorted({low[i], *(part[1][i] for part in parts)}) for i in range(3)]
@@ -46,4 +46,5 @@ def room(edges: Vector, whole: Box, parts: Sequence[Box]) -> bool:
 
 
 def _overlap(low: Sequence[float], high: Sequence[float], part: Box) -> bool:
+    """Whether a box overlaps a part by more than _TOUCH."""
     return all(low[i] < part[1][i] - _TOUCH and part[0][i] < high[i] - _TOUCH for i in range(3))

@@ -1,4 +1,4 @@
-"""The functions of the language that need nothing to have happened: places, colours, sums, what is there."""
+"""Functions of the language that need no executed episode: places, colours, arithmetic, presence."""
 
 from __future__ import annotations
 
@@ -8,51 +8,51 @@ from typing import TYPE_CHECKING, Any
 
 from wmspec.compile.layout import geometry
 from wmspec.compile.layout.cavities import fits
-from wmspec.compile.layout.motion import angle
+from wmspec.compile.layout.motion import heading_of
 from wmspec.compile.layout.surfaces import WORLD
-from wmspec.compile.layout.view import gaze, seen
+from wmspec.compile.layout.view import gaze_direction, view_coordinates
 from wmspec.lang.check.ir.evaluate import NoValue
 from wmspec.lang.check.tables import colors
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.evaluator import Evaluator
 
 Location = tuple[str, float, float]
 
 
-def call(values: Values, function: str, arguments: tuple[Any, ...], options: Mapping[str, Any]) -> Any:
-    """The value of a function of the design. Raises WmsError if it has none."""
+def call(values: Evaluator, function: str, arguments: tuple[Any, ...], options: Mapping[str, Any]) -> Any:
+    """Return the value of a design function. Raises WmsError if it has none."""
     try:
         return FUNCTIONS[function](values, *arguments, **options)
-    except (OverflowError, ValueError, ZeroDivisionError):  # of numbers that are infinite, of lists that are empty
+    except (OverflowError, ValueError, ZeroDivisionError):  # for infinite numbers and empty lists
         raise NoValue(f"`{function}` has no value here") from None
 
 
 # ---------------------------------------------------------------- places
 
 
-def _toward(values: Values, subject: str, target: str) -> float:
+def _toward(values: Evaluator, subject: str, target: str) -> float:
     (x, y, _), (to_x, to_y, _) = values.pose(subject).position, values.pose(target).position
     return math.atan2(to_y - y, to_x - x)
 
 
 def _beside(dx: float, dy: float) -> Callable[..., Location]:
-    """A place so far to the right and to the back, for who looks as the world's front does or as a viewer."""
+    """Return a function for a place at a distance to the right and to the back, seen by the world or a viewer."""
 
-    def beside(values: Values, owner: str, far: float, seen_from: str | None = None) -> Location:
+    def beside(values: Evaluator, owner: str, far: float, seen_from: str | None = None) -> Location:
         x, y, _ = values.pose(owner).position
-        right, back = (dx, dy) if seen_from is None else seen(-gaze(values, seen_from), dx, dy)
+        right, back = (dx, dy) if seen_from is None else view_coordinates(-gaze_direction(values, seen_from), dx, dy)
         return (WORLD, x + right * far, y + back * far)
 
     return beside
 
 
-def _polar(values: Values, owner: str, far: float, direction: str | float) -> Location:
-    heading = angle(direction)
+def _polar(values: Evaluator, owner: str, far: float, direction: str | float) -> Location:
+    heading = heading_of(direction)
     return _beside(math.cos(heading), math.sin(heading))(values, owner, far)
 
 
-def _between(values: Values, first: str, second: str) -> Location:
+def _between(values: Evaluator, first: str, second: str) -> Location:
     (x, y, _), (to_x, to_y, _) = values.pose(first).position, values.pose(second).position
     return (WORLD, (x + to_x) / 2, (y + to_y) / 2)
 
@@ -60,25 +60,25 @@ def _between(values: Values, first: str, second: str) -> Location:
 # ---------------------------------------------------------------- sums
 
 
-def _item(_: Values, items: tuple[Any, ...], number: float) -> Any:
+def _item(_: Evaluator, items: tuple[Any, ...], number: float) -> Any:
     if number != math.floor(number):
         raise NoValue(f"`pick` takes a whole number, not {number:g}")
     return items[int(number) % len(items)]
 
 
 def _numbers(given: Iterable[Any]) -> list[float]:
-    """Numbers, and those in lists of numbers."""
+    """Return numbers, with lists of numbers flattened."""
     return [n for item in given for n in (item if isinstance(item, tuple) else (item,))]
 
 
-def _mod(_values: Values, a: float, b: float) -> float:
+def _mod(_values: Evaluator, a: float, b: float) -> float:
     if b == 0:
         raise NoValue("`mod` by 0")
-    return float(a) - b * math.floor(a / b)  # also of a direction, which has no multiples
+    return float(a) - b * math.floor(a / b)  # also works for directions, which cannot be multiplied
 
 
 def _extreme(choose: Callable[[list[float]], float]) -> Callable[..., float]:
-    def extreme_of(_values: Values, *given: Any) -> float:
+    def extreme_of(_values: Evaluator, *given: Any) -> float:
         if not (numbers := _numbers(given)):
             raise NoValue("there is none to choose from")
         return choose(numbers)
@@ -86,7 +86,7 @@ def _extreme(choose: Callable[[list[float]], float]) -> Callable[..., float]:
     return extreme_of
 
 
-def _sqrt(_values: Values, x: float) -> float:
+def _sqrt(_values: Evaluator, x: float) -> float:
     if x < 0:
         raise NoValue(f"`sqrt` of {x:g}, which has no root")
     return math.sqrt(x)
@@ -95,30 +95,30 @@ def _sqrt(_values: Values, x: float) -> float:
 _ROUNDING = 1e-6
 
 
-def _rgb(_values: Values, red: float, green: float, blue: float) -> str:
+def _rgb(_values: Evaluator, red: float, green: float, blue: float) -> str:
     for part in (red, green, blue):
         if not -_ROUNDING <= part <= 1 + _ROUNDING:
             raise NoValue(f"`rgb` takes parts from 0 to 1, not {part:g} (of 255, write `120 / 255`)")
-    return colors.word((red, green, blue))
+    return colors.color_word((red, green, blue))
 
 
 # ---------------------------------------------------------------- what is there
 
 
-def _present(values: Values, objects: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(name for name in objects if values.there(name))
+def _present(values: Evaluator, objects: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(name for name in objects if values.is_present(name))
 
 
-def _nth(_values: Values, items: tuple[Any, ...], number: float) -> Any:
-    """The item with a number, from the end if it is below 0."""
+def _nth(_values: Evaluator, items: tuple[Any, ...], number: float) -> Any:
+    """Return the item with an index; negative indices count from the end."""
     i = int(number)
     if not -len(items) <= i < len(items):
-        raise NoValue(f"number {i} is asked for, and only {len(items)} are there")
+        raise NoValue(f"index {i} is out of range: there are {len(items)} items")
     return items[i]
 
 
-def extreme(sizes: dict[str, float], most: bool, tie: float | None = None) -> str:
-    """The name with the largest or smallest of sizes; of equals the first, or `neither` within `tie` times."""
+def extreme_name(sizes: dict[str, float], most: bool, tie: float | None = None) -> str:
+    """Return the name with the largest or smallest size; the first of equals, or `neither` within `tie` times."""
     ordered = sorted(sizes, key=lambda name: -sizes[name] if most else sizes[name])
     if not ordered:
         raise NoValue("there is none to choose from")
@@ -129,25 +129,25 @@ def extreme(sizes: dict[str, float], most: bool, tie: float | None = None) -> st
     return ordered[0]
 
 
-def _count(values: Values, items: tuple[str | bool, ...]) -> float:
-    """How many objects are there, or how many truth values are true."""
-    return float(sum(item if isinstance(item, bool) else values.there(item) for item in items))
+def _count(values: Evaluator, items: tuple[str | bool, ...]) -> float:
+    """Return the number of present objects, or of true values."""
+    return float(sum(item if isinstance(item, bool) else values.is_present(item) for item in items))
 
 
-def _pick(size: Callable[[Values, str], float], most: bool) -> Callable[..., str]:
-    def pick(values: Values, objects: tuple[str, ...], tie: float | None = None) -> str:
-        return extreme({name: size(values, name) for name in objects}, most, tie)
+def _pick(size: Callable[[Evaluator, str], float], most: bool) -> Callable[..., str]:
+    def pick(values: Evaluator, objects: tuple[str, ...], tie: float | None = None) -> str:
+        return extreme_name({name: size(values, name) for name in objects}, most, tie)
 
     return pick
 
 
-def _luminance(values: Values, owner: str) -> float:
+def _luminance(values: Evaluator, owner: str) -> float:
     return colors.luminance(values.text(owner, "color"))
 
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     "toward": _toward,
-    "opposite": lambda _, a: angle(a) + math.pi,
+    "opposite": lambda _, a: heading_of(a) + math.pi,
     "left_of": _beside(-1.0, 0.0),
     "right_of": _beside(1.0, 0.0),
     "in_front_of": _beside(0.0, -1.0),
@@ -179,4 +179,4 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "lightest": _pick(_luminance, most=True),
     "fits": fits,
 }
-"""Function -> what works it out from the values and the arguments."""
+"""Implementation of each function, given the values and its arguments."""

@@ -1,72 +1,72 @@
-"""What an object is made of: one solid, the mesh in a file, or its parts."""
+"""The geometry of an object: one solid, the mesh of a file, or its parts."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from wmspec.compile.layout.solids import Piece
-from wmspec.core.canonical import dumped, loaded
+from wmspec.compile.layout.solids import PlacedShape
+from wmspec.core.canonical import dumps, loads
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import HERE, Pose, turn
+from wmspec.core.space import IDENTITY, Pose, from_ypr
 from wmspec.lang.check.tables.vocabulary import MEASURES
 from wmspec.lang.check.types.types import article, either
 from wmspec.sim.shapes import SHAPES, Shape
 from wmspec.sim.shapes.shape import UnfitError
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.evaluator import Evaluator
 
 
-def pieces(values: Values, owner: str) -> tuple[Piece, ...]:
-    """The solids of an object that can be touched, or if none can all, each in the object's frame.
+def pieces(values: Evaluator, owner: str) -> tuple[PlacedShape, ...]:
+    """Return the touchable solids of an object, or all if none is touchable, each in the object's frame.
 
-    Raises WmsError if a size makes no sense.
+    Raises WmsError for invalid sizes.
     """
-    return values.once((owner, "pieces"), lambda: _touched(values, owner))
+    return values.memoized((owner, "pieces"), lambda: _touchable_pieces(values, owner))
 
 
-def every_piece(values: Values, owner: str) -> tuple[tuple[str, Piece], ...]:
-    """All that an object is made of, drawn or touched: the name of each part, or of the object, and its solid."""
-    return values.once((owner, "every piece"), lambda: _pieces(values, owner))
+def all_pieces(values: Evaluator, owner: str) -> tuple[tuple[str, PlacedShape], ...]:
+    """Return all solids of an object, visual and touchable, each with the name of its part or of the object."""
+    return values.memoized((owner, "every piece"), lambda: _pieces(values, owner))
 
 
-def touchable(values: Values, part: str) -> bool:
-    """Whether a part can be touched, or an object that is not made of parts."""
+def touchable(values: Evaluator, part: str) -> bool:
+    """Whether a part is touchable, or an object without parts."""
     return not values.has(part, "solid") or values.flag(part, "solid")
 
 
-def volume(values: Values, owner: str) -> float:
-    """How much room an object or part takes (m³): the sum over its parts."""
+def volume(values: Evaluator, owner: str) -> float:
+    """Return the volume (m³) of an object or part, as the sum over its parts."""
     return sum(piece.solid.volume for piece in pieces(values, owner))
 
 
-def mass(values: Values, name: str) -> float:
-    """What an object weighs (kg), as it says itself or by its density."""
+def mass(values: Evaluator, name: str) -> float:
+    """Return the mass (kg) of an object, explicit or from its density."""
     if values.has(name, "mass"):
         return values.number(name, "mass")
     return values.number(name, "density") * volume(values, name)
 
 
-def own_turn(values: Values, owner: str) -> tuple[float, float, float]:
-    """Yaw, pitch and roll (rad) of an object or part."""
+def own_rotation(values: Evaluator, owner: str) -> tuple[float, float, float]:
+    """Return yaw, pitch and roll (rad) of an object or part."""
     return (values.number(owner, "yaw"), values.number(owner, "pitch"), values.number(owner, "roll"))
 
 
-def _touched(values: Values, owner: str) -> tuple[Piece, ...]:
-    every = every_piece(values, owner)
+def _touchable_pieces(values: Evaluator, owner: str) -> tuple[PlacedShape, ...]:
+    every = all_pieces(values, owner)
     return tuple(piece for part, piece in every if touchable(values, part)) or tuple(piece for _, piece in every)
 
 
-def _pieces(values: Values, owner: str) -> tuple[tuple[str, Piece], ...]:
+def _pieces(values: Evaluator, owner: str) -> tuple[tuple[str, PlacedShape], ...]:
     parts = values.parts(owner)
     if not parts:
-        return ((owner, Piece(_solid(values, owner), HERE)),)
-    poses = (Pose(values.vector(p, "at"), turn(*own_turn(values, p))) for p in parts)
-    return tuple((p, Piece(_solid(values, p), pose)) for p, pose in zip(parts, poses, strict=True))
+        return ((owner, PlacedShape(_solid(values, owner), IDENTITY)),)
+    poses = (Pose(values.vector(p, "at"), from_ypr(*own_rotation(values, p))) for p in parts)
+    return tuple((p, PlacedShape(_solid(values, p), pose)) for p, pose in zip(parts, poses, strict=True))
 
 
-def _solid(values: Values, owner: str) -> Shape:
+def _solid(values: Evaluator, owner: str) -> Shape:
     if not values.has(owner, "file"):
         return _shape(values, owner)
     from wmspec.compile.layout.meshes import load
@@ -76,11 +76,11 @@ def _solid(values: Values, owner: str) -> Shape:
     try:
         return load(path, scale, touched, touchable(values, owner))
     except ImpossibleValue as error:
-        raise error.at(values.place(owner, "file")) from None
+        raise error.at(values.source_location(owner, "file")) from None
 
 
-def _shape(values: Values, owner: str) -> Shape:
-    """A shape of the table, of the sizes that are said."""
+def _shape(values: Evaluator, owner: str) -> Shape:
+    """Return a shape of the shape table with the specified sizes."""
     word = values.text(owner, "shape")
     kind = SHAPES[word]
     words = {name: values.property(owner, name) for name in MEASURES if values.has(owner, name)}
@@ -88,15 +88,15 @@ def _shape(values: Values, owner: str) -> Shape:
     if edges not in kind.lengths:
         having = either([article(other) for other, one in SHAPES.items() if edges in one.lengths])
         many = f"only {having} has {'two' if edges == 2 else 'three'} edges"
-        raise ImpossibleValue(f"`{owner}` is a {word}, and {many}", values.place(owner, "size"))
+        raise ImpossibleValue(f"`{owner}` is a {word}, and {many}", values.source_location(owner, "size"))
     try:
-        return _formed(word, dumped(words))
+        return _cached_shape(word, dumps(words))
     except UnfitError as error:
-        place = values.place(owner, error.name) if error.name in words else values.place(owner)
+        place = values.source_location(owner, error.name) if error.name in words else values.source_location(owner)
         raise ImpossibleValue(f"the {word} `{owner}` {error}", place) from None
 
 
 @lru_cache(maxsize=1024)
-def _formed(word: str, words: bytes) -> Shape:
-    """A shape, of which many things may be, by its name and its dumped measures. Raises UnfitError."""
-    return SHAPES[word].from_words(loaded(words))
+def _cached_shape(word: str, words: bytes) -> Shape:
+    """Return a shape by name and serialized sizes, cached since many objects share it. Raises UnfitError."""
+    return SHAPES[word].from_words(loads(words))

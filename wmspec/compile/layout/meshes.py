@@ -1,4 +1,4 @@
-"""Meshes from files: their triangles, in metres about their own origin, and the convex hull that rests and weighs."""
+"""Meshes from files: triangles in metres, and the convex hull used for support and mass."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from typing import TYPE_CHECKING, Any
 from wmspec.core.diagnostics import ImpossibleValue, WmsError
 from wmspec.core.limits import POINTS
 from wmspec.core.space import Vector
-from wmspec.lang.check.tables.vocabulary import FILES, MOST_LENGTH, STAGES
-from wmspec.lang.importers.mesh_files import harmless
-from wmspec.lang.importers.prim_names import parted
-from wmspec.lang.parse.files import located
+from wmspec.lang.check.tables.vocabulary import FILES, MAX_LENGTH, STAGES
+from wmspec.lang.importers.mesh_files import check_mesh_file
+from wmspec.lang.importers.prim_names import split_prim_name
+from wmspec.lang.parse.files import resolve_display_path
 from wmspec.sim.shapes import Mesh
 
-if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wait for numpy
+if TYPE_CHECKING:  # imported late: most specs have no meshes, and importing numpy slows their check
     import numpy as np
     from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, eq=False)
 class FileMesh(Mesh):
-    """The mesh of a file, and how it is touched: within `radius` (m) of the hull of the points `touched` (n, 3).
+    """The mesh of a file and its collision geometry: all points within `radius` (m) of the hull of `touched` (n, 3).
 
-    These are the corners of its own hull, or of the upright box around it, or the middle of a ball around it. `room`
-    (m³) is the volume of its own hull, 0 if it is flat.
+    `touched` holds the corners of the mesh's hull, or of its bounding box, or the centre of its bounding sphere. `room`
+    (m³) is the volume of the mesh's own hull, 0 if it is flat.
     """
 
     touched: NDArray[np.float64] = field(kw_only=True)
@@ -35,44 +35,45 @@ class FileMesh(Mesh):
 
     @property
     def outline(self) -> NDArray[np.float64]:
-        """What is touched."""
+        """Points of the collision geometry (n, 3)."""
         return self.touched
 
     @property
     def volume(self) -> float:
-        """The hull's, whatever is touched."""
+        """Volume (m³) of the mesh's hull, independent of the collision geometry."""
         return self.room
 
     def reach(self, direction: Vector) -> float:
-        """As far as what is touched of it."""
+        """Return the support distance (m) of the collision geometry."""
         return super().reach(direction) + self.radius * math.hypot(*direction)
 
     def bounds(self, turn: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of what is touched of it."""
+        """Return the bounds of the collision geometry."""
         import numpy as np
 
         return np.asarray(super().bounds(turn) + np.array([[-self.radius], [self.radius]]))
 
 
 def load(path: str, scale: float | Vector, collision: str, solid: bool) -> FileMesh:
-    """The mesh in a file, `scale` times as large, along all of its axes or each, touched as its `collision` says.
+    """Return the mesh of a file, scaled by `scale` (uniform or per axis), with its `collision` geometry.
 
-    A file is read once.
+    Files are cached.
 
-    Raises:
-        ImpossibleValue: if the file is missing, of another kind, broken, or has no volume though it is `solid`.
+    Raises: ImpossibleValue: if the file is missing, unsupported or broken, or has no volume though it is `solid`.
     """
-    name, prim = parted(path)
-    file = located(name)
+    name, prim = split_prim_name(path)
+    file = resolve_display_path(name)
     if file.suffix.lower() not in (STAGES if prim else FILES["file"]):
-        raise ImpossibleValue(f"{file.name} is no mesh that can be read", help=f"use one of {', '.join(FILES['file'])}")
+        raise ImpossibleValue(
+            f"{file.name} is not a supported mesh file", help=f"use one of {', '.join(FILES['file'])}"
+        )
     try:
         status = file.stat()
     except OSError as error:
         raise ImpossibleValue(f"{name} cannot be read: {error.strerror}") from None
     import numpy as np
 
-    with np.errstate(all="ignore"):  # what comes of extreme numbers is told by us
+    with np.errstate(all="ignore"):  # extreme numbers are checked in `_load`
         made = _load(path, status.st_mtime_ns, status.st_size, scale, collision)
     if solid and made.volume <= 0 and collision != "surface":
         raise ImpossibleValue(f"{path} has no volume", help="use a mesh that is not flat")
@@ -84,11 +85,11 @@ def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision
     import numpy as np
 
     stretch = np.broadcast_to(np.asarray(scale, float), 3)
-    whole = _of_stage(path) if parted(path)[1] else _of_file(path)
+    whole = _of_stage(path) if split_prim_name(path)[1] else _of_file(path)
     points, faces = whole.points * stretch, whole.faces[:, :: -1 if np.sign(stretch).prod() < 0 else 1]
     low, high = points.min(axis=0), points.max(axis=0)
-    if not (size := float((high - low).max())) <= MOST_LENGTH:
-        what = f"{size / 1000:g} km large with this scale; the most is {MOST_LENGTH / 1000:g} km"
+    if not (size := float((high - low).max())) <= MAX_LENGTH:
+        what = f"{size / 1000:g} km large with this scale; the most is {MAX_LENGTH / 1000:g} km"
         raise ImpossibleValue(f"{path} is {what}")
     hull, volume = _hull(path, points)
     touched, radius = hull, 0.0
@@ -101,36 +102,36 @@ def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision
 
 
 def _of_stage(path: str) -> Mesh:
-    """The triangles of a mesh in a USD file. Raises ImpossibleValue if it is broken."""
+    """Return the triangles of the mesh in a USD file. Raises ImpossibleValue if it is broken."""
     from wmspec.lang.importers.usd_file import mesh
 
-    name, prim = parted(path)
-    read = mesh(located(name), None, name, prim)
+    name, prim = split_prim_name(path)
+    read = mesh(resolve_display_path(name), None, name, prim)
     if isinstance(read, tuple):
         raise ImpossibleValue("; ".join(f"{mistake.place}: {mistake.message}" for mistake in read))
     return read
 
 
 def _of_file(path: str) -> Mesh:
-    """The triangles of a file. Raises ImpossibleValue if it is broken."""
+    """Return the triangles of a file. Raises ImpossibleValue if it is broken."""
     import trimesh
 
     try:
-        harmless(located(path))
-        loaded: Any = trimesh.load(located(path), force="mesh", process=False, skip_materials=True)
-        if path.lower().endswith(".dae"):  # which says its unit; the others mean metres, or nothing
+        check_mesh_file(resolve_display_path(path))
+        loaded: Any = trimesh.load(resolve_display_path(path), force="mesh", process=False, skip_materials=True)
+        if path.lower().endswith(".dae"):  # this format declares its unit; others use metres or none
             loaded.apply_scale(trimesh.units.unit_conversion(loaded.units, "m"))
         if max(len(loaded.vertices), 3 * len(loaded.faces)) > POINTS.most:
             raise POINTS.exceeded()
-        return _checked(loaded)
+        return _checked_mesh(loaded)
     except WmsError as error:
         raise ImpossibleValue(f"{path} {error.diagnostics[0].message}", help=error.diagnostics[0].help) from None
     except Exception as error:  # noqa: BLE001  a parser of files of others can fail in any way
         raise ImpossibleValue(f"{path} is broken: {str(error)[:200] or type(error).__name__}") from None
 
 
-def _checked(loaded: Any) -> Mesh:
-    """What trimesh read. Raises ValueError for what is no mesh."""
+def _checked_mesh(loaded: Any) -> Mesh:
+    """Return the mesh that trimesh loaded. Raises ValueError if it is invalid."""
     import numpy as np
 
     points, faces = np.asarray(loaded.vertices, float), np.asarray(loaded.faces)
@@ -147,7 +148,7 @@ def _checked(loaded: Any) -> Mesh:
 
 
 def _hull(path: str, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-    """The corners (n, 3) and the volume (m³) of the convex hull; of what is flat, all points and 0."""
+    """Return corners (n, 3) and volume (m³) of the convex hull; for flat meshes, all points and 0."""
     import numpy as np
     import trimesh
 

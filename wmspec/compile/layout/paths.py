@@ -1,4 +1,4 @@
-"""Ways that objects are carried along: forms by name, or given points, turned and walked at constant speed."""
+"""Paths of carried objects: named forms or given points, rotated and traversed at constant speed."""
 
 from __future__ import annotations
 
@@ -6,36 +6,36 @@ import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from wmspec.core.space import ORIGIN, Vector, add, times
+from wmspec.core.space import ORIGIN, Vector, add, scale
 
-#: A bend that is sharper than this (rad) is a corner, which is turned within this share of the legs around it.
-CORNER, SHARE = math.radians(30), 0.1
+#: Bends sharper than MIN_CORNER_ANGLE (rad) are corners; the turn happens within this share of the adjacent legs.
+MIN_CORNER_ANGLE, CORNER_SHARE = math.radians(30), 0.1
 
-#: Into how many straight pieces a full circle is cut: at 40 cm across they stray 0.1 mm from it.
-PIECES = 96
+#: Number of segments of a full circle; at a diameter of 40 cm the error is 0.1 mm.
+CIRCLE_SEGMENTS = 96
 
 
-def named(form: str, length: float, width: float) -> tuple[Vector, ...]:
-    """The points (m) of a form of path that sets out from the origin along +x, and strays to +y.
+def named_path(form: str, length: float, width: float) -> tuple[Vector, ...]:
+    """Return the points (m) of a named path that starts at the origin along +x and deviates to +y.
 
-    straight: to (length, 0). arc: a part of a circle to the same end that bulges by `width`. zigzag: to the same end by
-    four legs that stray by `width`. circle: around, through (length, 0). back_and_forth: to (length, 0) and back again.
-    square, triangle: around, to the left, with sides of that length, from the middle of one of them.
+    straight: to (length, 0). arc: a circular arc to the same end with sagitta `width`. zigzag: to the same end in four
+    legs with amplitude `width`. circle: once around, through (length, 0). back_and_forth: to (length, 0) and back.
+    square, triangle: once around, to the left, with sides of that length, from the middle of a side.
     """
     return _FORMS[form](length, width)
 
 
-def turned(points: Sequence[Sequence[float]], angle: float) -> tuple[Vector, ...]:
-    """Points (x, y) or (x, y, z) turned about the vertical, the origin first."""
+def rotated_points(points: Sequence[Sequence[float]], angle: float) -> tuple[Vector, ...]:
+    """Return points (x, y) or (x, y, z) relative to the first, rotated about the vertical."""
     cos, sin = math.cos(angle), math.sin(angle)
     around = tuple((cos * x - sin * y, sin * x + cos * y, z[0] if z else 0.0) for x, y, *z in points)
     return around if around and around[0] == ORIGIN else (ORIGIN, *around)
 
 
-def walked(points: Sequence[Vector], duration: float) -> tuple[tuple[Vector, ...], tuple[float, ...]]:
-    """The points, none twice in a row, and the times (s) at which something as fast everywhere is there.
+def timed_points(points: Sequence[Vector], duration: float) -> tuple[tuple[Vector, ...], tuple[float, ...]]:
+    """Return the points without consecutive duplicates, and the times (s) of passing them at constant speed.
 
-    Fewer than two points are left if the way has no length.
+    Fewer than two points remain if the path has no length.
     """
     kept = list(points[:1])
     kept += [here for before, here in pairwise(points) if math.dist(before, here) > 1e-12]
@@ -45,29 +45,29 @@ def walked(points: Sequence[Vector], duration: float) -> tuple[tuple[Vector, ...
     return tuple(kept), tuple(duration * way / gone[-1] if gone[-1] else 0.0 for way in gone)
 
 
-def faced(points: Sequence[Vector]) -> tuple[tuple[Vector, ...], tuple[float, ...]]:
-    """The points of a path, none twice in a row, and how far (rad) what turns with it has turned at each.
+def aligned_points(points: Sequence[Vector]) -> tuple[tuple[Vector, ...], tuple[float, ...]]:
+    """Return the points without consecutive duplicates, and the heading change (rad) at each for an aligned object.
 
-    Along a curve it turns evenly. At a corner it turns by the shorter way, while it goes around it.
+    The heading changes evenly along curves. At a corner it takes the shorter turn, within SHARE of the adjacent legs.
     """
     kept = [points[0], *(here for before, here in pairwise(points) if math.dist(before, here) > 1e-12)]
     leads = _headings(kept)
     line, turns = [kept[0]], [leads[0]]
     for before, here, after, (first, second) in zip(kept, kept[1:], kept[2:], pairwise(leads), strict=False):
-        if abs(second - first) <= CORNER:
+        if abs(second - first) <= MIN_CORNER_ANGLE:
             line.append(here)
             turns.append((first + second) / 2)
         else:
-            line += [_toward(here, before, SHARE), _toward(here, after, SHARE)]
+            line += [_toward(here, before, CORNER_SHARE), _toward(here, after, CORNER_SHARE)]
             turns += [first, second]
-    if len(leads) > 1 and abs(leads[1] - leads[0]) <= CORNER:  # a curve bends from its first point to its last
+    if len(leads) > 1 and abs(leads[1] - leads[0]) <= MIN_CORNER_ANGLE:  # curves turn from end to end
         turns[0] -= (leads[1] - leads[0]) / 2
-    last = (leads[-1] - leads[-2]) / 2 if len(leads) > 1 and abs(leads[-1] - leads[-2]) <= CORNER else 0.0
+    last = (leads[-1] - leads[-2]) / 2 if len(leads) > 1 and abs(leads[-1] - leads[-2]) <= MIN_CORNER_ANGLE else 0.0
     return (*line, kept[-1]), tuple(turn - turns[0] for turn in (*turns, leads[-1] + last))
 
 
 def _headings(points: Sequence[Vector]) -> list[float]:
-    """The heading (rad) of each leg, counted on from the first; one that goes straight up keeps that before it."""
+    """Return the unwrapped heading (rad) of each leg; a vertical leg keeps the previous heading."""
     headings: list[float] = []
     for (x, y, _), (to_x, to_y, _) in pairwise(points):
         level = math.hypot(to_x - x, to_y - y) > 1e-12
@@ -78,8 +78,8 @@ def _headings(points: Sequence[Vector]) -> list[float]:
 
 
 def _toward(here: Vector, there: Vector, share: float) -> Vector:
-    """The point so far on the way."""
-    return add(times(1 - share, here), times(share, there))
+    """Return the point at a share of the way between two points."""
+    return add(scale(1 - share, here), scale(share, there))
 
 
 def _straight(length: float, _width: float) -> tuple[Vector, ...]:
@@ -103,7 +103,7 @@ def _triangle(length: float, _width: float) -> tuple[Vector, ...]:
 
 
 def _polygon(sides: int, length: float) -> tuple[Vector, ...]:
-    """Around a regular polygon to the left, from the middle of a side and back there."""
+    """Return a regular polygon traversed to the left, from the middle of a side and back."""
     points = [ORIGIN, (length / 2, 0.0, 0.0)]
     for i in range(1, sides):
         angle = 2 * math.pi * i / sides
@@ -116,7 +116,7 @@ def _circle(length: float, _width: float) -> tuple[Vector, ...]:
 
 
 def _arc(length: float, width: float) -> tuple[Vector, ...]:
-    """From the sagitta formula: radius = (length² / 4 + width²) / (2 width)."""
+    """Return an arc, by the sagitta formula: radius = (length² / 4 + width²) / (2 width)."""
     radius = (length * length / 4 + width * width) / (2 * width)
     half = math.atan2(length / 2, radius - width)
     points = _around((length / 2, width - radius, 0.0), radius, math.pi / 2 + half, math.pi / 2 - half)
@@ -124,9 +124,9 @@ def _arc(length: float, width: float) -> tuple[Vector, ...]:
 
 
 def _around(middle: Vector, radius: float, start: float, stop: float) -> tuple[Vector, ...]:
-    count = 2 * max(4, math.ceil(PIECES / 2 * abs(stop - start) / (2 * math.pi)))  # even: half way is a point
+    count = 2 * max(4, math.ceil(CIRCLE_SEGMENTS / 2 * abs(stop - start) / (2 * math.pi)))  # even
     angles = (start + (stop - start) * i / count for i in range(count + 1))
-    points = (add(middle, times(radius, (math.cos(a), math.sin(a), 0.0))) for a in angles)
+    points = (add(middle, scale(radius, (math.cos(a), math.sin(a), 0.0))) for a in angles)
     first, *rest = points
     return (ORIGIN if math.hypot(*first) < 1e-9 else first, *rest)
 

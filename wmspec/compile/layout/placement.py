@@ -1,52 +1,52 @@
-"""Where objects are: placed outright, resting on a surface exactly, or in the hollow of a compound object."""
+"""Poses of objects: explicit, resting exactly on a surface, or in the cavity of a compound object."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from wmspec.compile.layout import assets, scatter
-from wmspec.compile.layout.geometry import own_turn
+from wmspec.compile.layout.geometry import own_rotation
 from wmspec.compile.layout.solids import Face, reach
-from wmspec.compile.layout.surfaces import Spot, is_point, under
-from wmspec.core.space import Pose, add, inverse, multiply, rotate, tilt, times, turn
+from wmspec.compile.layout.surfaces import Spot, contact_face, is_point
+from wmspec.core.space import Pose, add, align_z, from_ypr, inverse, multiply, rotate, scale
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.evaluator import Evaluator
 
 
-def pose(values: Values, owner: str) -> Pose:
-    """Where an object is at the start: its resting place, or above it if it is going to be dropped.
+def pose(values: Evaluator, owner: str) -> Pose:
+    """Return the initial pose of an object: its resting pose, or above it if it is dropped.
 
-    A link of an asset is where its asset and the joints between take it.
+    A link of an asset is placed by the asset's frame and the joints in between.
     """
     base = assets.base(values, owner)
     if base is None:
-        return _placed(values, owner)
-    return frame(values, base).then(assets.within(values, owner))
+        return _own_placement(values, owner)
+    return frame(values, base).compose(assets.pose_in_asset(values, owner))
 
 
-def frame(values: Values, base: str) -> Pose:
-    """Where the frame of an asset is, by its base."""
-    return values.once((base, "frame"), lambda: _placed(values, base))
+def frame(values: Evaluator, base: str) -> Pose:
+    """Return the pose of an asset's frame, given its base."""
+    return values.memoized((base, "frame"), lambda: _own_placement(values, base))
 
 
-def _placed(values: Values, owner: str) -> Pose:
-    """Where an object is itself placed, or the frame of an asset by its base."""
-    at = scatter.place(values, owner) if values.has(owner, "scatter") else values.spot(owner)
-    resting = rest(values, owner, at, *own_turn(values, owner))
+def _own_placement(values: Evaluator, owner: str) -> Pose:
+    """Return the pose of an object by its own placement, or of an asset's frame by its base."""
+    at = scatter.scattered_position(values, owner) if values.has(owner, "scatter") else values.spot(owner)
+    resting = rest(values, owner, at, *own_rotation(values, owner))
     links = assets.links(values, owner)
-    heights = [values.number(a.name, "height") for link in links for a in values.acting("drop", link)]
+    heights = [values.number(a.name, "height") for link in links for a in values.actions_on("drop", link)]
     return Pose(add(resting.position, (0.0, 0.0, max(heights))), resting.orientation) if heights else resting
 
 
-def rest(values: Values, owner: str, at: Spot, yaw: float, pitch: float = 0.0, roll: float = 0.0) -> Pose:
-    """Where an object turned like that would be with this `at`: (x, y) on what holds it, else (x, y) or (x, y, z)."""
-    own = turn(yaw, pitch, roll)
-    face = under(values, owner, at)
+def rest(values: Evaluator, owner: str, at: Spot, yaw: float, pitch: float = 0.0, roll: float = 0.0) -> Pose:
+    """Return the pose of an object with this rotation and `at`: (x, y) on its support, else (x, y) or (x, y, z)."""
+    own = from_ypr(yaw, pitch, roll)
+    face = contact_face(values, owner, at)
     if face is None:
         if is_point(at) and len(at) == 3:
             return Pose(at, own)
         x, y = at[-2:]
         face = Face((x, y, 0.0))
     depth = reach(assets.pieces(values, owner), rotate(inverse(own), (0.0, 0.0, -1.0)))
-    return Pose(add(face.middle, times(depth, face.normal)), multiply(tilt(face.normal), own))
+    return Pose(add(face.middle, scale(depth, face.normal)), multiply(align_z(face.normal), own))

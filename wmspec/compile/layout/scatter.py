@@ -1,7 +1,7 @@
-"""Scattered objects: each takes the first of its random places that keeps away from those that came before it.
+"""Scattered objects: each takes the first of its random positions that is clear of the objects before it.
 
-Where one of them finds none, all of them are laid anew. A proposal depends on the seed, the task, the block, the
-object's name and its number alone, so that nothing but what the objects themselves need moves them.
+If an object finds none, all are placed again. A proposal depends on seed, task, block, object name and its number only.
+Objects therefore move only if their own space requirements change.
 """
 
 from __future__ import annotations
@@ -11,44 +11,44 @@ import re
 from typing import TYPE_CHECKING
 
 from wmspec.compile.layout import assets
-from wmspec.compile.layout.geometry import own_turn
+from wmspec.compile.layout.geometry import own_rotation
 from wmspec.compile.layout.solids import Face, footprint
-from wmspec.compile.layout.surfaces import seen_from, tops
+from wmspec.compile.layout.surfaces import face_coordinates, support_faces
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.rng import uniform
-from wmspec.core.space import UP, turn
+from wmspec.core.space import UP, from_ypr
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.evaluator import Evaluator
 
-#: The middle of what a scattered object covers, and its radius, in m.
+#: Centre and radius (m) of the area that a scattered object covers.
 Circle = tuple[float, float, float]
 
-#: How many places are tried for an object before all are laid anew, and how often that is done before giving up.
-TRIES, DEALS = 1000, 10
+#: Number of positions tried per object before all are placed again, and number of such rounds.
+MAX_TRIES, MAX_ROUNDS = 1000, 10
 
 
-def place(values: Values, owner: str) -> tuple[float, float]:
-    """Where a scattered object is: (x, y) on what it rests on, else on the ground."""
+def scattered_position(values: Evaluator, owner: str) -> tuple[float, float]:
+    """Return the position (x, y) of a scattered object on its support, else on the ground."""
     base = _base(values, owner)
-    places = values.once((base, "scattered"), lambda: _scattered(values, base))
+    places = values.memoized((base, "scattered"), lambda: _scattered_positions(values, base))
     return places[owner]
 
 
-def _base(values: Values, owner: str) -> str:
+def _base(values: Evaluator, owner: str) -> str:
     base = values.reference(owner, "on") if values.has(owner, "on") else ""
     return base
 
 
-def _scattered(values: Values, base: str) -> dict[str, tuple[float, float]]:
-    """The places of all that scatter on `base`, there or not."""
+def _scattered_positions(values: Evaluator, base: str) -> dict[str, tuple[float, float]]:
+    """Return the positions of all objects that scatter on `base`, present or not."""
     names = [t.name for t in values.spec.things if t.kind == "object" and values.has(t.name, "scatter")]
-    members = sorted((name for name in names if _base(values, name) == base), key=natural)
-    face = tops(values, base)[0] if base else Face((0.0, 0.0, 0.0), UP)
-    for deal in range(DEALS):
+    members = sorted((name for name in names if _base(values, name) == base), key=natural_key)
+    face = support_faces(values, base)[0] if base else Face((0.0, 0.0, 0.0), UP)
+    for deal in range(MAX_ROUNDS):
         circles: dict[str, Circle] = {}
         for name in members:
-            circle = _free(values, name, face, list(circles.values()), deal)
+            circle = _free_circle(values, name, face, list(circles.values()), deal)
             if circle is None:
                 break
             circles[name] = circle
@@ -56,18 +56,18 @@ def _scattered(values: Values, base: str) -> dict[str, tuple[float, float]]:
             return {name: (x, y) for name, (x, y, _) in circles.items()}
     raise ImpossibleValue(
         f"no room for `{name}` between the {len(circles)} scattered before it",
-        values.place(name, "scatter"),
+        values.source_location(name, "scatter"),
         "widen `scatter`, or make the objects smaller, fewer or their `gap` smaller",
     )
 
 
-def _free(values: Values, name: str, face: Face, taken: list[Circle], deal: int) -> Circle | None:
-    """The first of this deal's proposals that is free, if one is."""
-    _, pitch, roll = own_turn(values, name)
-    radius = footprint(assets.pieces(values, name), turn(0.0, pitch, roll))
-    x, y = seen_from(face, values.spot(name))
+def _free_circle(values: Evaluator, name: str, face: Face, taken: list[Circle], deal: int) -> Circle | None:
+    """Return the first free proposal of this round, or None."""
+    _, pitch, roll = own_rotation(values, name)
+    radius = footprint(assets.pieces(values, name), from_ypr(0.0, pitch, roll))
+    x, y = face_coordinates(face, values.spot(name))
     (width, depth), gap = values.pair(name, "scatter"), values.number(name, "gap")
-    for k in range(deal * TRIES, (deal + 1) * TRIES):
+    for k in range(deal * MAX_TRIES, (deal + 1) * MAX_TRIES):
         u, v = (uniform(*values.key, name, axis, k) - 0.5 for axis in "xy")
         here = (x + width * u, y + depth * v)
         if all(math.dist(here, other[:2]) >= radius + other[2] + gap for other in taken):
@@ -75,6 +75,6 @@ def _free(values: Values, name: str, face: Face, taken: list[Circle], deal: int)
     return None
 
 
-def natural(name: str) -> list[tuple[str, int]]:
-    """A key that sorts names as people do: blocks_2 before blocks_10."""
+def natural_key(name: str) -> list[tuple[str, int]]:
+    """Return a key for natural sorting: blocks_2 before blocks_10."""
     return [(text, int(digits or 0)) for text, digits in re.findall(r"(\D*)(\d*)", name)]

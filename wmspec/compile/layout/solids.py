@@ -1,4 +1,4 @@
-"""Shapes where they are in an object: how far they reach together, and which of their flat faces look up."""
+"""Placed shapes of an object: their extents, and their flat faces that face upwards."""
 
 from __future__ import annotations
 
@@ -7,104 +7,104 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from wmspec.core.space import HERE, UP, Pose, Quaternion, Vector, dot, inverse, multiply, rotate, times
+from wmspec.core.space import IDENTITY, UP, Pose, Quaternion, Vector, dot, inverse, multiply, rotate, scale
 from wmspec.sim.shapes import Shape
 from wmspec.sim.shapes.shape import AXES
 
-#: The lowest and the highest corner (m) of an upright box.
+#: The lowest and the highest corner (m) of an axis-aligned box.
 Box = tuple[Vector, Vector]
 
 
 @dataclass(frozen=True)
-class Piece:
-    """A shape and where it is in the frame of its object."""
+class PlacedShape:
+    """A shape with its pose in the object's frame."""
 
     solid: Shape
     pose: Pose
 
     def reach(self, direction: Vector) -> float:
-        """How far (m) it goes from the object's origin along a unit vector of the object's frame."""
+        """Return the support distance (m) along a unit vector of the object's frame."""
         own = self.solid.reach(rotate(inverse(self.pose.orientation), direction))
         return dot(direction, self.pose.position) + own
 
 
-def reach(pieces: Iterable[Piece], direction: Vector) -> float:
-    """How far (m) an object goes from its origin along a unit vector of its own frame."""
+def reach(pieces: Iterable[PlacedShape], direction: Vector) -> float:
+    """Return the support distance (m) of an object along a unit vector of its own frame."""
     return max(piece.reach(direction) for piece in pieces)
 
 
-def bounds(pieces: Sequence[Piece], pose: Pose) -> Box:
-    """The lowest and the highest corner (m) of the upright box around an object, in the frame of `pose`."""
+def bounds(pieces: Sequence[PlacedShape], pose: Pose) -> Box:
+    """Return the axis-aligned bounding box (m) of an object, in the frame in which `pose` is given."""
     here, back = pose.position, inverse(pose.orientation)
-    low = [here[i] - reach(pieces, rotate(back, times(-1.0, axis))) for i, axis in enumerate(AXES)]
+    low = [here[i] - reach(pieces, rotate(back, scale(-1.0, axis))) for i, axis in enumerate(AXES)]
     high = [here[i] + reach(pieces, rotate(back, axis)) for i, axis in enumerate(AXES)]
     return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
 
 def corners(box: Box) -> Iterator[Vector]:
-    """All eight of a box."""
+    """Yield the eight corners of a box."""
     (a, b, c), (x, y, z) = box
     yield from product((a, x), (b, y), (c, z))
 
 
-def footprint(pieces: Iterable[Piece], own: Quaternion) -> float:
-    """The radius (m) of an upright cylinder around the origin that holds an object turned by `own`."""
+def footprint(pieces: Iterable[PlacedShape], own: Quaternion) -> float:
+    """Return the radius (m) of a vertical cylinder about the origin that contains an object rotated by `own`."""
     return max(_footprint(piece, own) for piece in pieces)
 
 
-def _footprint(piece: Piece, own: Quaternion) -> float:
+def _footprint(piece: PlacedShape, own: Quaternion) -> float:
     x, y, _ = rotate(own, piece.pose.position)
     turned = multiply(own, piece.pose.orientation)
     symmetry = piece.solid.symmetry
     if symmetry == "ball" or (symmetry == "axis" and turned[1] == turned[2] == 0):
         return math.hypot(x, y) + piece.solid.reach(AXES[0])
-    along = (max(piece.solid.reach(rotate(inverse(turned), times(s, a))) for s in (-1.0, 1.0)) for a in AXES[:2])
+    along = (max(piece.solid.reach(rotate(inverse(turned), scale(s, a))) for s in (-1.0, 1.0)) for a in AXES[:2])
     return math.hypot(x, y) + math.hypot(*along)
 
 
 @dataclass(frozen=True)
 class Face:
-    """A flat surface that things can rest on: its middle, its unit normal, and the heading (rad) of its own x axis."""
+    """A flat supporting surface: centre, unit normal, and the heading (rad) of its x axis."""
 
     middle: Vector
     normal: Vector = UP
     yaw: float = 0.0
 
     def height(self, x: float, y: float) -> float:
-        """How high (m) it is at a place."""
+        """Return the height (m) of the surface at (x, y)."""
         if self.normal[2] >= 1:
             return self.middle[2]
         rise = self.normal[0] * (x - self.middle[0]) + self.normal[1] * (y - self.middle[1])
         return self.middle[2] - rise / self.normal[2]
 
 
-def upward(solid: Shape, pose: Pose, yaw: float = 0.0) -> Iterator[Face]:
-    """The faces of a placed solid that look up, the most level one first."""
+def upward_faces(solid: Shape, pose: Pose, yaw: float = 0.0) -> Iterator[Face]:
+    """Yield the upward faces of a placed solid, the most level first."""
     faces = []
-    for normal, offset in solid.flats:
+    for normal, offset in solid.flat_faces:
         turned = rotate(pose.orientation, normal)
         if turned[2] > 1e-9:
-            faces.append(Face(pose.apply(times(offset, normal)), turned, yaw))
+            faces.append(Face(pose.apply(scale(offset, normal)), turned, yaw))
     yield from sorted(faces, key=lambda face: -face.normal[2])
 
 
-def surface(solid: Shape, pose: Pose, x: float, y: float) -> Face | None:
-    """The upward face of a placed solid at a place, or None if the solid is not below or above the place.
+def surface_at(solid: Shape, pose: Pose, x: float, y: float) -> Face | None:
+    """Return the upward face of a placed solid at (x, y), or None if the solid does not cover it.
 
-    What has other than flat faces counts as the upright box around it, unless it is hollow and upright.
+    Solids with curved faces count as their axis-aligned bounding box, unless they are hollow and upright.
     """
     if solid.hollow and rotate(pose.orientation, UP)[2] > 1 - 1e-9:
-        own = pose.seen((x, y, pose.position[2]))
+        own = pose.inverse_apply((x, y, pose.position[2]))
         height = solid.floor(own[0], own[1])
         return None if height is None else Face((x, y, pose.position[2] + height))
-    if not solid.flats:
-        low, high = bounds((Piece(solid, HERE),), pose)
+    if not solid.flat_faces:
+        low, high = bounds((PlacedShape(solid, IDENTITY),), pose)
         held = low[0] <= x <= high[0] and low[1] <= y <= high[1]
         return Face((x, y, high[2])) if held else None
     floor, lid = -math.inf, None
-    for normal, offset in solid.flats:
+    for normal, offset in solid.flat_faces:
         turned = rotate(pose.orientation, normal)
-        face = Face(pose.apply(times(offset, normal)), turned)
+        face = Face(pose.apply(scale(offset, normal)), turned)
         if abs(turned[2]) <= 1e-9:
             if turned[0] * (x - face.middle[0]) + turned[1] * (y - face.middle[1]) > 1e-9:
                 return None

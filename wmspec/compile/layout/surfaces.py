@@ -1,4 +1,4 @@
-"""What objects rest on: the flat faces of others, the top of their upright box, the floor of a hollow."""
+"""Supporting surfaces: flat faces, the top of a bounding box, the floor of a cavity."""
 
 from __future__ import annotations
 
@@ -7,73 +7,77 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final, TypeGuard
 
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.solids import Face, bounds, surface, upward
+from wmspec.compile.layout.solids import Face, bounds, surface_at, upward_faces
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import UP, Vector, add, inverse, rotate, tilt, times
+from wmspec.core.space import UP, Vector, add, align_z, inverse, rotate, scale
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.evaluator import Evaluator
 
-#: What `left_of(...)` and the like give: a place on the ground of the world, `("place", x, y)`.
+#: Tag of the value of `left_of(...)` and similar functions: `("place", x, y)` on the world's ground.
 WORLD: Final = "place"
-#: Where something is put: (x, y) on what holds it, (x, y, z) in the world, or a place on its ground.
+#: A position: (x, y) on the support, (x, y, z) in the world, or a place on the world's ground.
 Spot = tuple[float, float] | Vector | tuple[str, float, float]
-#: Shapes that are hollow, or can be.
+#: Shapes that are, or can be, hollow.
 HOLLOW = ("tube", "lathe", "extrude")
 
 
 def is_point(at: Spot) -> TypeGuard[tuple[float, float] | Vector]:
-    """Whether a spot is a point, and no place on the ground of the world."""
+    """Whether a position is a point rather than a place on the world's ground."""
     return at[0] != WORLD
 
 
-def under(values: Values, owner: str, at: Spot) -> Face | None:
-    """The point that an object rests on, as a face whose middle it is; None if it neither rests on nor in anything."""
-    held = holder(values, owner)
+def contact_face(values: Evaluator, owner: str, at: Spot) -> Face | None:
+    """Return the contact point below an object as a face centred there; None without a support or container."""
+    held = support_of(values, owner)
     if held is None:
         return None
     if is_point(at) and len(at) == 3:
-        raise ImpossibleValue(f"`{owner}` rests on something, so its place there is (x, y)", values.place(owner, "at"))
+        raise ImpossibleValue(
+            f"`{owner}` rests on something, so its place there is (x, y)", values.source_location(owner, "at")
+        )
     way, base = held
     if way == "inside" and not values.parts(base):
-        place = values.place(owner, "inside")
+        place = values.source_location(owner, "inside")
         shape = values.text(base, "shape")
         hollow = shape in HOLLOW and not values.has(base, "file")
         remedy = f"put its shape into a part: `part wall {{ shape: {shape} ... }}`" if hollow else f"use `on: {base}`"
         raise ImpossibleValue(f"`{base}` has no parts, so nothing can be inside it", place, remedy)
-    return bottom(values, base, at) if way == "inside" else top(values, base, at)
+    return floor_point(values, base, at) if way == "inside" else top_point(values, base, at)
 
 
-def holder(values: Values, owner: str) -> tuple[str, str] | None:
-    """What an object rests `on` or `inside`, and which of the two; None if on nothing."""
+def support_of(values: Evaluator, owner: str) -> tuple[str, str] | None:
+    """Return the support or container of an object and the property (`on` or `inside`) that names it, or None."""
     holders = [(way, values.reference(owner, way)) for way in ("on", "inside") if values.has(owner, way)]
     if len(holders) == 2:
-        raise ImpossibleValue(f"`{owner}` is both `on` and `inside`", values.place(owner, "inside"), "keep one of them")
+        raise ImpossibleValue(
+            f"`{owner}` is both `on` and `inside`", values.source_location(owner, "inside"), "keep one of them"
+        )
     if holders and holders[0][1] == owner:
-        raise ImpossibleValue(f"`{owner}` cannot rest on itself", values.place(owner, holders[0][0]))
+        raise ImpossibleValue(f"`{owner}` cannot rest on itself", values.source_location(owner, holders[0][0]))
     return holders[0] if holders else None
 
 
 # ---------------------------------------------------------------- on top
 
 
-def tops(values: Values, base: str) -> list[Face]:
-    """The surfaces on which things can rest on an object, the most level one first."""
-    return values.once((base, "tops"), lambda: _tops(values, base))
+def support_faces(values: Evaluator, base: str) -> list[Face]:
+    """Return the surfaces of an object that can support others, the most level first."""
+    return values.memoized((base, "tops"), lambda: _tops(values, base))
 
 
-def _tops(values: Values, base: str) -> list[Face]:
+def _tops(values: Evaluator, base: str) -> list[Face]:
     here, made = values.pose(base), pieces(values, base)
-    if len(made) == 1 and made[0].solid.flats:
-        placed = here.then(made[0].pose)
-        return list(upward(made[0].solid, placed, values.number(base, "yaw")))
+    if len(made) == 1 and made[0].solid.flat_faces:
+        placed = here.compose(made[0].pose)
+        return list(upward_faces(made[0].solid, placed, values.number(base, "yaw")))
     highest = bounds(made, here)[1][2]
     return [Face((here.position[0], here.position[1], highest), UP, values.number(base, "yaw"))]
 
 
-def top(values: Values, base: str, at: Spot) -> Face:
-    """The point at `at` on top of an object: from the middle of the face that looks up most, or in the world."""
-    faces = tops(values, base)
+def top_point(values: Evaluator, base: str, at: Spot) -> Face:
+    """Return the point `at` on top of an object, relative to the centre of its most level face, or in the world."""
+    faces = support_faces(values, base)
     if is_point(at):
         return Face(add(faces[0].middle, _along(faces[0], at[0], at[1])), faces[0].normal)
     x, y = at[-2:]
@@ -83,16 +87,16 @@ def top(values: Values, base: str, at: Spot) -> Face:
 
 def _along(face: Face, x: float, y: float) -> Vector:
     cos, sin = math.cos(face.yaw), math.sin(face.yaw)
-    return rotate(tilt(face.normal), (cos * x - sin * y, sin * x + cos * y, 0.0))
+    return rotate(align_z(face.normal), (cos * x - sin * y, sin * x + cos * y, 0.0))
 
 
-def seen_from(face: Face, at: Spot) -> tuple[float, float]:
-    """A place as (x, y) from the middle of a face, along its own axes."""
+def face_coordinates(face: Face, at: Spot) -> tuple[float, float]:
+    """Return a place as (x, y) relative to the centre of a face, along its own axes."""
     if is_point(at):
         return (at[0], at[1])
     x, y = at[-2:]
-    away = add((x, y, face.height(x, y)), times(-1.0, face.middle))
-    level = rotate(inverse(tilt(face.normal)), away)
+    away = add((x, y, face.height(x, y)), scale(-1.0, face.middle))
+    level = rotate(inverse(align_z(face.normal)), away)
     cos, sin = math.cos(face.yaw), math.sin(face.yaw)
     return (cos * level[0] + sin * level[1], cos * level[1] - sin * level[0])
 
@@ -100,29 +104,29 @@ def seen_from(face: Face, at: Spot) -> tuple[float, float]:
 # ---------------------------------------------------------------- inside
 
 
-def bottom(values: Values, base: str, at: Spot) -> Face:
-    """The point at `at` in the hollow of a compound object: on its lowest part there, or on what that stands on."""
+def floor_point(values: Evaluator, base: str, at: Spot) -> Face:
+    """Return the point `at` in the cavity of a compound object: on its lowest part there, or on its support."""
     x, y = _ground(values, base, at)
     floor = min(_floors(values, base, x, y), key=lambda face: face.height(x, y), default=None)
     face = floor or _below(values, base, x, y)
     return Face((x, y, face.height(x, y)), face.normal)
 
 
-def _ground(values: Values, base: str, at: Spot) -> tuple[float, float]:
+def _ground(values: Evaluator, base: str, at: Spot) -> tuple[float, float]:
     if not is_point(at):
         return at[-2:]
     x, y, _ = values.pose(base).apply((at[0], at[1], 0.0))
     return (x, y)
 
 
-def _floors(values: Values, base: str, x: float, y: float) -> Iterator[Face]:
+def _floors(values: Evaluator, base: str, x: float, y: float) -> Iterator[Face]:
     for piece in pieces(values, base):
-        face = surface(piece.solid, values.pose(base).then(piece.pose), x, y)
+        face = surface_at(piece.solid, values.pose(base).compose(piece.pose), x, y)
         if face is not None:
             yield face
 
 
-def _below(values: Values, base: str, x: float, y: float) -> Face:
-    """What a container stands on; the level of its lowest point if it stands on nothing."""
-    face = under(values, base, (WORLD, x, y))
+def _below(values: Evaluator, base: str, x: float, y: float) -> Face:
+    """Return the support of a container, or the level of its lowest point if it has none."""
+    face = contact_face(values, base, (WORLD, x, y))
     return face or Face((x, y, bounds(pieces(values, base), values.pose(base))[0][2]))

@@ -1,1 +1,1 @@
-"""What is doubtful about a spec: rules that read it, and a dry run that builds some of its scenes."""
+"""Lint rules for specs, and a dry run that builds some of their scenes."""

@@ -1,28 +1,28 @@
-"""Rules on questions that can be answered without what they are about."""
+"""Rules on questions whose answer is given away by the text or the pictures."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from wmspec.compile.lint.question_rules import asked, pictured
+from wmspec.compile.lint.question_rules import answer_picture_time, is_posed
 from wmspec.compile.lint.rule import Breach, rule
-from wmspec.compile.lint.scene_rules import Scene
-from wmspec.compile.lint.task_rules import Task
-from wmspec.lang.check.ir.evaluate import evaluate, parts
-from wmspec.lang.check.ir.ir import Question, Ref, Said, last_shown
+from wmspec.compile.lint.scene_rules import LintScene
+from wmspec.compile.lint.task_rules import LintTask
+from wmspec.lang.check.ir.evaluate import evaluate, subexpressions
+from wmspec.lang.check.ir.ir import Interpolation, Question, Ref, time_of_last_picture
 from wmspec.lang.check.types import units
 
-#: What pictures show of a thing whatever happens to it.
-_LOOKS = ("form", "color", "material", "image", "scale")
-#: Times closer than this (s) are one.
+#: Properties that are visible in every picture.
+_VISIBLE_PROPERTIES = ("form", "color", "material", "image", "scale")
+#: Times closer than this (s) are equal.
 _MOMENT = 1e-9
 
 
 @rule("WMS510")
-def told_by_text(task: Task) -> Iterator[Breach]:
-    """A text that says all that decides between the options, or the answer itself."""
+def answer_in_text(task: LintTask) -> Iterator[Breach]:
+    """Find texts that contain everything that distinguishes the options, or the answer itself."""
     for question in task.spec.questions:
-        mentioned = [part.value for part in question.text if isinstance(part, Said)]
+        mentioned = [part.value for part in question.text if isinstance(part, Interpolation)]
         decisive = {varied.factor for varied in question.orbit}
         if decisive and decisive <= {value.name for value in mentioned if isinstance(value, Ref)}:
             names = " and ".join(f"`{name}`" for name in sorted(decisive))
@@ -34,14 +34,14 @@ def told_by_text(task: Task) -> Iterator[Breach]:
 
 
 @rule("WMS510")
-def told_by_looks(task: Task) -> Iterator[Breach]:
-    """A state of a closed set that all pictures show: two of the options can be left aside at once."""
+def answer_in_appearance(task: LintTask) -> Iterator[Breach]:
+    """Find states of a closed set that are visible in all pictures and so eliminate options."""
     for question in task.spec.questions:
         for varied in question.orbit:
             if varied.reads == "action":
                 continue
             for thing in (t for t in task.spec.things if t.kind in ("object", "part")):
-                if any(varied.factor in task.depend.source(f"{thing.name}.{look}") for look in _LOOKS):
+                if any(varied.factor in task.depend.source(f"{thing.name}.{look}") for look in _VISIBLE_PROPERTIES):
                     what = f"`{varied.factor}` decides what `{thing.name}` looks like, in the options and before"
                     remedy = "let it change what cannot be seen at the end, such as a mass, or a place that is left"
                     yield Breach(what, question.place, remedy, about=("looks", question.place, varied.factor))
@@ -49,40 +49,40 @@ def told_by_looks(task: Task) -> Iterator[Breach]:
 
 
 @rule("WMS510")
-def told_by_pictures(scene: Scene) -> Iterator[Breach]:
-    """A picture that is asked for and shown; of a closed set that is foretold, any that is no earlier."""
+def answer_in_pictures(scene: LintScene) -> Iterator[Breach]:
+    """Find pictures that show the answer; in a prediction, any picture at or after the answer's time."""
     values = scene.values
     shown = [(o, moment) for o in values.spec.observations for moment in evaluate(o.times, values)]
     for question in values.spec.questions:
-        time = pictured(question, values) if asked(question, values) else None
+        time = answer_picture_time(question, values) if is_posed(question, values) else None
         if time is None:
             continue
-        # Where nothing earlier is shown, nothing is foretold: another camera then asks for the view from elsewhere.
-        foretold = bool(question.orbit) and any(moment < time - _MOMENT for _, moment in shown)
+        # Without earlier pictures the question requests the view of another camera, not a prediction.
+        is_prediction = bool(question.orbit) and any(moment < time - _MOMENT for _, moment in shown)
         for observation, moment in shown:
             itself = abs(moment - time) < _MOMENT and observation.camera == _camera(question)
-            if itself or (foretold and moment > time - _MOMENT):
-                at = units.told(moment, units.TIME)
-                what = f"the picture that is asked for is shown: that at {at}, {scene.where}"
+            if itself or (is_prediction and moment > time - _MOMENT):
+                at = units.format_quantity(moment, units.TIME)
+                what = f"the requested picture is shown: that at {at}, {scene.where}"
                 yield Breach(what, observation.place, _remedy(scene, question), about=("shown", question.place))
                 break
 
 
-TASK_RULES = (told_by_text, told_by_looks)
-SCENE_RULES = (told_by_pictures,)
+TASK_RULES = (answer_in_text, answer_in_appearance)
+SCENE_RULES = (answer_in_pictures,)
 
 
-def _remedy(scene: Scene, question: Question) -> str:
-    """Without a `horizon`, the end is the last picture that is shown."""
+def _remedy(scene: LintScene, question: Question) -> str:
+    """Return the remedy; without a `horizon` the end is the last picture that is shown."""
     spec = scene.values.spec
-    unwritten = spec.horizon == last_shown(spec.observations)
-    if unwritten and any(isinstance(part, Ref) and part.name == "end" for part in parts(question.answer)):
+    unwritten = spec.horizon == time_of_last_picture(spec.observations)
+    if unwritten and any(isinstance(part, Ref) and part.name == "end" for part in subexpressions(question.answer)):
         return "without a `horizon` the last picture is the end: write `horizon TIME`, a later one"
     return "show what comes before it"
 
 
 def _camera(question: Question) -> str:
-    """The camera of the picture that is asked for, if it is always the same."""
+    """Return the camera of the requested picture if it is always the same, else an empty string."""
     answer = question.answer
     first = answer.arguments[0] if answer.kind == "call" and answer.arguments else None
     return str(first.value) if first is not None and first.kind == "value" else ""

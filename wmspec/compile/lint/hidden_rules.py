@@ -1,74 +1,79 @@
-"""Rules on what can be seen of a scene: things that are asked about, and that others hide."""
+"""Rules on visibility: entities that a question concerns and that others hide."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 
-from wmspec.compile.design.about import named
-from wmspec.compile.layout.geometry import every_piece, pieces
+from wmspec.compile.design.about import referenced_objects
+from wmspec.compile.layout.evaluator import Evaluator
+from wmspec.compile.layout.geometry import all_pieces, pieces
 from wmspec.compile.layout.solids import bounds, corners
-from wmspec.compile.layout.values import Values
-from wmspec.compile.lint.question_rules import asked
+from wmspec.compile.lint.question_rules import is_posed
 from wmspec.compile.lint.rule import Breach, rule
-from wmspec.compile.lint.scene_rules import Scene
-from wmspec.compile.lint.visibility import moved
+from wmspec.compile.lint.scene_rules import LintScene
+from wmspec.compile.lint.visibility import moved_objects
 from wmspec.core.diagnostics import Note
-from wmspec.core.space import Pose, Vector, add, inverse, rotate, times
+from wmspec.core.space import Pose, Vector, add, inverse, rotate, scale
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.sim.shapes.box import Box
 
 
 @rule("WMS605")
-def hidden_thing(scene: Scene) -> Iterator[Breach]:
-    """Something asked about, or moved, that one box hides wholly from every camera that looks when it begins."""
+def hidden_object(scene: LintScene) -> Iterator[Breach]:
+    """Find relevant or moved objects that one box hides from every camera that looks at the start."""
     values = scene.values
-    cameras = _looking_first(values)
+    cameras = _initial_cameras(values)
     if not cameras or any(values.has(camera, "ride") for camera in cameras):
         return
-    things = {t.name: t for t in values.spec.things if t.kind == "object" and values.there(t.name)}
+    things = {t.name: t for t in values.spec.things if t.kind == "object" and values.is_present(t.name)}
     walls = [(name, half, pose) for name in things for half, pose in _boxes(values, name)]
-    questions = (question for question in values.spec.questions if asked(question, values))
-    needed = {name for question in questions for name in named(question, values).union(moved(values))}
+    questions = (question for question in values.spec.questions if is_posed(question, values))
+    needed = {
+        name for question in questions for name in referenced_objects(question, values).union(moved_objects(values))
+    }
     for name in (name for name in things if name in needed and not things[name].set):
         around = list(corners(bounds(pieces(values, name), values.pose(name))))
-        by = [_hiding(values.vector(camera, "at"), around, [w for w in walls if w[0] != name]) for camera in cameras]
+        by = [
+            _hiding_object(values.vector(camera, "at"), around, [w for w in walls if w[0] != name])
+            for camera in cameras
+        ]
         if all(by):
             what = f"`{name}` is moved or asked about, and hidden behind `{by[0]}` from `{cameras[0]}` {scene.where}"
-            note = Note(f"`{by[0]}` is declared here", values.place(by[0] or ""))
+            note = Note(f"`{by[0]}` is declared here", values.source_location(by[0] or ""))
             remedy = "move one of them or the camera, or ask only where it is seen: `ensure`"
-            yield Breach(what, values.place(name, "at"), remedy, (note,), about=name)
+            yield Breach(what, values.source_location(name, "at"), remedy, (note,), about=name)
 
 
-RULES = (hidden_thing,)
+RULES = (hidden_object,)
 
 
-def _looking_first(values: Values) -> list[str]:
-    """The cameras that look at the beginning."""
+def _initial_cameras(values: Evaluator) -> list[str]:
+    """Return the cameras that look at the start."""
     observed = (o for o in values.spec.observations if min(evaluate(o.times, values), default=1.0) < 1e-9)
     return list(dict.fromkeys(observation.camera for observation in observed))
 
 
-def _boxes(values: Values, name: str) -> Iterator[tuple[Vector, Pose]]:
-    """The boxes of which an object is made and that are drawn: half their edges (m), and where they are."""
+def _boxes(values: Evaluator, name: str) -> Iterator[tuple[Vector, Pose]]:
+    """Yield the visible boxes of an object: half edges (m) and pose."""
     pose = values.pose(name)
-    for part, piece in every_piece(values, name):
+    for part, piece in all_pieces(values, name):
         drawn = all(values.flag(owner, "drawn") for owner in {name, part} if values.has(owner, "drawn"))
         if isinstance(piece.solid, Box) and drawn:
-            yield piece.solid.half, pose.then(piece.pose)
+            yield piece.solid.half, pose.compose(piece.pose)
 
 
-def _hiding(eye: Vector, around: list[Vector], walls: list[tuple[str, Vector, Pose]]) -> str:
-    """The thing a box of which is before all corners; empty if there is none.
+def _hiding_object(eye: Vector, around: list[Vector], walls: list[tuple[str, Vector, Pose]]) -> str:
+    """Return the object with a box in front of all corners, or an empty string.
 
-    What a convex body hides from a point is convex: if it hides the corners of a box, it hides what is in the box.
+    The region that a convex body hides from a point is convex, so hiding a box's corners hides its content.
     """
-    return next((name for name, half, pose in walls if all(_between(eye, c, half, pose) for c in around)), "")
+    return next((name for name, half, pose in walls if all(_is_between(eye, c, half, pose) for c in around)), "")
 
 
-def _between(eye: Vector, point: Vector, half: Vector, pose: Pose) -> bool:
+def _is_between(eye: Vector, point: Vector, half: Vector, pose: Pose) -> bool:
     """Whether a box lies between an eye outside it and a point (m). (Kay and Kajiya, Ray Tracing Complex Scenes.)"""
-    a, b = (rotate(inverse(pose.orientation), add(p, times(-1.0, pose.position))) for p in (eye, point))
+    a, b = (rotate(inverse(pose.orientation), add(p, scale(-1.0, pose.position))) for p in (eye, point))
     enters, leaves = -math.inf, 1.0
     for start, end, edge in zip(a, b, half, strict=True):
         if abs(end - start) < 1e-12:

@@ -1,4 +1,4 @@
-"""Objects that are inside one another at the start, and how deep."""
+"""Initial overlaps of objects, and their depths."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.solids import Piece, bounds
-from wmspec.compile.layout.values import Values
-from wmspec.core.space import Vector, add, cross, rotate, times
+from wmspec.compile.layout.solids import PlacedShape, bounds
+from wmspec.core.space import Vector, add, cross, rotate, scale
 from wmspec.sim.shapes import Shape
 
-if TYPE_CHECKING:  # most scenes need no more than the axes, and checking those should not wait for numpy
+if TYPE_CHECKING:  # imported late: most scenes need the axes only, and importing numpy slows their check
     from wmspec.sim.scene import model
 
-#: So deep (m) objects may be in one another: less is a matter of rounding, and of resting on a curved thing.
-SLACK = 1e-3
+#: Permitted overlap (m), for rounding and for contact with curved surfaces.
+MAX_OVERLAP = 1e-3
 
-#: Axes of a solid along which it may be apart from another: those of its edges.
+#: Separating axes of a solid: the directions of its edges.
 _EDGES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @dataclass(frozen=True)
 class Overlap:
-    """Two objects and how deep (m) one is in the other: the diameter of the largest ball within both."""
+    """Two overlapping objects and the depth (m): the diameter of the largest ball within both."""
 
     first: str
     second: str
@@ -35,108 +35,108 @@ class Overlap:
 
 @dataclass(frozen=True)
 class _Body:
-    """An object in its place: its convex pieces in the world, and the upright box around it."""
+    """A placed object: its convex pieces in the world, and their axis-aligned box."""
 
     name: str
     fixed: bool
-    pieces: tuple[Piece, ...]
+    pieces: tuple[PlacedShape, ...]
     low: Vector
     high: Vector
 
 
-def overlaps(values: Values) -> Iterator[Overlap]:
-    """Pairs of objects that are inside one another, unless both are fixed or a joint connects them.
+def overlaps(values: Evaluator) -> Iterator[Overlap]:
+    """Yield pairs of overlapping objects, unless both are fixed or a joint connects them.
 
-    Meshes that are touched in several convex pieces are left out: how they are cut is the engine's business.
+    Meshes with convex decomposition are omitted, since their pieces depend on the engine.
     """
-    joined = _joined(values)
+    joined = _joined_pairs(values)
     for a, b in combinations(_bodies(values), 2):
-        apart = any(a.low[i] >= b.high[i] - SLACK or b.low[i] >= a.high[i] - SLACK for i in range(3))
+        apart = any(a.low[i] >= b.high[i] - MAX_OVERLAP or b.low[i] >= a.high[i] - MAX_OVERLAP for i in range(3))
         if apart or (a.fixed and b.fixed) or frozenset((a.name, b.name)) in joined:
             continue
         depth = max(_depth(p, q) for p in a.pieces for q in b.pieces)
-        if depth > SLACK:
+        if depth > MAX_OVERLAP:
             yield Overlap(a.name, b.name, depth)
 
 
-def separation(values: Values, a: str, b: str) -> tuple[float, Vector]:
-    """How far (m) two objects are apart, negative where they overlap, and the way on which they are nearest."""
+def separation(values: Evaluator, a: str, b: str) -> tuple[float, Vector]:
+    """Return the distance (m) of two objects, negative for overlaps, and the direction of closest approach."""
     first, second = (_pieces_of(values, name) for name in (a, b))
     pairs = [(p, q) for p in first for q in second]
     return min((max((-_overlap(p, q, d), d) for d in _directions(p, q)) for p, q in pairs))
 
 
-def _pieces_of(values: Values, name: str) -> tuple[Piece, ...]:
-    """The convex pieces of an object in the world."""
+def _pieces_of(values: Evaluator, name: str) -> tuple[PlacedShape, ...]:
+    """Return the convex pieces of an object in the world."""
     pose = values.pose(name)
     return tuple(
-        Piece(convex, pose.then(piece.pose).then(at))
+        PlacedShape(convex, pose.compose(piece.pose).compose(at))
         for piece in pieces(values, name)
         for convex, at in piece.solid.pieces()
     )
 
 
-def _bodies(values: Values) -> Iterator[_Body]:
+def _bodies(values: Evaluator) -> Iterator[_Body]:
     for thing in values.spec.things:
         name = thing.name
-        if thing.kind != "object" or not values.there(name) or not values.flag(name, "solid"):
+        if thing.kind != "object" or not values.is_present(name) or not values.flag(name, "solid"):
             continue
-        if any(_in_pieces(values, part) for part in (name, *values.parts(name))):
+        if any(_is_decomposed(values, part) for part in (name, *values.parts(name))):
             continue
         box = bounds(pieces(values, name), values.pose(name))
         yield _Body(name, values.flag(name, "fixed"), _pieces_of(values, name), *box)
 
 
-def _in_pieces(values: Values, part: str) -> bool:
+def _is_decomposed(values: Evaluator, part: str) -> bool:
     return values.has(part, "file") and values.text(part, "collision") == "pieces"
 
 
-def _joined(values: Values) -> set[frozenset[str]]:
-    joints = [t.name for t in values.spec.things if t.kind == "joint" and values.there(t.name)]
+def _joined_pairs(values: Evaluator) -> set[frozenset[str]]:
+    joints = [t.name for t in values.spec.things if t.kind == "joint" and values.is_present(t.name)]
     return {frozenset(values.ends(j)) for j in joints if values.has(j, "to")}
 
 
 # ---------------------------------------------------------------- how deep
 
 
-def _depth(a: Piece, b: Piece) -> float:
-    """The diameter (m) of the largest ball within two convex pieces, or 0 if it is less than SLACK.
+def _depth(a: PlacedShape, b: PlacedShape) -> float:
+    """Return the diameter (m) of the largest ball within two convex pieces, or 0 if it is less than MAX_OVERLAP.
 
-    Two convex bodies are apart if there is a direction along which they are. For boxes one of a few is it; those are
-    tried first, because what it takes to be exact is slow to import.
+    Two convex bodies are disjoint if they are separated along some direction. For boxes a few axes suffice. These are
+    tried first, because the exact method is slow to import.
     """
-    if any(_overlap(a, b, d) <= SLACK for d in _directions(a, b)):
+    if any(_overlap(a, b, d) <= MAX_OVERLAP for d in _directions(a, b)):
         return 0.0
     from wmspec.sim.scene.physics.overlap import overlap
 
-    (first, at), (second, there) = _placed(a), _placed(b)
-    return overlap(first, at, second, there, SLACK)
+    (first, at), (second, there) = _placed_piece(a), _placed_piece(b)
+    return overlap(first, at, second, there, MAX_OVERLAP)
 
 
-def _overlap(a: Piece, b: Piece, d: Vector) -> float:
-    """How far (m) `a` reaches beyond where `b` begins, along a unit vector."""
-    return a.reach(d) + b.reach(times(-1.0, d))
+def _overlap(a: PlacedShape, b: PlacedShape, d: Vector) -> float:
+    """Return how far (m) `a` extends beyond the start of `b` along a unit vector."""
+    return a.reach(d) + b.reach(scale(-1.0, d))
 
 
-def _directions(a: Piece, b: Piece) -> Iterator[Vector]:
-    """Both ways along the axes on which two boxes can be apart, and along the line between the middles.
+def _directions(a: PlacedShape, b: PlacedShape) -> Iterator[Vector]:
+    """Yield both directions of the separating axes of two boxes, and of the line between their centres.
 
-    A box's are the axes of either and those at right angles to an edge of each (Gottschalk, Lin & Manocha, "OBBTree",
+    The axes of boxes are those of either and the cross products of their edges (Gottschalk, Lin & Manocha, "OBBTree",
     1996).
     """
     own = [rotate(a.pose.orientation, axis) for axis in _EDGES]
     others = [rotate(b.pose.orientation, axis) for axis in _EDGES]
-    faces = [rotate(p.pose.orientation, normal) for p in (a, b) for normal, _ in p.solid.flats]
-    between = add(b.pose.position, times(-1.0, a.pose.position))
+    faces = [rotate(p.pose.orientation, normal) for p in (a, b) for normal, _ in p.solid.flat_faces]
+    between = add(b.pose.position, scale(-1.0, a.pose.position))
     for axis in (*own, *others, *faces, *(cross(x, y) for x in own for y in others), between):
         size = math.hypot(*axis)
         if size > 1e-6:
-            yield times(1 / size, axis)
-            yield times(-1 / size, axis)
+            yield scale(1 / size, axis)
+            yield scale(-1 / size, axis)
 
 
-def _placed(piece: Piece) -> tuple[Shape, model.Pose]:
-    """A convex piece, and where it is as a scene says it."""
+def _placed_piece(piece: PlacedShape) -> tuple[Shape, model.Pose]:
+    """Return a convex piece, and its pose in a scene."""
     import numpy as np
 
     from wmspec.sim.scene import model

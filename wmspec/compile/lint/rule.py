@@ -1,4 +1,4 @@
-"""What a rule is: a code, how bad a breach of it is, and the function that finds the breaches."""
+"""Lint rules: a code, a severity, and a function that finds breaches."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Breach:
-    """What breaks a rule, where, and a remedy. Breaches of a rule with the same `about` are one."""
+    """A breach of a rule, with location and remedy. Breaches of a rule with the same `about` are reported once."""
 
     message: str
     place: Place
@@ -26,7 +26,7 @@ class Breach:
 
 @dataclass(frozen=True)
 class Rule(Generic[T]):
-    """A rule on a task, a design, a scene and so on (`T`): its code is one of `wmspec.lang.parse.codes`."""
+    """A rule on a task, a design, a scene and so on (`T`); codes are defined in `wmspec.lang.parse.codes`."""
 
     code: str
     severity: Severity
@@ -34,31 +34,31 @@ class Rule(Generic[T]):
 
 
 def rule(code: str, severity: Severity = "warning") -> Callable[[Callable[[T], Iterable[Breach]]], Rule[T]]:
-    """Makes a rule of a function that finds its breaches."""
+    """Return a decorator that makes a rule of a function that finds breaches."""
     return lambda breaches: Rule(code, severity, breaches)
 
 
 @dataclass
 class Linter:
-    """Holds subjects to rules. What is so in many instances is reported of the first."""
+    """Applies rules to subjects. A breach that occurs in many instances is reported for the first one."""
 
     report: Report = field(default_factory=Report)
     _reported: set[Hashable] = field(default_factory=set)
 
     def check(self, subject: T, rules: Iterable[Rule[T]]) -> None:
-        """Report the breaches of the rules by a task, a design, a scene or the like."""
+        """Report the breaches of the rules by a subject."""
         for r in rules:
             for b in r.breaches(subject):
                 if self._fresh((r.code, b.about or b.place)):
                     self.report.add(r.code, b.message, b.place, b.help, b.notes, r.severity)
 
     @contextmanager
-    def going_on(self) -> Iterator[None]:
-        """Report what keeps something from being built, at each place once, and go on after the block."""
+    def collecting(self) -> Iterator[None]:
+        """Report errors raised in the block, once per location, and continue after it."""
         try:
             yield
         except WmsError as error:
-            self.report.include(d for d in _coded(error) if self._fresh(d.place))
+            self.report.include(d for d in _with_code(error) if self._fresh(d.place))
 
     def _fresh(self, about: Hashable) -> bool:
         fresh = about not in self._reported
@@ -66,6 +66,6 @@ class Linter:
         return fresh
 
 
-def _coded(error: WmsError) -> Iterator[Diagnostic]:
-    """What an error says; what has no code of its own is an impossible value."""
+def _with_code(error: WmsError) -> Iterator[Diagnostic]:
+    """Yield the diagnostics of an error; those without a code become impossible values."""
     yield from (d if d.code else replace(d, code=ImpossibleValue.code) for d in error.diagnostics)

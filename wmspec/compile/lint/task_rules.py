@@ -1,4 +1,4 @@
-"""Rules on a task, without building any of its scenes: statements that decide nothing."""
+"""Rules on a task, checked without building scenes: statements without effect."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from dataclasses import dataclass
 
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.lint.rule import Breach, rule
-from wmspec.lang.check.expressions.measured import measured
-from wmspec.lang.check.ir.ir import Choices, Expr, Said, TaskSpec
+from wmspec.lang.check.expressions.measured import is_measured
+from wmspec.lang.check.ir.ir import Choices, Expr, Interpolation, TaskSpec
 
 
 @dataclass(frozen=True)
-class Task:
-    """A task with what its values depend on."""
+class LintTask:
+    """A task with its dependencies."""
 
     spec: TaskSpec
     depend: Dependencies
 
 
 @rule("WMS403")
-def idle_factor(task: Task) -> Iterator[Breach]:
-    """A factor or nuisance on which nothing depends."""
-    used = _reached(task, _deciding(task.spec)) | _reached(task, _texts(task.spec))
+def idle_factor(task: LintTask) -> Iterator[Breach]:
+    """Find factors and nuisances without effect."""
+    used = _dependencies(task, _effective_expressions(task.spec)) | _dependencies(task, _texts(task.spec))
     for factor in task.spec.factors:
         if factor.name not in used:
             message = f"nothing depends on the {'nuisance' if factor.nuisance else 'factor'} `{factor.name}`"
@@ -30,9 +30,9 @@ def idle_factor(task: Task) -> Iterator[Breach]:
 
 
 @rule("WMS409")
-def factor_in_words_alone(task: Task) -> Iterator[Breach]:
-    """A factor that only the text of a question mentions."""
-    in_words_alone = _reached(task, _texts(task.spec)) - _reached(task, _deciding(task.spec))
+def factor_in_words_alone(task: LintTask) -> Iterator[Breach]:
+    """Find factors that only the text of a question mentions."""
+    in_words_alone = _dependencies(task, _texts(task.spec)) - _dependencies(task, _effective_expressions(task.spec))
     for factor in task.spec.factors:
         if not factor.nuisance and factor.name in in_words_alone:
             message = f"`{factor.name}` changes the words of a question, but neither the scene nor an answer"
@@ -40,11 +40,11 @@ def factor_in_words_alone(task: Task) -> Iterator[Breach]:
 
 
 @rule("WMS506")
-def constant_answer(task: Task) -> Iterator[Breach]:
-    """An answer that is known beforehand and depends on no factor."""
+def constant_answer(task: LintTask) -> Iterator[Breach]:
+    """Find answers that are known beforehand and depend on no factor."""
     varying = {f.name for f in task.spec.factors}
     for question in task.spec.questions:
-        if not measured(task.spec, question.answer) and not task.depend.expression(question.answer) & varying:
+        if not is_measured(task.spec, question.answer) and not task.depend.expression(question.answer) & varying:
             message = "the answer to this is the same in every instance"
             yield Breach(message, question.place, "let it depend on a factor, or measure it on the episode")
 
@@ -55,11 +55,11 @@ RULES = (idle_factor, factor_in_words_alone, constant_answer)
 def _texts(spec: TaskSpec) -> Iterator[Expr]:
     for question in spec.questions:
         parts = (*question.text, *(part for text in question.texts for part in text.parts))
-        yield from (part.value for part in parts if isinstance(part, Said))
+        yield from (part.value for part in parts if isinstance(part, Interpolation))
 
 
-def _deciding(spec: TaskSpec) -> Iterator[Expr]:
-    """All that decides what is there, what happens, what is seen, and what can be answered."""
+def _effective_expressions(spec: TaskSpec) -> Iterator[Expr]:
+    """Yield the expressions that determine presence, events, visibility and answers."""
     yield spec.horizon
     for thing in spec.things:
         yield from (setting.value for setting in thing.properties.values())
@@ -72,8 +72,8 @@ def _deciding(spec: TaskSpec) -> Iterator[Expr]:
         yield from (e for e in some if e is not None)
 
 
-def _reached(task: Task, expressions: Iterable[Expr]) -> frozenset[str]:
-    """What the expressions depend on, with the factors that conditions tie to that: these decide what can be."""
+def _dependencies(task: LintTask, expressions: Iterable[Expr]) -> frozenset[str]:
+    """Return the dependencies of expressions, with the factors tied to them by conditions."""
     factors = {f.name for f in task.spec.factors}
     ties = [task.depend.expression(r.condition) & factors for r in task.spec.requires]
     domains = {f.name: f.domain.when for f in task.spec.factors if isinstance(f.domain, Choices) and f.domain.when}
@@ -84,5 +84,5 @@ def _reached(task: Task, expressions: Iterable[Expr]) -> frozenset[str]:
     return reached
 
 
-def _sources(task: Task, expressions: Iterable[Expr]) -> frozenset[str]:
+def _sources(task: LintTask, expressions: Iterable[Expr]) -> frozenset[str]:
     return frozenset[str]().union(*map(task.depend.expression, expressions))

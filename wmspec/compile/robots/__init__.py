@@ -1,1 +1,1 @@
-"""Robots: their kinematics, and the plans that make of what they do the ways of their joints."""
+"""Robots: kinematics, and planners that turn actions into joint or base trajectories."""

@@ -1,4 +1,4 @@
-"""Where robots stand."""
+"""Base poses of robots."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from typing import TYPE_CHECKING
 
 from wmspec.compile.layout import surfaces
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import Pose, turn
+from wmspec.core.space import Pose, from_ypr
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.evaluator import Evaluator
 
 
-def base(values: Values, robot: str) -> Pose:
-    """Where a robot stands."""
+def base(values: Evaluator, robot: str) -> Pose:
+    """Return the pose of a robot's base."""
     at, yaw = values.spot(robot), values.number(robot, "yaw")
     if values.has(robot, "on"):
         if len(at) == 3:
             raise ImpossibleValue(
-                f"`{robot}` stands on something, so its place there is (x, y)", values.place(robot, "at")
+                f"`{robot}` stands on something, so its place there is (x, y)", values.source_location(robot, "at")
             )
-        return Pose(surfaces.top(values, values.reference(robot, "on"), at).middle, turn(yaw))
+        return Pose(surfaces.top_point(values, values.reference(robot, "on"), at).middle, from_ypr(yaw))
     assert surfaces.is_point(at)
-    return Pose(at if len(at) == 3 else (*at, 0.0), turn(yaw))
+    return Pose(at if len(at) == 3 else (*at, 0.0), from_ypr(yaw))

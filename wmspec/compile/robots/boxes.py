@@ -1,4 +1,4 @@
-"""Boxes, the same ones at several times, and the boxes around what an object is made of."""
+"""Oriented boxes over time, and the boxes around an object's solids."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.solids import Piece
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.solids import PlacedShape
 from wmspec.compile.robots.arm import Array
 from wmspec.compile.robots.planning import matrix
 
@@ -19,14 +19,14 @@ _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """A box, or the same one at n times: `center` (n, 3), `axes` (n, 3, 3) as columns, `half` its edges (3,) m."""
+    """A box at n times: `center` (n, 3), `axes` (n, 3, 3) as columns, and half edges `half` (3,) m."""
 
     center: Array
     axes: Array
     half: Array
 
     def meets(self, other: Box, slack: float) -> NDArray[np.bool_]:
-        """When (n,) the two overlap: no axis separates them (S. Gottschalk, OBBTree, 1996, section 5)."""
+        """Return when (n,) two boxes overlap, by the separating axis test (S. Gottschalk, OBBTree, 1996, section 5)."""
         turn = np.swapaxes(self.axes, 1, 2) @ other.axes
         way = ((other.center - self.center)[:, None, :] @ self.axes)[:, 0]
         size, a, b = np.abs(turn), self.half - slack, other.half - slack
@@ -44,22 +44,22 @@ class Box:
         return meets
 
 
-def between(frames: Array, corners: Array) -> Box:
-    """The box between two corners (2, 3) in these frames."""
+def box_between(frames: Array, corners: Array) -> Box:
+    """Return the box between two corners (2, 3) in these frames."""
     middle = frames[:, :3, :3] @ corners.mean(axis=0) + frames[:, :3, 3]
     return Box(middle, frames[:, :3, :3], (corners[1] - corners[0]) / 2)
 
 
-def boxes(values: Values, name: str, frame: Array) -> Iterator[Box]:
-    """The boxes around the solids of an object whose frame is there (4, 4)."""
+def part_boxes(values: Evaluator, name: str, frame: Array) -> Iterator[Box]:
+    """Yield the boxes around the solids of an object with this frame (4, 4)."""
     for piece in pieces(values, name):
-        placed, (low, high) = frame @ matrix(piece.pose), ends(piece)
+        placed, (low, high) = frame @ matrix(piece.pose), local_corners(piece)
         middle = placed[:3, :3] @ ((low + high) / 2) + placed[:3, 3]
         yield Box(middle[None], placed[None, :3, :3], (high - low) / 2)
 
 
-def ends(piece: Piece) -> tuple[Array, Array]:
-    """The corners (3,) m of the box around a solid, in its own frame."""
+def local_corners(piece: PlacedShape) -> tuple[Array, Array]:
+    """Return the corners (3,) m of the box around a solid, in its own frame."""
     axes = np.eye(3)
     low, high = (np.array([sign * piece.solid.reach(tuple(sign * axis)) for axis in axes]) for sign in (-1.0, 1.0))
     return low, high

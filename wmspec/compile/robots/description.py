@@ -1,4 +1,4 @@
-"""An arm as its user describes it in TOML: a file of links and hinges, and the hand that is bolted to one of them."""
+"""Descriptions of arms in TOML: a file with links and hinges, and a hand attached to one of them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from wmspec.compile.robots.arm import Arm, Array, about, shift
+from wmspec.compile.robots.arm import Arm, Array, axis_rotation, translation
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.core.places import FilePlace
 from wmspec.lang.importers.model import Asset, Joint, Shape
@@ -22,16 +22,16 @@ from wmspec.sim.scene.model.transform import compose, inverse, quaternion, rotat
 
 Triple = tuple[float, float, float]
 Above0 = Annotated[float, Field(gt=0)]
-MOST = 12  # hinges of an arm
-PAD = 0.019  # m: so much of the end of a finger presses, at most
+MAX_HINGES = 12  # of an arm
+MAX_PAD_LENGTH = 0.019  # m: at the end of a finger
 
 
 class Hand(BaseModel):
     """A hand of two fingers that open along its y; z is ahead. Lengths in m, angles in degrees.
 
-    Its frame is `at` and turned by `turn` about x, then y, then z, as the link that it is `on` sees it; the `palm` is a
-    box from there ahead, and the `fingers` are boxes from its end ahead: sizes along x, y and z. They open `opening`
-    wide and press with `grip` (N), with the friction `rubber`.
+    Its frame is `at`, rotated by `turn` about x, then y, then z, in the frame of the link `on`. The `palm` is a box
+    from there ahead. The `fingers` are boxes from its end ahead. Sizes are along x, y and z. `opening` is the maximum
+    distance of the fingers, `grip` (N) their force and `rubber` their friction.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -46,10 +46,10 @@ class Hand(BaseModel):
 
 
 class Description(BaseModel):
-    """A `file` (URDF, MJCF, USD), from the description's folder or in an installed Python `package`, and what it lacks.
+    """A `file` (URDF, MJCF, USD), relative to the description or to an installed Python `package`, with additions.
 
-    `rest` is how the hinges stand between what the arm does, the hand drawn back and looking down, and `home` to where
-    they are pulled when they are free to choose; degrees. `speed` is how fast they turn at most, degrees per second.
+    `rest` is the configuration between actions, with the hand retracted and looking down. `home` is the preferred
+    configuration for redundant joints; both in degrees. `speed` limits the joints, in degrees per second.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -62,10 +62,10 @@ class Description(BaseModel):
 
 
 @dataclass(frozen=True, eq=False)
-class Described:
-    """An arm, and what is drawn of each link, the base first, in its own frame; meshes are files below `folder`.
+class ArmModel:
+    """An arm, and the visual geometry of each link in its own frame, the base first; meshes are below `folder`.
 
-    What is `ignored` of its file does not matter to what moves as it is told.
+    `ignored` are warnings of its file that do not matter for kinematic bodies.
     """
 
     arm: Arm
@@ -74,15 +74,17 @@ class Described:
     ignored: tuple[Diagnostic, ...]
 
 
-def described(path: Path) -> Described:
-    """The arm that a TOML file describes. Raises WmsError with what is wrong."""
-    said = _said(path)
-    folder = path.parent if not said.package else _package(said.package, path)
+def read_description(path: Path) -> ArmModel:
+    """Return the arm that a TOML file describes. Raises WmsError for invalid descriptions."""
+    said = _read_toml(path)
+    folder = path.parent if not said.package else _package_folder(said.package, path)
     asset, ignored = structure(folder, said.file)
     places, chain = _chain(asset, said.hand.on, path)
-    if not 0 < len(chain) <= MOST:
+    if not 0 < len(chain) <= MAX_HINGES:
         raise WmsError(
-            f"{len(chain)} hinges lead to `{said.hand.on}`", FilePlace(str(path)), f"name a link behind 1 to {MOST}"
+            f"{len(chain)} hinges lead to `{said.hand.on}`",
+            FilePlace(str(path)),
+            f"name a link behind 1 to {MAX_HINGES}",
         )
     for name, given in (("rest", said.rest), ("home", said.home or said.rest), ("speed", said.speed)):
         if len(given) != len(chain) and not (name == "speed" and len(given) == 1):
@@ -91,14 +93,14 @@ def described(path: Path) -> Described:
     frames = [np.eye(4), *(_hinge(places, joint) for joint in chain)]
     shapes: list[list[tuple[Shape, Pose]]] = [[] for _ in frames]
     for name, link in asset.links.items():
-        owner = _owner(asset, chain, name)
+        owner = _moving_link(asset, chain, name)
         if owner is not None:
             own = inverse(_pose(frames[owner]))
             shapes[owner] += [(s, compose(own, compose(places[name], s.pose))) for s in link.shapes if s.drawn]
-    return Described(_arm(said, chain, frames, places[said.hand.on]), tuple(map(tuple, shapes)), folder, ignored)
+    return ArmModel(_arm(said, chain, frames, places[said.hand.on]), tuple(map(tuple, shapes)), folder, ignored)
 
 
-def _said(path: Path) -> Description:
+def _read_toml(path: Path) -> Description:
     try:
         return Description.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
     except (OSError, UnicodeDecodeError) as error:
@@ -111,8 +113,8 @@ def _said(path: Path) -> Description:
         raise WmsError(f"`{where}`: {first['msg']}", FilePlace(str(path)), "see docs/robots.md") from None
 
 
-def _package(name: str, path: Path) -> Path:
-    """The folder of an installed package, which is not imported."""
+def _package_folder(name: str, path: Path) -> Path:
+    """Return the folder of an installed package without importing it."""
     known = find_spec(name) if name.isidentifier() else None
     if known is None or not known.submodule_search_locations:
         raise WmsError(f"there is no package `{name[:60]}`", FilePlace(str(path)), f"pip install {name}")
@@ -120,7 +122,7 @@ def _package(name: str, path: Path) -> Path:
 
 
 def _chain(asset: Asset, end: str, path: Path) -> tuple[dict[str, Pose], list[Joint]]:
-    """Where all links are with every joint at 0, and the hinges that lead to a link, in order."""
+    """Return the poses of all links with joints at 0, and the hinges from the base to a link, in order."""
     held = {joint.child: joint for joint in asset.joints.values() if joint.kind != "free"}
     if end not in asset.links:
         raise WmsError(f"there is no link `{end[:60]}`", FilePlace(str(path)), f"its links: {', '.join(asset.links)}")
@@ -147,7 +149,7 @@ def _chain(asset: Asset, end: str, path: Path) -> tuple[dict[str, Pose], list[Jo
 
 
 def _hinge(places: dict[str, Pose], joint: Joint) -> Array:
-    """The frame (4, 4) of a hinge, which turns about its z, with every joint at 0."""
+    """Return the frame (4, 4) of a hinge with joints at 0; it turns about its z."""
     here = _matrix(places[joint.child])
     z = joint.axis / np.linalg.norm(joint.axis)
     x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
@@ -157,8 +159,8 @@ def _hinge(places: dict[str, Pose], joint: Joint) -> Array:
     return np.asarray(here @ own)
 
 
-def _owner(asset: Asset, chain: list[Joint], name: str) -> int | None:
-    """The number of the moving link that a link is part of, 0 is the base; None if it moves besides."""
+def _moving_link(asset: Asset, chain: list[Joint], name: str) -> int | None:
+    """Return the index of the moving link that a link is fixed to (0 is the base), or None if it moves itself."""
     held = {joint.child: joint for joint in asset.joints.values()}
     numbers = {joint.name: i for i, joint in enumerate(chain, 1)}
     while name in held:
@@ -175,8 +177,8 @@ def _arm(said: Description, chain: list[Joint], frames: list[Array], on: Pose) -
     hand, n = said.hand, len(chain)
     (width, broad, deep), (thick_x, thick_y, long) = hand.palm, hand.fingers
     roll, pitch, yaw = np.radians(hand.turn)
-    mount = shift(*hand.at) @ about(2, yaw) @ about(1, pitch) @ about(0, roll)
-    reach = deep + long - min(PAD, long) / 2
+    mount = translation(*hand.at) @ axis_rotation(2, yaw) @ axis_rotation(1, pitch) @ axis_rotation(0, roll)
+    reach = deep + long - min(MAX_PAD_LENGTH, long) / 2
     degrees = [np.array(numbers) for numbers in (said.rest, said.home or said.rest)]
     return Arm(
         frames=np.array([np.linalg.inv(a) @ b for a, b in pairwise(frames)]),

@@ -1,4 +1,4 @@
-"""The Franka Emika Panda with its hand: the numbers of `panda.urdf` (franka_description, Apache-2.0)."""
+"""The Franka Emika Panda with its hand: parameters of `panda.urdf` (franka_description, Apache-2.0)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from wmspec.compile.robots.arm import Arm, about, shift
+from wmspec.compile.robots.arm import Arm, axis_rotation, translation
 
 _ROLLS = (0.0, -pi / 2, pi / 2, pi / 2, -pi / 2, pi / 2, pi / 2)
 _PLACES = (
@@ -20,8 +20,10 @@ _PLACES = (
 )
 
 PANDA = Arm(
-    frames=np.array([shift(*place) @ about(0, roll) for place, roll in zip(_PLACES, _ROLLS, strict=True)]),
-    hand=shift(0.0, 0.0, 0.107) @ about(2, -pi / 4),
+    frames=np.array(
+        [translation(*place) @ axis_rotation(0, roll) for place, roll in zip(_PLACES, _ROLLS, strict=True)]
+    ),
+    hand=translation(0.0, 0.0, 0.107) @ axis_rotation(2, -pi / 4),
     reach=0.1034,
     finger=0.0584,
     low=np.array([-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973]),

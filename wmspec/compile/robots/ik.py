@@ -1,4 +1,4 @@
-"""Joint angles for places of the tool: damped least squares, pulled home where the arm is free to choose."""
+"""Inverse kinematics: damped least squares with a preference for the home configuration."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ import numpy as np
 
 from wmspec.compile.robots.arm import Arm, Array
 
-TOLERANCE = 1e-6  # m and rad together
-MOST = 100  # steps
+TOLERANCE = 1e-6  # norm of the error in m and rad
+MAX_STEPS = 100  # of the solver
 DAMPING, PULL, STRIDE = 0.02, 0.05, 0.3
-SPARE = 0.005  # rad: between knots a spline swings beyond them, by .0012 at most in 60 plans of each task
+LIMIT_MARGIN = 0.005  # rad: covers the overshoot of splines between knots
 
 
 def solve(arm: Arm, target: Array, base: Array, near: Array) -> Array | None:
-    """The joint angles (n,) near `near` that bring the tool to `target` (4, 4), or None if none are found.
+    """Return joint angles (n,) near `near` that bring the tool to `target` (4, 4), or None.
 
     S. R. Buss and J.-S. Kim, Selectively damped least squares for inverse kinematics, 2005, section 3: damped least
-    squares; the damping vanishes with the error, so that the last steps are Newton's.
+    squares. The damping vanishes with the error, so that the last steps are Newton steps.
     """
-    low, high = np.minimum(arm.low + SPARE, arm.rest), np.maximum(arm.high - SPARE, arm.rest)
+    low, high = np.minimum(arm.low + LIMIT_MARGIN, arm.rest), np.maximum(arm.high - LIMIT_MARGIN, arm.rest)
     q = near.copy()
-    for _ in range(MOST):
+    for _ in range(MAX_STEPS):
         jacobian, tip = arm.jacobian(q, base)
         error = np.concatenate([target[:3, 3] - tip[:3, 3], rotation_vector(target[:3, :3] @ tip[:3, :3].T)])
         size = float(np.linalg.norm(error))
@@ -35,7 +35,7 @@ def solve(arm: Arm, target: Array, base: Array, near: Array) -> Array | None:
 
 
 def rotation_vector(turn: Array) -> Array:
-    """The axis times the angle (3,) of a rotation matrix (3, 3)."""
+    """Return the rotation vector (3,), axis times angle, of a rotation matrix (3, 3)."""
     cosine = np.clip((np.trace(turn) - 1) / 2, -1.0, 1.0)
     angle = float(np.arccos(cosine))
     skew = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])

@@ -1,4 +1,4 @@
-"""The links of an arm behind its hand, as points on what is drawn of them."""
+"""Point clouds of the links of an arm behind its hand, for collision checks."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from wmspec.compile.robots.arm import Arm, Array
 from wmspec.core import disk_cache
 from wmspec.core.resources import resource
 
-if TYPE_CHECKING:  # with the points in the cache, neither is imported
+if TYPE_CHECKING:  # imported only to fill the cache
     from pxr import Usd, UsdGeom
 
-GRID = 0.02  # m: no part of a link's surface is further than that from one of its points
+GRID_SIZE = 0.02  # m: maximum distance of the surface from a point
 
 
 @lru_cache(maxsize=8)
-def limbs(arm: Arm) -> tuple[tuple[int, Array], ...]:
-    """What there is of each moving link: its number among the frames of `Arm.links`, and points (n, 3) m in that frame.
+def link_points(arm: Arm) -> tuple[tuple[int, Array], ...]:
+    """Return for each moving link its index in `Arm.links`, and surface points (n, 3) m in its frame.
 
-    What is within the hull of the hand or ahead of it is left out, and the base, which moves nowhere.
+    The base and points within or ahead of the hand's hull are omitted.
     """
-    if Path(arm.asset).is_absolute():  # of a user's: what else its file refers to may change
-        return _limbs(arm)
+    if Path(arm.asset).is_absolute():  # not cached: files that a user's asset refers to may change
+        return _link_points(arm)
     key = f"{disk_cache.fingerprint()} {arm.asset} {len(arm.frames)} {arm.hull[0].tolist()}"
     entry = f"links-{disk_cache.digest(key.encode())[:32]}.npz"
     if (content := disk_cache.read(entry)) is not None:
         with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
             each = np.split(arrays["points"], arrays["stops"][:-1])
             return tuple(zip(arrays["numbers"].tolist(), each, strict=True))
-    found, made = _limbs(arm), io.BytesIO()
+    found, made = _link_points(arm), io.BytesIO()
     points = [points for _, points in found]
     np.savez(
         made,
@@ -45,7 +45,7 @@ def limbs(arm: Arm) -> tuple[tuple[int, Array], ...]:
     return found
 
 
-def _limbs(arm: Arm) -> tuple[tuple[int, Array], ...]:
+def _link_points(arm: Arm) -> tuple[tuple[int, Array], ...]:
     from pxr import Usd, UsdGeom
 
     stage = Usd.Stage.Open(str(resource(arm.asset)))
@@ -63,15 +63,15 @@ def _limbs(arm: Arm) -> tuple[tuple[int, Array], ...]:
 
 
 def _points(cache: UsdGeom.XformCache, link: Usd.Prim, prim: Usd.Prim) -> Array:
-    """Points on a mesh, seen from its link, one for each cell of a grid."""
+    """Return points on a mesh in the frame of its link, one for each grid cell."""
     import trimesh
     from pxr import UsdGeom
 
     mesh = UsdGeom.Mesh(prim)
     corners = np.asarray(mesh.GetPointsAttr().Get(), np.float64)
     faces = np.asarray(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)
-    fine = trimesh.remesh.subdivide_to_size(corners, faces, GRID, max_iter=20)[0]
+    fine = trimesh.remesh.subdivide_to_size(corners, faces, GRID_SIZE, max_iter=20)[0]
     matrix = np.asarray(cache.ComputeRelativeTransform(prim, link)[0])
     seen = np.asarray(fine @ matrix[:3, :3] + matrix[3, :3], np.float64)
-    _, first = np.unique(np.floor(seen / GRID).astype(np.int64), axis=0, return_index=True)
+    _, first = np.unique(np.floor(seen / GRID_SIZE).astype(np.int64), axis=0, return_index=True)
     return seen[np.sort(first)]

@@ -1,4 +1,4 @@
-"""An arm as a USD file: links that are carried as actions say, joined by disabled joints; what touches is the hand."""
+"""Builds an arm as a USD file: kinematic links connected by disabled joints; the hand has collision geometry."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 
-from wmspec.compile.robots.arm import Arm, Array, about, shift
+from wmspec.compile.robots.arm import Arm, Array, axis_rotation, translation
 from wmspec.sim.scene.model.transform import quaternion
 from wmspec.sim.shapes.facets import smooth
 
-PAD = 0.019  # m: so much of the end of a finger presses
+MAX_PAD_LENGTH = 0.019  # m: at the end of a finger
 
 
 def body(stage: Usd.Stage, path: str, frame: Array, *, moves: bool) -> str:
-    """A link at its place; the path of it."""
+    """Add a link with its frame; return its path."""
     link = UsdGeom.Xform.Define(stage, path)
     link.AddTranslateOp().Set(Gf.Vec3d(*frame[:3, 3].tolist()))
     link.AddOrientOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Quatd(*quaternion(frame[:3, :3]).tolist()))
@@ -26,7 +26,7 @@ def body(stage: Usd.Stage, path: str, frame: Array, *, moves: bool) -> str:
 def mesh_prim(
     stage: Usd.Stage, path: str, points: Array, faces: NDArray[np.int32], look: UsdShade.Material
 ) -> UsdGeom.Mesh:
-    """A mesh of triangles with smooth normals; points that are in none are left out."""
+    """Add a triangle mesh with smooth normals; unused points are omitted."""
     facets = smooth(np.asarray(points, np.float64), np.asarray(faces, np.int32), None)
     used, corners = np.unique(facets.faces, return_inverse=True)
     mesh = UsdGeom.Mesh.Define(stage, path)
@@ -42,12 +42,12 @@ def mesh_prim(
 
 
 def pad(stage: Usd.Stage, path: str, arm: Arm, look: UsdShade.Material) -> None:
-    """What touches of a finger: the pad at its end, out of sight."""
+    """Add the invisible pad at the end of a finger, its collision geometry."""
     box = UsdGeom.Cube.Define(stage, path)
     box.CreateSizeAttr(1.0)
     box.CreateExtentAttr([(-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)])
     box.AddTranslateOp().Set(Gf.Vec3d(0.0, arm.pad / 2, arm.reach - arm.finger))
-    box.AddScaleOp().Set(Gf.Vec3f(arm.width, arm.pad, min(PAD, arm.tip[1, 2])))
+    box.AddScaleOp().Set(Gf.Vec3f(arm.width, arm.pad, min(MAX_PAD_LENGTH, arm.tip[1, 2])))
     box.CreateVisibilityAttr(UsdGeom.Tokens.invisible)
     UsdPhysics.CollisionAPI.Apply(box.GetPrim())
     UsdShade.MaterialBindingAPI.Apply(box.GetPrim()).Bind(look)
@@ -56,7 +56,7 @@ def pad(stage: Usd.Stage, path: str, arm: Arm, look: UsdShade.Material) -> None:
 def material(
     stage: Usd.Stage, root: str, name: str, color: tuple[float, ...], friction: float | None = None
 ) -> UsdShade.Material:
-    """A material that is a colour, and rubs if it has a friction."""
+    """Return a material with a colour, and with friction if given."""
     path = Sdf.Path(f"{root}/Looks/{name}")
     if existing := UsdShade.Material.Get(stage, path):
         return existing
@@ -76,12 +76,12 @@ def material(
 
 
 def finger(arm: Arm, turn: float) -> Array:
-    """Where a finger slides, in the hand's frame."""
-    return shift(0.0, 0.0, arm.finger) @ about(2, turn)
+    """Return the frame in which a finger slides, in the hand's frame."""
+    return translation(0.0, 0.0, arm.finger) @ axis_rotation(2, turn)
 
 
 def articulate(stage: Usd.Stage, root: str, arm: Arm) -> None:
-    """The joints of an arm, by their names in it; the last hinge moves the hand."""
+    """Add the joints of an arm under their names; the last hinge moves the hand."""
     last = len(arm.frames)
     for i, name in enumerate(arm.joints[:last], 1):
         hinge = UsdPhysics.RevoluteJoint.Define(stage, f"{root}/{name}")
@@ -104,7 +104,7 @@ def join(
     low: float,
     high: float,
 ) -> None:
-    """What a joint holds, where and how far it goes."""
+    """Set the bodies, frames and limits of a joint."""
     joint.CreateBody0Rel().SetTargets([ends[0]])
     joint.CreateBody1Rel().SetTargets([ends[1]])
     for frame, place, turn in (
@@ -119,7 +119,7 @@ def join(
 
 
 def box(stage: Usd.Stage, path: str, corners: Array, look: UsdShade.Material) -> UsdGeom.Cube:
-    """A box between two corners (2, 3)."""
+    """Add a box between two corners (2, 3)."""
     made = UsdGeom.Cube.Define(stage, path)
     made.CreateSizeAttr(1.0)
     made.CreateExtentAttr([(-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)])

@@ -1,4 +1,4 @@
-"""What stands in the way of cars and walkers: the outlines of things on the ground, and how far they are."""
+"""Obstacles of cars and walkers: outlines of objects on the ground, and distances to them."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from wmspec.compile.layout.geometry import every_piece
+from wmspec.compile.layout.geometry import all_pieces
 from wmspec.compile.layout.motion import carriers
-from wmspec.compile.layout.solids import Piece, bounds, corners
-from wmspec.core.space import HERE, Pose, Vector
+from wmspec.compile.layout.solids import PlacedShape, bounds, corners
+from wmspec.core.space import IDENTITY, Pose, Vector
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.evaluator import Evaluator
 
 Point = tuple[float, float]
 
@@ -34,56 +34,56 @@ class Outline:
 
     @cached_property
     def radius(self) -> float:
-        """How far (m) it reaches from its middle."""
+        """Maximum distance (m) of a corner from the middle."""
         return max(math.dist(self.middle, corner) for corner in self.corners)
 
     def distance(self, point: Point) -> float:
-        """How far (m) a point is from it; 0 within."""
+        """Return the distance (m) of a point; 0 within the outline."""
         sides = list(zip(self.corners, (*self.corners[1:], self.corners[0]), strict=True))
         if all(_left(a, b, point) >= 0 for a, b in sides):
             return 0.0
         return min(_from_side(a, b, point) for a, b in sides)
 
     def meets(self, other: Outline) -> bool:
-        """Whether the two overlap: no side of either separates them."""
-        return not (_parted(self, other) or _parted(other, self))
+        """Whether two outlines overlap, by the separating axis test."""
+        return not (_is_separated(self, other) or _is_separated(other, self))
 
 
-def obstacles(values: Values, low: float, high: float) -> tuple[Outline, ...]:
-    """The outlines of all that is seen or touched between two heights (m) and is not carried, as it is at the start."""
+def obstacles(values: Evaluator, low: float, high: float) -> tuple[Outline, ...]:
+    """Return the initial outlines of all visible or touchable, uncarried objects between two heights (m)."""
     carried = carriers(values)
     names = (t.name for t in values.spec.things if t.kind == "object" and t.name not in carried)
-    kept = (name for name in names if values.there(name) and _is(values, name, ("drawn", "solid")))
+    kept = (name for name in names if values.is_present(name) and _has_any(values, name, ("drawn", "solid")))
     return tuple(outline for name in kept for outline in _outlines(values, name, low, high))
 
 
-def around(values: Values, name: str) -> tuple[Outline, ...]:
-    """The outlines of the parts of one object, however high."""
+def object_outlines(values: Evaluator, name: str) -> tuple[Outline, ...]:
+    """Return the outlines of the parts of one object, at any height."""
     return tuple(_outlines(values, name, -math.inf, math.inf))
 
 
-def _outlines(values: Values, name: str, low: float, high: float) -> list[Outline]:
-    """Those of the parts of an object that reach between two heights."""
+def _outlines(values: Evaluator, name: str, low: float, high: float) -> list[Outline]:
+    """Return the outlines of the parts of an object that reach between two heights."""
     outlines = []
-    for _, piece in every_piece(values, name):
+    for _, piece in all_pieces(values, name):
         box = _box(piece, values.pose(name))
         if min(z for *_, z in box) < high and max(z for *_, z in box) > low:
             outlines.append(Outline(name, hull([(x, y) for x, y, _ in box])))
     return outlines
 
 
-def _is(values: Values, name: str, properties: Sequence[str]) -> bool:
+def _has_any(values: Evaluator, name: str, properties: Sequence[str]) -> bool:
     return any(not values.has(name, p) or values.flag(name, p) for p in properties)
 
 
-def _box(piece: Piece, pose: Pose) -> list[Vector]:
-    """The corners in the world of the box around a piece of an object, along the piece's own axes."""
-    placed = pose.then(piece.pose)
-    return [placed.apply(corner) for corner in corners(bounds([Piece(piece.solid, HERE)], HERE))]
+def _box(piece: PlacedShape, pose: Pose) -> list[Vector]:
+    """Return the world corners of the box around a solid, along the solid's own axes."""
+    placed = pose.compose(piece.pose)
+    return [placed.apply(corner) for corner in corners(bounds([PlacedShape(piece.solid, IDENTITY)], IDENTITY))]
 
 
 def hull(points: Sequence[Point]) -> tuple[Point, ...]:
-    """The convex hull, anticlockwise (A. M. Andrew's monotone chain, Information Processing Letters 9, 1979)."""
+    """Return the convex hull, anticlockwise (A. M. Andrew's monotone chain, Information Processing Letters 9, 1979)."""
     ordered = sorted({(round(x, 9), round(y, 9)) for x, y in points})
     halves: list[Point] = []
     for way in (ordered, ordered[::-1]):
@@ -97,7 +97,7 @@ def hull(points: Sequence[Point]) -> tuple[Point, ...]:
 
 
 def _left(a: Point, b: Point, point: Point) -> float:
-    """How far to the left of the line from `a` to `b` a point is, times the length of that."""
+    """Return twice the signed area of the triangle `a`, `b`, `point`; positive on the left."""
     return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])
 
 
@@ -108,7 +108,7 @@ def _from_side(a: Point, b: Point, point: Point) -> float:
     return math.dist(point, (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])))
 
 
-def _parted(one: Outline, other: Outline) -> bool:
-    """Whether a side of one has all of the other to its right."""
+def _is_separated(one: Outline, other: Outline) -> bool:
+    """Whether a side of one outline has all of the other to its right."""
     sides = zip(one.corners, (*one.corners[1:], one.corners[0]), strict=True)
     return any(all(_left(a, b, corner) <= 0 for corner in other.corners) for a, b in sides)

@@ -1,6 +1,6 @@
-"""What arms do, planned before anything moves: the way of their joints, and what they hold when.
+"""Plans all arms before the episode: joint trajectories and holds.
 
-A plan goes by where things are at the start and by what has been done to them since; nothing is measured.
+A plan depends on initial poses and earlier actions of the arms only; no measurements.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from wmspec.compile.robots.arm import Arm
 from wmspec.compile.robots.base_pose import base
 from wmspec.compile.robots.collision import collision
 from wmspec.compile.robots.franka import PANDA
-from wmspec.compile.robots.manipuland import Goods
-from wmspec.compile.robots.planning import Blocked, Plan, Reach, State, Unable, matrix
-from wmspec.compile.robots.schedule import in_turn
-from wmspec.compile.robots.supported_objects import move
+from wmspec.compile.robots.manipuland import Manipuland
+from wmspec.compile.robots.planning import ArmState, PathBlockedError, Plan, PlanningError, Reach, matrix
+from wmspec.compile.robots.schedule import actions_in_order
+from wmspec.compile.robots.supported_objects import record_motion
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.lang.check.ir.ir import Thing
-from wmspec.lang.parse.files import located
+from wmspec.lang.check.ir.ir import Entity
+from wmspec.lang.parse.files import resolve_display_path
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.evaluator import Evaluator
 
 ARMS = ("panda", "arm")
-"""The models of robots that are arms."""
+"""Robot models that are arms."""
 
-_VERBS: dict[str, Callable[[Plan, Sequence[Thing], Goods], Goods]] = {
+_VERBS: dict[str, Callable[[Plan, Sequence[Entity], Manipuland], Manipuland]] = {
     "pick": grasps.pick,
     "grasp": grasps.grasp,
     "lift": grasps.lift,
@@ -43,51 +43,51 @@ _VERBS: dict[str, Callable[[Plan, Sequence[Thing], Goods], Goods]] = {
     "open": moves.open_,
     "close": moves.close,
 }
-"""Verb -> what plans it, given the actions that do it together, and the thing; returns the thing as it is then."""
+"""Planner of each verb, given its simultaneous actions and the object; returns the object afterwards."""
 
 
-def arm_of(values: Values, robot: str) -> Arm:
-    """The arm that a robot is. Raises WmsError with its place if its file has none."""
+def arm_of(values: Evaluator, robot: str) -> Arm:
+    """Return the arm of a robot. Raises WmsError with its location if its file has none."""
     if values.spec.thing(robot).model == "panda":
         return PANDA
-    from wmspec.compile.robots.arm_assets import arm_in
+    from wmspec.compile.robots.arm_assets import read_arm
 
     try:
-        return arm_in(located(values.text(robot, "model")))
+        return read_arm(resolve_display_path(values.text(robot, "model")))
     except ImpossibleValue as error:
-        raise error.at(values.place(robot, "model")) from None
+        raise error.at(values.source_location(robot, "model")) from None
 
 
-def plan(values: Values) -> dict[str, Reach]:
-    """The reaches of all arms, by the names of the actions.
+def plan(values: Evaluator) -> dict[str, Reach]:
+    """Return the motions of all arms, by the names of the actions.
 
-    Raises WmsError with its place for what an arm cannot do.
+    Raises WmsError with its location for infeasible actions.
     """
-    return values.once(("", "robots"), lambda: _plan(values))
+    return values.memoized(("", "robots"), lambda: _plan(values))
 
 
-def _plan(values: Values) -> dict[str, Reach]:
-    """The first plan that succeeds: a hand can take a thing in several ways."""
-    problems: list[Unable] = []
+def _plan(values: Evaluator) -> dict[str, Reach]:
+    """Return the first successful plan; a hand can grasp an object in several ways."""
+    problems: list[PlanningError] = []
     for choice in range(4):
         try:
-            return _tried(values, choice)
-        except Unable as unable:
+            return _attempt(values, choice)
+        except PlanningError as unable:
             problems.append(unable)
-    # that something is in the way tells more than that another hand's turn would be out of reach
-    told = min(problems, key=lambda unable: not isinstance(unable, Blocked))
-    action = told.action
-    raise ImpossibleValue(f"`{action.of}` cannot {action.verb} so: {told.reason}", action.place, told.help)
+    # a collision is a better explanation than an unreachable alternative grasp
+    problem = min(problems, key=lambda unable: not isinstance(unable, PathBlockedError))
+    action = problem.action
+    raise ImpossibleValue(f"`{action.of}` cannot {action.verb} so: {problem.reason}", action.place, problem.help)
 
 
-def _tried(values: Values, choice: int) -> dict[str, Reach]:
+def _attempt(values: Evaluator, choice: int) -> dict[str, Reach]:
     arms = {
-        t.name: State(arm := arm_of(values, t.name), matrix(base(values, t.name)), arm.rest, arm.opening)
+        t.name: ArmState(arm := arm_of(values, t.name), matrix(base(values, t.name)), arm.rest, arm.opening)
         for t in values.spec.things
         if t.kind == "robot" and t.model in ARMS
     }
     made = Plan(values, choice, arms)
-    acts = in_turn(values, ARMS)
+    acts = actions_in_order(values, ARMS)
     for _, together in groupby(
         acts, key=lambda a: (a.verb, made.number(a, "start"), values.reference(a.name, "object"))
     ):
@@ -96,8 +96,8 @@ def _tried(values: Values, choice: int) -> dict[str, Reach]:
         after = _VERBS[every[0].verb](made, every, thing)
         for action in every:
             if touched := collision(made, action, thing):
-                raise Blocked(action, *touched)
+                raise PathBlockedError(action, *touched)
         made.things[thing.name] = after
         if after.frame is not thing.frame:
-            move(made, every[0], after.frame @ np.linalg.inv(thing.frame))
+            record_motion(made, every[0], after.frame @ np.linalg.inv(thing.frame))
     return made.reaches

@@ -1,4 +1,4 @@
-"""When robots act: one thing at a time each."""
+"""Schedule of robots' actions: one at a time for each robot."""
 
 from __future__ import annotations
 
@@ -6,26 +6,26 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 
 if TYPE_CHECKING:
-    from wmspec.compile.layout.values import Values
+    from wmspec.compile.layout.evaluator import Evaluator
 
-OPENS = 0.4  # s: how long a hand takes to open
-
-
-def lasts(values: Values, action: Thing) -> float:
-    """How long (s) an action takes."""
-    return values.number(action.name, "duration") if "duration" in action.properties else OPENS
+HAND_OPENING_TIME = 0.4  # s
 
 
-def in_turn(values: Values, models: Sequence[str]) -> list[Thing]:
-    """What robots of these models do, in order of time.
+def action_duration(values: Evaluator, action: Entity) -> float:
+    """Return the duration (s) of an action."""
+    return values.number(action.name, "duration") if "duration" in action.properties else HAND_OPENING_TIME
 
-    Raises WmsError with its place if one begins while its robot is busy.
+
+def actions_in_order(values: Evaluator, models: Sequence[str]) -> list[Entity]:
+    """Return the actions of robots of these models in order of time.
+
+    Raises WmsError with its location if one begins while its robot is busy.
     """
     robots = {t.name for t in values.spec.things if t.kind == "robot" and t.model in models}
-    acts = [t for t in values.spec.things if t.kind == "action" and t.of in robots and values.there(t.name)]
+    acts = [t for t in values.spec.things if t.kind == "action" and t.of in robots and values.is_present(t.name)]
     acts.sort(key=lambda a: values.number(a.name, "start"))
     free: dict[str, float] = {}
     for action in acts:
@@ -33,5 +33,5 @@ def in_turn(values: Values, models: Sequence[str]) -> list[Thing]:
         if start < free.get(action.of, 0.0) - 1e-9:
             what = f"`{action.of}` is still busy when `{action.name}` starts"
             raise ImpossibleValue(what, action.place, f"let it start at {free[action.of]:g} s or later")
-        free[action.of] = start + lasts(values, action)
+        free[action.of] = start + action_duration(values, action)
     return acts

@@ -1,4 +1,4 @@
-"""The way of a walker to a thing: around all that stands there, and no nearer to it than it has to."""
+"""Path planning of walkers: around obstacles, to a goal object."""
 
 from __future__ import annotations
 
@@ -6,40 +6,42 @@ import math
 from collections.abc import Callable, Sequence
 from heapq import heappop, heappush
 
+from wmspec.compile.robots.ground_path import PathSegment, Pivot, Pose2D, Straight
 from wmspec.compile.robots.obstacles import Outline, Point
-from wmspec.compile.robots.ways import Leg, Pivot, Spot, Straight
 
-CELL = 0.1  # m: how fine a way is looked for
-WITHIN = 0.35  # m: so near before a thing a walker has come to it
-MOST_CELLS = 60_000
+CELL = 0.1  # m: of the grid
+ARRIVAL_DISTANCE = 0.35  # m: of a walker from its goal
+MAX_CELLS = 60_000
 _AROUND = tuple((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j)
 
 
-def legs_to(spot: Spot, goal: Sequence[Outline], standing: Sequence[Outline], keeps: float) -> list[Leg] | None:
-    """The legs of a way that `keeps` so far (m) from all that stands there and comes near the goal, and faces it.
+def path_to(
+    spot: Pose2D, goal: Sequence[Outline], standing: Sequence[Outline], keeps: float
+) -> list[PathSegment] | None:
+    """Return a path that stays `keeps` (m) clear of obstacles, comes near the goal and faces it.
 
-    None if no way leads there.
+    None if there is no such path.
     """
-    cells = _cells(spot, goal, standing, keeps)
+    cells = _grid_path(spot, goal, standing, keeps)
     if cells is None:
         return None
-    legs, here = list[Leg](), spot
-    for corner in _pulled(cells, standing, keeps):
-        legs += [Pivot(here, _towards(here, corner)), Straight(here, 0.0)]
+    legs, here = list[PathSegment](), spot
+    for corner in _shortcut(cells, standing, keeps):
+        legs += [Pivot(here, _turn_to(here, corner)), Straight(here, 0.0)]
         here = legs[-2].at(legs[-2].length)
         legs[-1] = Straight(here, math.dist((here.x, here.y), corner))
         here = legs[-1].at(legs[-1].length)
     nearest = min(goal, key=lambda outline: outline.distance((here.x, here.y)))
-    return [*legs, Pivot(here, _towards(here, nearest.middle))]
+    return [*legs, Pivot(here, _turn_to(here, nearest.middle))]
 
 
-def _towards(here: Spot, point: Point) -> float:
-    """By how much (rad) somebody turns to a point."""
+def _turn_to(here: Pose2D, point: Point) -> float:
+    """Return the turn (rad) from a pose towards a point."""
     return math.remainder(math.atan2(point[1] - here.y, point[0] - here.x) - here.heading, math.tau)
 
 
-def _cells(spot: Spot, goal: Sequence[Outline], standing: Sequence[Outline], keeps: float) -> list[Point] | None:
-    """The points of a shortest way on a grid (P. Hart, N. Nilsson and B. Raphael's A*, 1968)."""
+def _grid_path(spot: Pose2D, goal: Sequence[Outline], standing: Sequence[Outline], keeps: float) -> list[Point] | None:
+    """Return a shortest path on a grid (P. Hart, N. Nilsson and B. Raphael's A*, 1968)."""
     blocked = _blocked(standing, keeps)
     middle = math.fsum(o.middle[0] for o in goal) / len(goal), math.fsum(o.middle[1] for o in goal) / len(goal)
     reach = max(math.dist(o.middle, middle) + o.radius for o in goal)
@@ -52,14 +54,16 @@ def _cells(spot: Spot, goal: Sequence[Outline], standing: Sequence[Outline], kee
 
     def there(cell: tuple[int, int]) -> bool:
         return (
-            left(cell) <= near and min(o.distance(at(cell)) for o in goal) <= near and _seen(at(cell), goal, standing)
+            left(cell) <= near
+            and min(o.distance(at(cell)) for o in goal) <= near
+            and _is_in_sight(at(cell), goal, standing)
         )
 
-    near = keeps + WITHIN
+    near = keeps + ARRIVAL_DISTANCE
     known: dict[tuple[int, int], tuple[float, tuple[int, int] | None]] = {(0, 0): (0.0, None)}
     waiting = [(left((0, 0)), (0, 0))]
     done = set[tuple[int, int]]()
-    while waiting and len(done) < MOST_CELLS:
+    while waiting and len(done) < MAX_CELLS:
         _, cell = heappop(waiting)
         if cell in done:
             continue
@@ -81,7 +85,7 @@ def _cells(spot: Spot, goal: Sequence[Outline], standing: Sequence[Outline], kee
 
 
 def _blocked(standing: Sequence[Outline], keeps: float) -> Callable[[Point], bool]:
-    """Whether a point is nearer than that (m) to anything, of which only what is near is looked at."""
+    """Return a predicate for points closer than `keeps` (m) to an obstacle; only nearby obstacles are tested."""
     around: dict[tuple[int, int], list[Outline]] = {}
 
     def blocked(point: Point) -> bool:
@@ -94,18 +98,18 @@ def _blocked(standing: Sequence[Outline], keeps: float) -> Callable[[Point], boo
     return blocked
 
 
-def _pulled(way: Sequence[Point], standing: Sequence[Outline], keeps: float) -> list[Point]:
-    """The corners of the way, pulled straight: from each on to the last that is straight ahead."""
+def _shortcut(way: Sequence[Point], standing: Sequence[Outline], keeps: float) -> list[Point]:
+    """Return the corners of the path after removing points that a straight line can skip."""
     corners, i = list[Point](), 0
     while i < len(way) - 1:
-        ahead = (k for k in range(len(way) - 1, i + 1, -1) if _clear(way[i], way[k], standing, keeps - CELL / 10))
+        ahead = (k for k in range(len(way) - 1, i + 1, -1) if _is_clear(way[i], way[k], standing, keeps - CELL / 10))
         i = next(ahead, i + 1)
         corners.append(way[i])
     return corners
 
 
-def _clear(a: Point, b: Point, standing: Sequence[Outline], keeps: float) -> bool:
-    """Whether all between two points keeps so far (m) from everything: it is looked at as far on as nothing can be."""
+def _is_clear(a: Point, b: Point, standing: Sequence[Outline], keeps: float) -> bool:
+    """Whether a line stays clear of obstacles; each step is as long as the clearance permits."""
     length, far = math.dist(a, b), 0.0
     middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
     near = [o for o in standing if math.dist(o.middle, middle) < o.radius + length / 2 + keeps]
@@ -119,8 +123,8 @@ def _clear(a: Point, b: Point, standing: Sequence[Outline], keeps: float) -> boo
     return True
 
 
-def _seen(point: Point, goal: Sequence[Outline], standing: Sequence[Outline]) -> bool:
-    """Whether nothing else stands between a point and the goal."""
+def _is_in_sight(point: Point, goal: Sequence[Outline], standing: Sequence[Outline]) -> bool:
+    """Whether no obstacle is between a point and the goal."""
     name = goal[0].name
     nearest = min(goal, key=lambda outline: outline.distance(point))
     steps = max(1, math.ceil(math.dist(point, nearest.middle) / (CELL / 2)))

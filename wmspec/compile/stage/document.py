@@ -1,6 +1,6 @@
-"""A stage as plain values: prims, their attributes, and which property of the spec each of them comes from.
+"""A stage as plain values: prims, attributes, and the spec properties that determine each of them.
 
-Two documents can be compared and written without opening a stage, and the law of one factor can be read off them.
+Documents can be compared and written without opening a stage, and the one-factor law can be checked on them.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from functools import cached_property
 from hashlib import blake2b
 from typing import Any, NamedTuple
 
-from wmspec.core.canonical import dumped
+from wmspec.core.canonical import dumps
 
 
 class Attribute(NamedTuple):
-    """A value with its USD type, or the `connection` to another attribute that it is taken from.
+    """A value with its USD type, or a `connection` to another attribute.
 
-    `sources` are the `owner.property`s of the spec that decide it. `varies` is the interpolation of a primvar.
+    `sources` are the `owner.property`s of the spec that determine it. `varies` is the interpolation of a primvar.
     """
 
     type: str
@@ -37,9 +37,9 @@ class Relation(NamedTuple):
 
 @dataclass
 class Prim:
-    """A prim under construction: its type, its applied schemas and its properties in the order of writing.
+    """A prim under construction: type, applied schemas, and properties in the order of writing.
 
-    `reference` is the file that it is made of, if any.
+    `reference` is the referenced file, if any.
     """
 
     type: str
@@ -51,41 +51,41 @@ class Prim:
 
     @cached_property
     def digest(self) -> bytes:
-        """A hash (16 bytes) of what it says: the same for the same. Once asked for, the prim is finished.
+        """Return a hash (16 bytes) of its content. The prim must not change afterwards.
 
-        Raises ValueError for a value that is no number, text or list of them.
+        Raises ValueError for a value that is not a number, a text or a list of these.
         """
         return blake2b(self.content, digest_size=16).digest()
 
     @cached_property
     def targets(self) -> tuple[str, ...]:
-        """The paths of the prims that it points to. Once asked for, the prim is finished."""
+        """Return the paths of the prims that it refers to. The prim must not change afterwards."""
         related = (path for relation in self.relations.values() for path in relation.targets)
         plugs = (a.connection.partition(".")[0] for a in self.attributes.values() if a.connection)
         return (*related, *plugs)
 
     @property
     def content(self) -> bytes:
-        """What it says, without whence that comes: the same bytes for the same.
+        """Return its content without sources, as canonical bytes.
 
-        Raises ValueError for a value that is no number, text or list of them.
+        Raises ValueError for a value that is not a number, a text or a list of these.
         """
         attributes = [(n, a.type, a.value, a.uniform, a.connection, a.varies) for n, a in self.attributes.items()]
         relations = [(name, relation.targets) for name, relation in self.relations.items()]
-        return dumped((self.type, self.schemas, self.reference, attributes, relations))
+        return dumps((self.type, self.schemas, self.reference, attributes, relations))
 
     def set(self, name: str, type: str, value: Any, *sources: str, uniform: bool = False, varies: str = "") -> Prim:
-        """Give the prim an attribute; returns the prim."""
+        """Add an attribute; returns the prim."""
         self.attributes[name] = Attribute(type, value, frozenset(sources), uniform, varies=varies)
         return self
 
     def connect(self, name: str, type: str, target: str, *sources: str) -> Prim:
-        """Give the prim an attribute that is taken from another, at the path `target`; returns the prim."""
+        """Add an attribute connected to another at the path `target`; returns the prim."""
         self.attributes[name] = Attribute(type, None, frozenset(sources), connection=target)
         return self
 
     def relate(self, name: str, target: str | tuple[str, ...], *sources: str) -> Prim:
-        """Give the prim a relationship to one or several others; returns the prim."""
+        """Add a relationship to one or several prims; returns the prim."""
         targets = (target,) if isinstance(target, str) else target
         self.relations[name] = Relation(targets, frozenset(sources))
         return self
@@ -98,13 +98,15 @@ class Document:
     prims: dict[str, Prim]
 
     def add(self, path: str, type: str, schemas: Iterable[str] = (), sources: Iterable[str] = ()) -> Prim:
-        """Add a prim under its parent, which must be there."""
+        """Add a prim below its parent, which must exist."""
         prim = Prim(type, tuple(schemas), sources=frozenset(sources))
         self.prims[path] = prim
         return prim
 
     def differing(self, other: Document) -> dict[str, frozenset[str]]:
-        """What differs: property paths (prim paths for a type or a whole prim), with the sources of both sides."""
+        """Return the paths of properties (of prims, for types or whole prims) that differ, with the sources of both
+        sides.
+        """
         sources: dict[str, frozenset[str]] = {}
         for path in self.prims.keys() | other.prims.keys():
             a, b = self.prims.get(path), other.prims.get(path)

@@ -1,4 +1,4 @@
-"""The stage of one episode: every object, joint, camera, light and action of the spec as standard prims."""
+"""The stage of one episode: all objects, joints, cameras, lights and actions of the spec as prims."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from wmspec.compile.design.design import Instance
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.motion import carrier_sources, carriers
-from wmspec.compile.layout.values import Values
 from wmspec.compile.stage.actions import add_action
 from wmspec.compile.stage.cameras import add_camera, add_light, camera_path
 from wmspec.compile.stage.document import Document
-from wmspec.compile.stage.joints import add_joint, no_loops
+from wmspec.compile.stage.joints import add_joint, require_no_loops
 from wmspec.compile.stage.object_cache import ObjectCache
 from wmspec.compile.stage.objects import add_object
 from wmspec.core.diagnostics import ImpossibleValue, Note, Report, WmsError
@@ -19,22 +19,21 @@ from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Counterfactual, TaskSpec
 from wmspec.sim.usd.version import FORMAT_VERSION
 
-RATE = 240
+SAMPLE_RATE = 240
 
 
 def document(spec: TaskSpec, instance: Instance, change: Counterfactual | None = None) -> Document:
-    """The stage of an instance, or of what it would be under a counterfactual.
+    """Return the stage of an instance, with a counterfactual if given.
 
-    Raises WmsError with its place if a property has an impossible value, or something cannot be executed, with all that
-    is wrong.
+    Raises WmsError with all errors and their locations, for impossible values and infeasible actions.
     """
-    return built(Values(spec, instance.values, change, instance.key))
+    return build_document(Evaluator(spec, instance.values, change, instance.key))
 
 
-def built(values: Values, objects: ObjectCache | None = None) -> Document:
-    """The same from the values of an instance, with `objects` that were made before."""
+def build_document(values: Evaluator, objects: ObjectCache | None = None) -> Document:
+    """Return the stage for the values of an instance, reusing prims of cached `objects`."""
     try:
-        return _built(values, objects.add if objects else add_object)
+        return _build(values, objects.add if objects else add_object)
     except WmsError as error:
         if values.change is None:
             raise
@@ -42,7 +41,7 @@ def built(values: Values, objects: ObjectCache | None = None) -> Document:
         raise error.of(replace(d, notes=(*d.notes, note)) for d in error.diagnostics) from None
 
 
-def _built(values: Values, make: Callable[[Document, str, Values, frozenset[str], bool], None]) -> Document:
+def _build(values: Evaluator, make: Callable[[Document, str, Evaluator, frozenset[str], bool], None]) -> Document:
     spec = values.spec
     doc = Document({})
     doc.add("/World", "Xform")
@@ -52,11 +51,11 @@ def _built(values: Values, make: Callable[[Document, str, Values, frozenset[str]
     carried, deciding = carriers(values), carrier_sources(spec)
     report = Report()
     for thing in (thing for thing in spec.things if thing.kind == "object"):
-        with report.gathered():
-            if values.there(thing.name):
+        with report.collect_errors():
+            if values.is_present(thing.name):
                 make(doc, thing.name, values, deciding, thing.name in carried)
     for thing in (thing for thing in spec.things if thing.kind in ("joint", "camera", "light", "robot")):
-        with report.gathered():
+        with report.collect_errors():
             match thing.kind:
                 case "joint":
                     add_joint(doc, thing, values, carried)
@@ -68,19 +67,19 @@ def _built(values: Values, make: Callable[[Document, str, Values, frozenset[str]
                     from wmspec.compile.stage import robots
 
                     robots.add_robot(doc, thing, values)
-    with report.gathered():
-        no_loops(values)
-    with report.gathered():
+    with report.collect_errors():
+        require_no_loops(values)
+    with report.collect_errors():
         _episode(doc, spec, values)
     _actions(doc, values, carried, report)
     report.stop_if_failed()
     return doc
 
 
-def _actions(doc: Document, values: Values, carried: dict[str, str], report: Report) -> None:
+def _actions(doc: Document, values: Evaluator, carried: dict[str, str], report: Report) -> None:
     for thing in (thing for thing in values.spec.things if thing.kind == "action"):
-        with report.gathered():
-            if values.there(thing.name):
+        with report.collect_errors():
+            if values.is_present(thing.name):
                 if thing.of:
                     from wmspec.compile.stage import robots
 
@@ -89,30 +88,30 @@ def _actions(doc: Document, values: Values, carried: dict[str, str], report: Rep
                     add_action(doc, thing, values, carried)
 
 
-def _physics(doc: Document, values: Values) -> None:
+def _physics(doc: Document, values: Evaluator) -> None:
     prim = doc.add("/World/physics", "PhysicsScene")
     prim.set("physics:gravityDirection", "vector3f", (0.0, 0.0, -1.0))
     prim.set("physics:gravityMagnitude", "float", values.gravity, "world.gravity")
 
 
-def _episode(doc: Document, spec: TaskSpec, values: Values) -> None:
+def _episode(doc: Document, spec: TaskSpec, values: Evaluator) -> None:
     episode = doc.add("/World/Episode", "WmsEpisode")
     episode.set("wms:formatVersion", "int", FORMAT_VERSION, uniform=True)
     episode.set("wms:task", "string", spec.name, uniform=True)
     episode.set("wms:duration", "double", values.end, "end", uniform=True)
-    episode.set("wms:rate", "int", RATE, uniform=True)
+    episode.set("wms:rate", "int", SAMPLE_RATE, uniform=True)
     doc.add("/World/Episode/Actions", "Scope")
     doc.add("/World/Episode/Observations", "Scope")
-    for observation, times in observed(spec, values):
+    for observation, times in observation_times(spec, values):
         prim = doc.add(f"/World/Episode/Observations/{observation}", "WmsObservation")
         prim.relate("wms:camera", camera_path(observation, values), f"{observation}.ride")
         prim.set("wms:times", "double[]", times, f"observe.{observation}", uniform=True)
 
 
-def observed(spec: TaskSpec, values: Values) -> list[tuple[str, tuple[float, ...]]]:
-    """The cameras that look, and all the times (s) at which each does, in order.
+def observation_times(spec: TaskSpec, values: Evaluator) -> list[tuple[str, tuple[float, ...]]]:
+    """Return the observed cameras, each with its times (s) in order.
 
-    Raises WmsError if one is outside the episode.
+    Raises WmsError if a time is outside the episode.
     """
     end = values.end
     seen: dict[str, set[float]] = {}

@@ -1,4 +1,4 @@
-"""Joints as prims of UsdPhysics, which counts angles in degrees."""
+"""Joints as UsdPhysics prims; UsdPhysics measures angles in degrees."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import math
 from collections.abc import Mapping
 
 from wmspec.compile.layout import assets, placement
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.compile.stage.objects import object_path
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.space import HERE, LEVEL, Pose, Quaternion, facing, inverse, multiply, rotate, times, unit
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.core.space import IDENTITY, IDENTITY_QUAT, Pose, Quaternion, align_x, inverse, multiply, rotate, scale, unit
+from wmspec.lang.check.ir.ir import Entity
 
 _TYPES = {
     "hinge": "PhysicsRevoluteJoint",
@@ -19,31 +19,31 @@ _TYPES = {
     "ball": "PhysicsSphericalJoint",
     "fixed": "PhysicsFixedJoint",
 }
-#: Kinds with one coordinate: the drive's token, and how many of USD's units are one of ours.
+#: Kinds with one coordinate: the drive's token, and USD units per SI unit.
 _COORDINATES = {"hinge": ("angular", 180 / math.pi), "slider": ("linear", 1.0)}
 
 
 def joint_path(name: str) -> str:
-    """Where the prim of a joint is."""
+    """Return the path of a joint's prim."""
     return f"/World/Joints/{name}"
 
 
-def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str, str]) -> None:
-    """The prim of a joint whose objects are there. Raises WmsError with its place if it makes no sense.
+def add_joint(doc: Document, joint: Entity, values: Evaluator, carried: Mapping[str, str]) -> None:
+    """Add the prim of a joint whose objects are present. Raises WmsError with its location if it is invalid.
 
-    `carried` are the objects that actions carry about, each with one of these.
+    `carried` maps each carried object to an action that carries it.
     """
     name = joint.name
     of, to = values.reference(name, "of"), values.reference(name, "to") if values.has(name, "to") else None
     sources = (f"{name}.present", f"{name}.of", f"{name}.to", f"{of}.present", *((f"{to}.present",) if to else ()))
-    if not all(map(values.there, (name, of, to) if to else (name, of))):
+    if not all(map(values.is_present, (name, of, to) if to else (name, of))):
         return
     if values.flag(of, "fixed"):
         raise ImpossibleValue(
-            f"`{of}` is fixed, so no joint can move it", values.place(name, "of"), "exchange `of` and `to`"
+            f"`{of}` is fixed, so no joint can move it", values.source_location(name, "of"), "exchange `of` and `to`"
         )
     if of == to:
-        raise ImpossibleValue(f"the joint `{name}` joins `{of}` to itself", values.place(name, "to"))
+        raise ImpossibleValue(f"the joint `{name}` joins `{of}` to itself", values.source_location(name, "to"))
     for end in (of, to):
         if end and end in carried:
             raise ImpossibleValue(
@@ -53,31 +53,31 @@ def add_joint(doc: Document, joint: Thing, values: Values, carried: Mapping[str,
             )
     if "/World/Joints" not in doc.prims:
         doc.add("/World/Joints", "Scope", (), sources)
-    driven = _driven(joint, values)
+    driven = _is_driven(joint, values)
     schemas = (f"PhysicsDriveAPI:{_COORDINATES[joint.model][0]}",) if driven else ()
     prim = doc.add(joint_path(name), _TYPES[joint.model], schemas, (*sources, *_drive_sources(name)))
     frame = Pose(values.vector(name, "at"), _frame(joint, values))
     for number, body in enumerate((to, of)):
-        _side(prim, number, joint, body, frame, values)
+        _set_body(prim, number, joint, body, frame, values)
     if values.has(name, "touching") and values.flag(name, "touching"):
         prim.set("physics:collisionEnabled", "bool", True, f"{name}.touching")
     if joint.model in _COORDINATES:
         _coordinate(prim, joint, values, driven)
 
 
-def no_loops(values: Values) -> None:
-    """Raise WmsError with its place for a joint between what others join already: engines solve trees."""
+def require_no_loops(values: Evaluator) -> None:
+    """Raise WmsError with its location for a joint that closes a loop: engines solve trees."""
     groups: dict[str, set[str]] = {}
     for joint in values.spec.things:
-        if joint.kind != "joint" or not values.there(joint.name):
+        if joint.kind != "joint" or not values.is_present(joint.name):
             continue
         ends = values.ends(joint.name)
-        if not all(map(values.there, ends)):
+        if not all(map(values.is_present, ends)):
             continue
         of, to = (*("" if values.flag(end, "fixed") else end for end in ends), "")[:2]  # "" is the world
         first, second = groups.setdefault(of, {of}), groups.setdefault(to, {to})
         if of in ("", to):
-            continue  # which is told of the joint itself
+            continue  # reported for the joint itself
         if first is second:
             tied = f"joins `{of}` and `{to}`" if of and to else f"holds `{of or to}` to the world"
             raise ImpossibleValue(
@@ -89,20 +89,20 @@ def no_loops(values: Values) -> None:
         groups.update(dict.fromkeys(second, first))
 
 
-def joined(values: Values, owner: str) -> bool:
+def has_joint(values: Evaluator, owner: str) -> bool:
     """Whether a joint holds an object."""
-    joints = (j.name for j in values.spec.things if j.kind == "joint" and values.there(j.name))
+    joints = (j.name for j in values.spec.things if j.kind == "joint" and values.is_present(j.name))
     ends = ((name, end) for name in joints for end in ("of", "to"))
     return any(values.reference(name, end) == owner for name, end in ends if values.has(name, end))
 
 
-def has_drive(joint: Thing, values: Values) -> bool:
+def has_drive(joint: Entity, values: Evaluator) -> bool:
     """Whether a joint has a drive, whose target an action can change."""
-    return _driven(joint, values)
+    return _is_driven(joint, values)
 
 
-def _side(prim: Prim, number: int, joint: Thing, body: str | None, frame: Pose, values: Values) -> None:
-    """One of the two bodies, and the joint's frame as seen from there; the world if there is none."""
+def _set_body(prim: Prim, number: int, joint: Entity, body: str | None, frame: Pose, values: Evaluator) -> None:
+    """Set one of the two bodies (or the world), and the joint's frame relative to it."""
     name = joint.name
     here = _place(joint, body, values)
     near = body or joint.of
@@ -111,50 +111,52 @@ def _side(prim: Prim, number: int, joint: Thing, body: str | None, frame: Pose, 
     if body:
         prim.relate(f"physics:body{number}", object_path(body), ends[1 - number])
     turn = multiply(inverse(here.orientation), frame.orientation)
-    prim.set(f"physics:localPos{number}", "point3f", here.seen(frame.position), *sources, *ends)
+    prim.set(f"physics:localPos{number}", "point3f", here.inverse_apply(frame.position), *sources, *ends)
     prim.set(f"physics:localRot{number}", "quatf", turn, *sources, *ends)
 
 
-def _place(joint: Thing, body: str | None, values: Values) -> Pose:
-    """Where a body is in the space in which the joint is: the world, or the frame of an asset with all joints at 0."""
+def _place(joint: Entity, body: str | None, values: Evaluator) -> Pose:
+    """Return the pose of a body in the joint's space: the world, or the asset's frame with all joints at 0."""
     if not joint.of:
-        return values.pose(body) if body else HERE
+        return values.pose(body) if body else IDENTITY
     if body:
-        return assets.at_zero(values, body)
+        return assets.zero_pose(values, body)
     frame = placement.frame(values, joint.of)
-    return Pose(rotate(inverse(frame.orientation), times(-1.0, frame.position)), inverse(frame.orientation))
+    return Pose(rotate(inverse(frame.orientation), scale(-1.0, frame.position)), inverse(frame.orientation))
 
 
-def _frame(joint: Thing, values: Values) -> Quaternion:
-    """Its x axis is that of the joint."""
+def _frame(joint: Entity, values: Evaluator) -> Quaternion:
+    """Return the rotation of the joint's frame, whose x axis is the joint's axis."""
     if joint.model not in _COORDINATES:
-        return LEVEL
+        return IDENTITY_QUAT
     axis = values.vector(joint.name, "axis")
     if math.hypot(*axis) < 1e-9:
-        raise ImpossibleValue(f"the joint `{joint.name}` has no axis; it is 0 here", values.place(joint.name, "axis"))
-    return facing(unit(axis))
+        raise ImpossibleValue(
+            f"the joint `{joint.name}` has no axis; it is 0 here", values.source_location(joint.name, "axis")
+        )
+    return align_x(unit(axis))
 
 
-def _driven(joint: Thing, values: Values) -> bool:
-    """Whether it has a drive. A drive that is damped alone slows the joint down."""
+def _is_driven(joint: Entity, values: Evaluator) -> bool:
+    """Whether it has a drive. A drive with damping only brakes the joint."""
     if joint.model not in _COORDINATES:
         return False
     stiffness, damping = (values.number(joint.name, name) for name in ("stiffness", "damping"))
     if values.has(joint.name, "target") and stiffness == 0:
-        place = values.place(joint.name, "target")
+        place = values.source_location(joint.name, "target")
         raise ImpossibleValue(f"nothing takes `{joint.name}` to its target, as its stiffness is 0", place)
     return stiffness > 0 or damping > 0
 
 
-def _coordinate(prim: Prim, joint: Thing, values: Values, driven: bool) -> None:
+def _coordinate(prim: Prim, joint: Entity, values: Evaluator, driven: bool) -> None:
     name, (kind, scale) = joint.name, _COORDINATES[joint.model]
     prim.set("physics:axis", "token", "X", uniform=True)
     limits = {p: values.number(name, p) for p in ("low", "high") if values.has(name, p)}
     if limits.get("low", -math.inf) > limits.get("high", math.inf):
-        raise ImpossibleValue(f"`low` of `{name}` is above its `high`", values.place(name, "low"))
-    if not joint.of:  # a joint of an asset may start elsewhere, which is looked at there
+        raise ImpossibleValue(f"`low` of `{name}` is above its `high`", values.source_location(name, "low"))
+    if not joint.of:  # joints of assets may start elsewhere; `assets` checks them
         help = "limits are counted from how its objects are placed, so 0 is between them"
-        assets.within_limits(values, joint, 0.0, help)
+        assets.require_within_limits(values, joint, 0.0, help)
     for side, attribute in (("low", "lowerLimit"), ("high", "upperLimit")):
         if side in limits:
             prim.set(f"physics:{attribute}", "float", limits[side] * scale, f"{name}.{side}")

@@ -1,4 +1,4 @@
-"""Documents as USD layers: a base layer per task, an override layer per instance, composed into a stage."""
+"""Documents as USD layers: a base layer per task and an override layer per instance, composed into a stage."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _VALUES: dict[str, Callable[[Any], Any]] = {
 
 
 def base_layer(document: Document, doc: str = "", *, sources: bool = True) -> Sdf.Layer:
-    """The whole document as an anonymous layer in metres, kilograms and Z up; with the `sources` of what it says."""
+    """Return the whole document as an anonymous layer in metres, kilograms and Z up, optionally with `sources`."""
     layer = _layer(doc)
     with Sdf.ChangeBlock():
         for path, prim in document.prims.items():
@@ -54,7 +54,7 @@ def base_layer(document: Document, doc: str = "", *, sources: bool = True) -> Sd
 
 
 def override_layer(base: Document, document: Document, base_path: str, doc: str = "") -> Sdf.Layer:
-    """What turns the base into the document, over a sublayer at `base_path`: the factor change, and nothing else."""
+    """Return the changes from the base to the document, over a sublayer at `base_path`."""
     layer = _layer(doc)
     layer.subLayerPaths.append(base_path)
     with Sdf.ChangeBlock():
@@ -71,7 +71,7 @@ def override_layer(base: Document, document: Document, base_path: str, doc: str 
 
 
 def _order(layer: Sdf.Layer, base: Document, document: Document) -> None:
-    """Put children that the base has not where the document has them; else they would come last."""
+    """Set the order of children that the base lacks; otherwise they would come last."""
     before, after = _children(base), _children(document)
     for parent in before.keys() & after.keys():
         kept = [name for name in before[parent] if name in after[parent]]
@@ -88,12 +88,12 @@ def _children(document: Document) -> dict[str, list[str]]:
 
 
 def compose(document: Document, *, sources: bool = True) -> Usd.Stage:
-    """A stage of the whole document, in memory; who only reads a scene from it needs no `sources`."""
+    """Return an in-memory stage of the whole document; `sources` are optional for readers of scenes."""
     return Usd.Stage.Open(base_layer(document, sources=sources))
 
 
-def bare(stage: Usd.Stage, paths: Iterable[str]) -> Usd.Stage:
-    """The stage without the geometries below some prims; returns the stage."""
+def without_geometry(stage: Usd.Stage, paths: Iterable[str]) -> Usd.Stage:
+    """Remove the geometry below some prims of a stage; returns the stage."""
     for path in paths:
         every = Usd.PrimRange(stage.GetPrimAtPath(path)) if stage.GetPrimAtPath(path) else ()
         for prim in [prim for prim in every if prim.IsA(UsdGeom.Gprim)]:
@@ -146,7 +146,7 @@ def _override(layer: Sdf.Layer, path: str, before: Prim, after: Prim) -> None:
     if reapplied:
         _apply(spec, after.schemas)
     for name, attribute in attributes.items():
-        _attribute(spec, name, *_over(before.attributes.get(name), attribute))
+        _attribute(spec, name, *_as_override(before.attributes.get(name), attribute))
     for name in sorted(lost):
         gone = before.attributes[name]
         _attribute(spec, name, gone._replace(value=Sdf.ValueBlock(), connection=""), bool(gone.connection))
@@ -160,15 +160,15 @@ def _override(layer: Sdf.Layer, path: str, before: Prim, after: Prim) -> None:
 
 @cache
 def _fallback(type: str, schemas: tuple[str, ...], name: str) -> Any:
-    """What an attribute of such a prim is where nobody says it, if its schemas know; a block would hide that, too."""
+    """Return the schema's fallback of an attribute, if any; a value block would hide it."""
     registry = Usd.SchemaRegistry()
     known = registry.FindConcretePrimDefinition(type)
     whole = registry.BuildComposedPrimDefinition(type, list(schemas)) if known and schemas else known
     return whole.GetAttributeFallbackValue(name) if whole else None
 
 
-def _over(before: Attribute | None, after: Attribute) -> tuple[Attribute, bool]:
-    """The attribute as an override, and whether it ends a connection. One that begins hides the value."""
+def _as_override(before: Attribute | None, after: Attribute) -> tuple[Attribute, bool]:
+    """Return the attribute as an override, and whether it ends a connection. A new connection hides the value."""
     if before is None or bool(before.connection) == bool(after.connection):
         return after, False
     return (after._replace(value=Sdf.ValueBlock()), False) if after.connection else (after, True)

@@ -1,19 +1,19 @@
-"""Materials: how an object looks and how it rubs in one, since some importers know a single binding only."""
+"""Materials: appearance and friction in one prim, since some importers read a single binding only."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.lang.check.tables.colors import linear, rgb
-from wmspec.lang.parse.files import located
+from wmspec.lang.parse.files import resolve_display_path
 from wmspec.sim.materials import MATERIALS
 
 
-def add_material(doc: Document, part: str, owner: str, values: Values) -> str:
-    """The material of an object, or of one part of it; returns its path."""
+def add_material(doc: Document, part: str, owner: str, values: Evaluator) -> str:
+    """Add the material of an object or of one of its parts; returns its path."""
     path = f"/World/Materials/{part.replace('.', '/')}"
     there = (f"{owner}.present", f"{owner}.form")
     if part != owner and f"/World/Materials/{owner}" not in doc.prims:
@@ -33,8 +33,8 @@ def add_material(doc: Document, part: str, owner: str, values: Values) -> str:
     return path
 
 
-def plain(doc: Document, path: str, shade: tuple[float, float, float], *sources: str) -> str:
-    """A material of one colour (sRGB) and no pattern, for what nothing touches; returns its path."""
+def plain_material(doc: Document, path: str, shade: tuple[float, float, float], *sources: str) -> str:
+    """Add an untextured material of one colour (sRGB) without friction; returns its path."""
     material = doc.add(path, "Material")
     material.connect("outputs:surface", "token", f"{path}/surface.outputs:surface")
     surface = doc.add(f"{path}/surface", "Shader")
@@ -47,8 +47,8 @@ def plain(doc: Document, path: str, shade: tuple[float, float, float], *sources:
     return path
 
 
-def _color(doc: Document, surface: Prim, path: str, part: str, values: Values, there: tuple[str, ...]) -> None:
-    """The colour itself, or an image that it tints."""
+def _color(doc: Document, surface: Prim, path: str, part: str, values: Evaluator, there: tuple[str, ...]) -> None:
+    """Set the colour, or an image that it tints."""
     red, green, blue = (linear(c) for c in rgb(values.text(part, "color")))
     image, repeats = _image(part, values)
     patterned = (f"{part}.material", f"{part}.image", *((f"{part}.repeats",) if values.has(part, "repeats") else ()))
@@ -79,12 +79,12 @@ def _color(doc: Document, surface: Prim, path: str, part: str, values: Values, t
     texture.set("outputs:rgb", "float3", None)
 
 
-def _image(part: str, values: Values) -> tuple[Path | None, tuple[float, float] | None]:
-    """The image on a surface, and how often it is repeated on a metre; None for one that is laid out once."""
+def _image(part: str, values: Evaluator) -> tuple[Path | None, tuple[float, float] | None]:
+    """Return the image on a surface and its repetitions per metre; None repetitions if it is laid out once."""
     if values.has(part, "image"):
-        path = located(values.text(part, "image"))
+        path = resolve_display_path(values.text(part, "image"))
         if not path.is_file():
-            raise ImpossibleValue(f"there is no picture {path}", values.place(part, "image"))
+            raise ImpossibleValue(f"there is no picture {path}", values.source_location(part, "image"))
         return path, values.pair(part, "repeats") if values.has(part, "repeats") else None
     material = MATERIALS[values.text(part, "material")]
     return material.path, (material.repeats, material.repeats)

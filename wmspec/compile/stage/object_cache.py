@@ -1,6 +1,7 @@
-"""Prims of objects that were made before: an object is the same wherever all has the same levels that it depends on.
+"""A cache of object prims: prims depend only on the levels that the object depends on.
 
-What that is the spec alone tells. Those of a control group differ in what one factor decides, and share the rest.
+These levels follow from the spec alone. Members of a control group share all prims that the crossed factor does not
+affect.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from wmspec.compile.design.depend import dependencies
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.objects import add_object
 from wmspec.compile.stage.one_factor import changed_by
@@ -18,16 +19,16 @@ from wmspec.lang.check.tables.vocabulary import PROPERTIES
 
 
 class ObjectCache:
-    """Makes the prims of objects, and remembers the latest of the latest specs."""
+    """Builds the prims of objects, and caches the most recent ones of the most recent specs."""
 
     def __init__(self, remembered: int = 1024, specs: int = 8) -> None:
-        self._deciding: LRU[int, _Deciding] = LRU(specs)
+        self._deciding: LRU[int, _ObjectDependencies] = LRU(specs)
         self._made: LRU[tuple[Any, ...], tuple[TaskSpec, Document]] = LRU(remembered)
 
-    def add(self, doc: Document, name: str, values: Values, carriers: frozenset[str], carried: bool) -> None:
-        """What `add_object` adds. Raises WmsError where that does."""
-        spec = values.spec  # it stays with what is remembered, and so its `id`
-        levels = self._deciding.get(id(spec), lambda: _Deciding(spec)).levels(name, values)
+    def add(self, doc: Document, name: str, values: Evaluator, carriers: frozenset[str], carried: bool) -> None:
+        """Add what `add_object` adds. Raises WmsError like `add_object`."""
+        spec = values.spec  # cached with the document, which keeps its `id` unique
+        levels = self._deciding.get(id(spec), lambda: _ObjectDependencies(spec)).levels(name, values)
         if levels is None:
             add_object(doc, name, values, carriers, carried)
             return
@@ -40,15 +41,15 @@ class ObjectCache:
         doc.prims.update(self._made.get((id(spec), name, carried, *levels), make)[1].prims)
 
 
-class _Deciding:
-    """What decides the prims of each object of a spec: sources, and of these the factors and nuisances."""
+class _ObjectDependencies:
+    """The dependencies of each object of a spec: sources, and the factors and nuisances among them."""
 
     def __init__(self, spec: TaskSpec) -> None:
         self.spec, self._depend = spec, dependencies(spec)
         self._known: dict[str, tuple[frozenset[str], tuple[str, ...], bool]] = {}
 
-    def levels(self, name: str, values: Values) -> tuple[Any, ...] | None:
-        """What the prims of an object depend on; None where they depend on more than levels and draws."""
+    def levels(self, name: str, values: Evaluator) -> tuple[Any, ...] | None:
+        """Return the cache key of an object's prims, or None if they depend on more than levels and draws."""
         if values.assets or values.has(name, "passes"):
             return None
         if name not in self._known:
@@ -62,8 +63,8 @@ class _Deciding:
             return None
         return (*(values.assignment[factor] for factor in factors), *(values.key if scattered else ()))
 
-    def _sources(self, name: str, values: Values) -> frozenset[str]:
-        """All that the prims of an object may depend on, directly or not."""
+    def _sources(self, name: str, values: Evaluator) -> frozenset[str]:
+        """Return all sources that the prims of an object may depend on."""
         own = [f"{name}.{aspect}" for aspect in ("pose", *PROPERTIES["object"])]
         own += [f"{part}.{word}" for part in values.parts(name) for word in PROPERTIES["part"]]
         return self._depend.sources(own)

@@ -1,4 +1,4 @@
-"""What a counterfactual changes, as sources of dependencies."""
+"""The sources of dependencies that a counterfactual changes."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from wmspec.lang.check.ir.ir import Counterfactual
 
 
 def changed_by(change: Counterfactual) -> tuple[str, ...]:
-    """What a counterfactual changes, as sources: an `owner.property`, whether an action happens, or when two do."""
+    """Return the sources that a counterfactual changes: an `owner.property`, presence, or two start times."""
     if change.change == "levels":
         return tuple(change.levels)
     if change.change in ("without", "add"):

@@ -1,12 +1,11 @@
 """Robots on the stage.
 
-An arm is a reference to what it is made of, its ways of joints and holds; cars and walkers are bodies that are carried
-along.
+An arm references its asset and has joint trajectories and holds. Cars and walkers are carried bodies.
 """
 
 from __future__ import annotations
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.robots import car
 from wmspec.compile.robots.base_pose import base
 from wmspec.compile.robots.plan import ARMS, arm_of, plan
@@ -15,17 +14,17 @@ from wmspec.compile.stage import materials
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.objects import geometry, object_path
 from wmspec.core.resources import resource
-from wmspec.lang.check.ir.ir import Thing
+from wmspec.lang.check.ir.ir import Entity
 from wmspec.lang.check.tables.colors import rgb
 
-#: Of somebody (kg, kg m²): nothing comes of it here, but some importers take no body without a mass.
+#: Mass and moments of walkers and cars (kg, kg m²); without effect, but some importers require a mass.
 WEIGHT, MOMENTS = 70.0, (16.0, 16.0, 1.0)
 
 
-def add_robot(doc: Document, robot: Thing, values: Values) -> None:
-    """The prim of a robot before it does anything: an arm's hand is drawn back.
+def add_robot(doc: Document, robot: Entity, values: Evaluator) -> None:
+    """Add the prim of a robot in its initial state; an arm's hand is retracted.
 
-    Raises WmsError with its place if it cannot stand there.
+    Raises WmsError with its location if the base pose is invalid.
     """
     pose, arm = base(values, robot.name), robot.model in ARMS
     path = object_path(robot.name)
@@ -49,24 +48,24 @@ def add_robot(doc: Document, robot: Thing, values: Values) -> None:
         prim.set("physics:principalAxes", "quatf", (1.0, 0.0, 0.0, 0.0))
 
 
-def _paint(doc: Document, name: str, values: Values) -> None:
-    """The forms of a car in its colours."""
+def _paint(doc: Document, name: str, values: Evaluator) -> None:
+    """Add the coloured shapes of a car."""
     doc.add(f"/World/Materials/{name}", "Scope")
     for part, piece, tone in car.parts():
         source = () if tone else (f"{name}.color",)
         shade = rgb(tone or values.text(name, "color"))
-        material = materials.plain(doc, f"/World/Materials/{name}/{part}", shade, *source)
+        material = materials.plain_material(doc, f"/World/Materials/{name}/{part}", shade, *source)
         prim = geometry(doc, f"{object_path(name)}/{part}", piece, (), (f"{name}.form",))
         prim.relate("material:binding", material)
 
 
-def add_action(doc: Document, action: Thing, values: Values) -> None:
-    """What a robot does. Raises WmsError with its place if it cannot."""
+def add_action(doc: Document, action: Entity, values: Evaluator) -> None:
+    """Add the action of a robot. Raises WmsError with its location if it is infeasible."""
     (_reach if values.spec.thing(action.of).model in ARMS else _follow)(doc, action, values)
 
 
-def _follow(doc: Document, action: Thing, values: Values) -> None:
-    """A way that carries a car or a walker."""
+def _follow(doc: Document, action: Entity, values: Evaluator) -> None:
+    """Add the path of a car or a walker."""
     travel, way = travels(values)[action.name], (f"{action.name}.way", f"{action.name}.duration")
     prim = doc.add(f"/World/Episode/Actions/{action.name}", "WmsAction", (), (f"{action.name}.there",))
     prim.set("wms:verb", "token", "follow", uniform=True)
@@ -78,8 +77,8 @@ def _follow(doc: Document, action: Thing, values: Values) -> None:
     prim.set("wms:orientations", "quatd[]", travel.turns, *way, uniform=True)
 
 
-def _reach(doc: Document, action: Thing, values: Values) -> None:
-    """A way of an arm's joints, and a `hold` below it if it takes something."""
+def _reach(doc: Document, action: Entity, values: Evaluator) -> None:
+    """Add a joint trajectory of an arm, with a `hold` below it for a grasp."""
     reach = plan(values)[action.name]
     path, here = f"/World/Episode/Actions/{action.name}", object_path(action.of)
     there, way = (f"{action.name}.there", f"{action.name}.object"), f"{action.name}.way"

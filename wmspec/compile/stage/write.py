@@ -1,7 +1,7 @@
 """Stages on disk: `base.usda` per task, `000000.usda` per instance over it, `000000.NAME.usda` per counterfactual.
 
-Images lie beside them in `textures`, what is referenced in `assets`, named by
-their content, so that a folder of stages can be moved.
+Images are copied to `textures`, referenced files to `assets`, named by their content, so that a folder of stages can be
+moved.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from hashlib import blake2b
 from pathlib import Path
 
-from wmspec.compile.design.describe import told
+from wmspec.compile.design.describe import format_levels
 from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import document
@@ -20,19 +20,19 @@ from wmspec.lang.check.ir.ir import Counterfactual
 
 
 def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]:
-    """Write the base layer, the instance's and its counterfactuals' into a folder that exists, and their images.
+    """Write the base layer, and the layers of an instance and its counterfactuals, with images, to an existing folder.
 
-    The base is instance 0, whole. Returns the paths of the layers. Raises WmsError if the folder cannot be written to.
+    The base is the whole instance 0. Returns the paths of the layers. Raises WmsError if the folder is not writable.
     """
     spec = design.spec
     images: dict[str, Path] = {}
 
     def written(change: Counterfactual | None, of: Instance = instance) -> Document:
-        return _moved(document(spec, of, change), images)
+        return _with_local_files(document(spec, of, change), images)
 
     base, truth = written(None, design[0]), written(None)
     name = f"{instance.index:06d}"
-    assigned = told(spec.factors, instance.values)
+    assigned = format_levels(spec.factors, instance.values)
     layers = {
         "base.usda": base_layer(base, f"{spec.title}. Instance 0; the layers of other instances change it."),
         f"{name}.usda": override_layer(
@@ -44,7 +44,7 @@ def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]
             target = ", ".join(change.levels) or f"{change.owner}{'.' if change.property else ''}{change.property}"
             what = f"What if: {change.name}, a change of {target}"
             file = f"{name}.{change.name}.usda"
-            if file in layers:  # another question has one of this name
+            if file in layers:  # a counterfactual of another question has this name
                 file = f"{name}.{spec.questions.index(question)}.{change.name}.usda"
             layers[file] = override_layer(truth, written(change), f"./{name}.usda", what)
     for file, image in images.items():
@@ -52,23 +52,23 @@ def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]
     return [_write(folder / file, layer.ExportToString().encode()) for file, layer in layers.items()]
 
 
-def _moved(made: Document, images: dict[str, Path]) -> Document:
-    """The document with its images and assets named relative to its own file; notes where they are now in `images`."""
+def _with_local_files(made: Document, images: dict[str, Path]) -> Document:
+    """Return the document with relative paths of images and assets; records their present paths in `images`."""
     for prim in made.prims.values():
         if prim.reference:
-            here = _name(Path(prim.reference), "assets")
+            here = _copy_name(Path(prim.reference), "assets")
             images[here] = Path(prim.reference)
             prim.reference = f"./{here}"
         for name, attribute in prim.attributes.items():
             if attribute.type == "asset":
-                here = _name(Path(attribute.value))
+                here = _copy_name(Path(attribute.value))
                 images[here] = Path(attribute.value)
                 prim.attributes[name] = attribute._replace(value=f"./{here}")
     return made
 
 
-def _name(image: Path, folder: str = "textures") -> str:
-    """What the copy of a file is called: the same for the same bytes."""
+def _copy_name(image: Path, folder: str = "textures") -> str:
+    """Return the name of a file's copy, determined by its content."""
     return f"{folder}/{image.stem}-{blake2b(image.read_bytes(), digest_size=4).hexdigest()}{image.suffix.lower()}"
 
 

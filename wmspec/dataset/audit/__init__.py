@@ -1,1 +1,1 @@
-"""Is a dataset what it promises: complete, balanced, free of duplicates and of shortcuts?"""
+"""Statistical tests of a dataset for completeness, imbalance, duplicates and shortcuts."""

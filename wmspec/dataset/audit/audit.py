@@ -1,4 +1,4 @@
-"""The audit of a dataset: every check of every task, one task in the memory of a process at a time."""
+"""The audit of a dataset: runs every check on every task; each process holds one task at a time."""
 
 from __future__ import annotations
 
@@ -11,25 +11,27 @@ import numpy as np
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.audit import balance, groups, probes
-from wmspec.dataset.audit.cases import Enlarging, Unit, task_of, units
-from wmspec.dataset.audit.counts import accounted, counts, whole
-from wmspec.dataset.audit.duplicates import duplicates, enlarged, judged
-from wmspec.dataset.audit.image_similarity import QUANTILES, judge, likeness
+from wmspec.dataset.audit.cases import FullSizePictures, Unit, task_of, units
+from wmspec.dataset.audit.counts import check_files, check_rows, counts
+from wmspec.dataset.audit.duplicates import duplicate_findings, duplicates, mark_faint
+from wmspec.dataset.audit.image_similarity import QUANTILES, option_similarity, similarity_finding
 from wmspec.dataset.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Summary, Test
 from wmspec.dataset.audit.stability import stability
 from wmspec.dataset.audit.summary import summary
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.runtime.workers.pool import Effort, Lost, in_order
+from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_ordered
 
-#: A task that takes longer (s) than this is given up.
-LONGEST = 24 * 3600.0
+#: Timeout for a task (s).
+TASK_TIMEOUT = 24 * 3600.0
 
-#: The order of verdicts: what matters first.
+#: Verdicts, most important first.
 _ORDER = ("fails", "unclear", "told", "holds")
 
 
 @dataclass
-class _Gathered:
+class _Results:
+    """The results collected so far."""
+
     findings: list[Finding] = field(default_factory=list)
     counts: list[Counts] = field(default_factory=list)
     tests: list[Test] = field(default_factory=list)
@@ -39,30 +41,30 @@ class _Gathered:
     groups: dict[str, int] = field(default_factory=dict)
     stable: dict[str, float | None] = field(default_factory=dict)
 
-    def add(self, other: _Gathered) -> None:
-        """Take in what was gathered of another task."""
+    def add(self, other: _Results) -> None:
+        """Add the results of another task."""
         for mine, its in zip(vars(self).values(), vars(other).values(), strict=True):
             mine.update(its) if isinstance(mine, dict) else mine.extend(its)
 
 
 def audit(folder: Path, most: int, progress: Callable[[str, int], None], workers: int = 0) -> Audit:
-    """Look at everything in a finished dataset, at the pictures of at most `most` instances of each task.
+    """Run all checks on a finished dataset, with the pictures of at most `most` instances of each task.
 
-    Tasks are shared among so many `workers`, or done in this process if there are none: what is found is the same. Of a
-    task that has a damaged file nothing else is looked at. `progress` is told of every task that is done. Raises
-    WmsError if there is no finished dataset in the folder, or if a file of it may not be read.
+    Tasks are distributed over `workers` processes, or run in this one if `workers` is 0; the result is the same. A task
+    with a damaged file gets no further checks. `progress` is called after every task. Raises WmsError if the folder
+    holds no finished dataset, or if one of its files may not be read.
     """
     dataset = DatasetReader.open(folder)
-    gathered = _Gathered(whole(dataset))
+    gathered = _Results(check_files(dataset))
     damaged = {finding.task for finding in gathered.findings if finding.verdict == "fails"}
     pieces = [(dataset, task, most, task in damaged) for task in dataset.tasks]
-    with closing(_done(pieces, min(workers, len(pieces)))) as done:
+    with closing(_task_results(pieces, min(workers, len(pieces)))) as done:
         for task, found in zip(dataset.tasks, done, strict=True):
-            if isinstance(found, Lost):
-                raise WmsError(f"the audit of `{task}` came to nothing: {found.reason}")
+            if isinstance(found, JobFailure):
+                raise WmsError(f"the audit of `{task}` failed: {found.reason}")
             gathered.add(found)
             progress(task, 1)
-    tests, probed = balance.weighed(gathered.tests), probes.weighed(gathered.probes)
+    tests, probed = balance.corrected_tests(gathered.tests), probes.with_intervals(gathered.probes)
     probed.sort(key=lambda p: p.chance - p.accuracy)
     gathered.findings += [*map(balance.judge, tests), *map(probes.judge, probed)]
     made = {key: dataset.manifest.get(key) for key in ("rows", "engines", "size", "seed", "consensus", "versions")}
@@ -79,47 +81,51 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None], workers
     )
 
 
-def _done(pieces: list[tuple[DatasetReader, str, int, bool]], workers: int) -> Generator[_Gathered | Lost, None, None]:
-    """What is found of every task, in order."""
+def _task_results(
+    pieces: list[tuple[DatasetReader, str, int, bool]], workers: int
+) -> Generator[_Results | JobFailure, None, None]:
+    """Yield the results of every task, in order."""
     if workers > 1:
-        yield from in_order(_task, pieces, Effort(workers, LONGEST))
+        yield from map_ordered(_audit_task, pieces, PoolConfig(workers, TASK_TIMEOUT))
     else:
-        yield from (_task(*piece) for piece in pieces)
+        yield from (_audit_task(*piece) for piece in pieces)
 
 
-def _task(dataset: DatasetReader, task: str, most: int, damaged: bool) -> _Gathered:
-    gathered, counted = _Gathered(), counts(dataset, task)
+def _audit_task(dataset: DatasetReader, task: str, most: int, damaged: bool) -> _Results:
+    """Return the results of one task."""
+    gathered, counted = _Results(), counts(dataset, task)
     gathered.counts.append(counted)
     if damaged:
         return gathered
     parts = list(units(dataset, task, most))
-    gathered.findings += accounted(dataset, counted, parts)
+    gathered.findings += check_rows(dataset, counted, parts)
     finding, gathered.stable[task] = stability(dataset, task, parts)
     gathered.findings.append(finding)
     for unit in parts:
-        _unit(unit, Enlarging(dataset, task), gathered)
+        _audit_unit(unit, FullSizePictures(dataset, task), gathered)
     return gathered
 
 
-def _unit(unit: Unit, pictures: Enlarging, gathered: _Gathered) -> None:
-    pairs = enlarged(unit, duplicates(unit), pictures)
-    gathered.findings += judged(unit, pairs)
-    gathered.groups[unit.name] = groups.effective(unit, pairs)
-    gathered.findings.append(groups.judge(unit, gathered.groups[unit.name]))
-    alike = likeness(unit)
-    gathered.findings.append(judge(unit, alike))
+def _audit_unit(unit: Unit, pictures: FullSizePictures, gathered: _Results) -> None:
+    """Run all checks of one question."""
+    pairs = mark_faint(unit, duplicates(unit), pictures)
+    gathered.findings += duplicate_findings(unit, pairs)
+    gathered.groups[unit.name] = groups.effective_groups(unit, pairs)
+    gathered.findings.append(groups.group_finding(unit, gathered.groups[unit.name]))
+    alike = option_similarity(unit)
+    gathered.findings.append(similarity_finding(unit, alike))
     gathered.likeness += [alike] if alike else []
     gathered.tests += balance.tests(unit)
     probed = probes.probes(unit)
     if not probed and not unit.open:
-        few = f"{len(unit.once):,} instances of {unit.draws:,} groups are too few to look for shortcuts"
+        few = f"{len(unit.per_instance):,} instances of {unit.draws:,} groups are too few for shortcut probes"
         gathered.findings.append(Finding("shortcut", unit.name, "unclear", few))
     gathered.probes += probed
     gathered.spreads += _spreads(unit)
 
 
-def _summary(counted: Counts, gathered: _Gathered, probed: list[Probe]) -> Summary:
-    """A task in one line; its questions have its name, and a number if there are several."""
+def _summary(counted: Counts, gathered: _Results, probed: list[Probe]) -> Summary:
+    """Return the one-line summary of a task. Its questions have its name, with a number if there are several."""
     return summary(
         counted.task,
         counted.kept,
@@ -131,9 +137,9 @@ def _summary(counted: Counts, gathered: _Gathered, probed: list[Probe]) -> Summa
 
 
 def _spreads(unit: Unit) -> list[Spread]:
-    """How the stimulus differences are spread, where rows have them."""
+    """Return the distribution of stimulus differences, where rows have them."""
     values: dict[tuple[str, str], list[float]] = {}
-    for difference in (case.row.get("difference") for case in unit.once):
+    for difference in (case.row.get("difference") for case in unit.per_instance):
         if difference is not None:
             values.setdefault((difference["name"], difference["unit"]), []).append(difference["value"])
     return [

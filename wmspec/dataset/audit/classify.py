@@ -1,6 +1,6 @@
-"""Small classifiers that pick one of a question's options, judged on questions that they were not fitted to.
+"""Cross-validated classifiers that choose one of a question's options.
 
-Linear ones for words and options, forests for pictures and what is in them, as scikit-learn has them.
+Linear models for words and options, random forests for pictures and object states, from scikit-learn.
 """
 
 from __future__ import annotations
@@ -26,24 +26,24 @@ except ImportError as error:
 Array = NDArray[np.float64]
 
 FOLDS = 5
-#: The trees of a forest, the fewest questions (or options) in a leaf, and the share of numbers that a split may be at:
-#: all, because a shortcut is apt to be in few of them.
-TREES, LEAF, NUMBERS = 20, 16, 1.0
-#: The trees of one that is fitted to pick a probe by.
-FEW_TREES = 6
-#: The ridges that are tried where numbers outnumber questions, as multiples of these; cross-validation picks one.
+#: Trees of a forest, minimum samples in a leaf, share of features tried at a split. All features are tried, because
+#: shortcuts tend to be in few of them.
+FOREST_TREES, MIN_LEAF, FEATURE_SHARE = 20, 16, 1.0
+#: Trees of a forest fitted for selecting a probe.
+SELECTION_TREES = 6
+#: Ridge penalties for cases with more features than questions; cross-validation chooses one.
 RIDGES = (1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0)
-#: The penalties of the lasso that are tried, as shares of the one that leaves nothing.
+#: Lasso penalties, relative to the one that removes all features.
 PENALTIES = np.geomspace(1.0, 0.01, 30)
 SEED = 20_611
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What is to be picked of which questions.
+class ProbeDataset:
+    """The options of questions as a classification problem.
 
-    For every option in order, whose it is (from 0, ascending), what it is called, and whether it is true; for every
-    question, its group. Questions of one group are held out together.
+    For every option in order: `owner`, the index of its question (ascending from 0), its `name`, and its `truth`. For
+    every question: its group. Questions of one group are held out together.
     """
 
     owner: NDArray[np.int64]
@@ -53,50 +53,50 @@ class Asked:
 
     @property
     def count(self) -> int:
-        """How many questions there are."""
+        """The number of questions."""
         return len(self.groups)
 
     @cached_property
     def starts(self) -> NDArray[np.int64]:
-        """The first option of every question."""
+        """The index of every question's first option."""
         return np.asarray(np.flatnonzero(np.r_[True, self.owner[1:] != self.owner[:-1]]))
 
     @cached_property
     def sizes(self) -> NDArray[np.int64]:
-        """How many options every question has."""
+        """The number of options of every question."""
         return np.asarray(np.diff(np.r_[self.starts, len(self.owner)]))
 
     @cached_property
     def folds(self) -> list[NDArray[np.int64]]:
-        """The questions held out together; one fold alone if there are too few groups."""
+        """The questions held out together; a single fold if there are too few groups."""
         number = np.unique(self.groups, return_inverse=True)[1]
         folds = min(FOLDS, int(number.max()) + 1)
         shuffled = np.random.default_rng(SEED).permutation(int(number.max()) + 1)[number]
         splits = GroupKFold(folds).split(shuffled, groups=shuffled) if folds > 1 else ()
         return [held for _, held in splits]
 
-    def among(self, values: Array) -> Array:
-        """Values (options, d) relative to the mean of their question's options."""
+    def centred(self, values: Array) -> Array:
+        """Return values (options, d) relative to the mean of their question's options."""
         means = np.add.reduceat(values, self.starts, axis=0) / self.sizes[:, None]
         return np.asarray(values - np.repeat(means, self.sizes, axis=0))
 
     def ranks(self, values: Array) -> Array:
-        """By each value (options, d), how many more of its question's options have a smaller one than a larger one."""
+        """Return each value's rank (options, d): smaller minus larger values among the question's options."""
         stood = [np.sign((one[:, None] - one).round(9)).sum(1) for one in np.split(values, self.starts[1:])]
         return np.concatenate(stood)
 
-    def retold(self, places: NDArray[np.int64]) -> Asked:
-        """The same questions with other options true: of each the one at this place."""
+    def with_labels(self, places: NDArray[np.int64]) -> ProbeDataset:
+        """Return the same questions with other true options: in each question, the one at the given position."""
         truth = np.zeros(len(self.owner), dtype=bool)
         truth[self.starts + places] = True
         return replace(self, truth=truth)
 
 
 @dataclass(frozen=True)
-class Seen:
-    """What a probe sees as `features`, of every option (options, d) or of every question (questions, d).
+class ProbeFeatures:
+    """The input of a probe: `features` of every option (options, d) or of every question (questions, d).
 
-    If `ranked`, it also sees the order of a question's options by each of the features.
+    If `ranked`, the ranks of the features among a question's options are inputs as well.
     """
 
     features: Array
@@ -105,76 +105,85 @@ class Seen:
     ranked: bool = False
 
 
-def held_out(seen: Seen, asked: Asked) -> Array:
-    """For every question, how right the classifier is that was fitted to the other folds: 1, 0, or a part at a tie.
+def cross_validated_scores(seen: ProbeFeatures, data: ProbeDataset) -> Array:
+    """Return the score of every question by a classifier fitted to the other folds: 1, 0, or a fraction at a tie.
 
-    Seen option by option, features count relative to the mean of a question's options, so that nothing but the
-    difference between options does. Seen question by question, options are told apart by their names.
+    Features of options are taken relative to the mean of a question's options, so that only differences between options
+    count. Features of questions distinguish options by their names.
     """
-    scores = np.zeros(len(asked.owner))
-    for held in asked.folds:
-        here = np.isin(asked.owner, held)
-        scores[here] = _scores(seen, asked, ~here, here, TREES)
-    return hits(scores, asked)
+    scores = np.zeros(len(data.owner))
+    for held in data.folds:
+        here = np.isin(data.owner, held)
+        scores[here] = _scores(seen, data, ~here, here, FOREST_TREES)
+    return top1_score(scores, data)
 
 
-def held_out_twice(seen: Seen, asked: Asked) -> Array:
-    """The same (folds, questions) of classifiers that were fitted without a further fold, too: the row's.
+def nested_scores(seen: ProbeFeatures, data: ProbeDataset) -> Array:
+    """Return scores (folds, questions) of classifiers fitted without the row's fold and the question's fold.
 
-    Nothing in a row was seen by what it tells of the other folds, so that it may pick what is judged on its own. There
-    it is nought.
+    A row is independent of its own fold. It can therefore select a probe that is then judged on that fold. Scores of
+    the row's own fold are 0.
     """
-    inside = [np.isin(asked.owner, held) for held in asked.folds]
-    scores = np.zeros((len(inside), len(asked.owner)))
+    inside = [np.isin(data.owner, held) for held in data.folds]
+    scores = np.zeros((len(inside), len(data.owner)))
     for one, other in combinations(range(len(inside)), 2):
         either = inside[one] | inside[other]
-        told = np.zeros(len(asked.owner))
-        told[either] = _scores(seen, asked, ~either, either, FEW_TREES)
-        scores[one, inside[other]], scores[other, inside[one]] = told[inside[other]], told[inside[one]]
-    right = np.stack([hits(row, asked) for row in scores])
-    for row, held in zip(right, asked.folds, strict=True):
+        scored = np.zeros(len(data.owner))
+        scored[either] = _scores(seen, data, ~either, either, SELECTION_TREES)
+        scores[one, inside[other]], scores[other, inside[one]] = scored[inside[other]], scored[inside[one]]
+    right = np.stack([top1_score(row, data) for row in scores])
+    for row, held in zip(right, data.folds, strict=True):
         row[held] = 0
     return right
 
 
-def hits(scores: Array, asked: Asked) -> Array:
-    """1 where the true option scores highest, 1/n where n options tie with it, else 0."""
-    best = np.maximum.reduceat(scores, asked.starts)
-    top = scores >= best[asked.owner] - 1e-9
-    ties = np.add.reduceat(top.astype(np.float64), asked.starts)
-    return np.asarray(np.add.reduceat((top & asked.truth).astype(np.float64), asked.starts) / ties)
+def top1_score(scores: Array, data: ProbeDataset) -> Array:
+    """Return 1 where the true option scores highest, 1/n where n options tie with it, else 0."""
+    best = np.maximum.reduceat(scores, data.starts)
+    top = scores >= best[data.owner] - 1e-9
+    ties = np.add.reduceat(top.astype(np.float64), data.starts)
+    return np.asarray(np.add.reduceat((top & data.truth).astype(np.float64), data.starts) / ties)
 
 
-def _scores(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
-    """How true each option `here` seems to a classifier that was `fitted` to those."""
-    return (_of_options if seen.of == "options" else _of_questions)(seen, asked, fitted, here, trees)
+def _scores(
+    seen: ProbeFeatures, data: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int
+) -> Array:
+    """Return the score of every option in `here` by a classifier fitted to `fitted`."""
+    return (_of_options if seen.of == "options" else _of_questions)(seen, data, fitted, here, trees)
 
 
-def _of_options(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
-    x = asked.among(seen.features)
+def _of_options(
+    seen: ProbeFeatures, data: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int
+) -> Array:
+    x = data.centred(seen.features)
     if seen.ranked:
-        x = np.concatenate([x, asked.ranks(seen.features)], axis=1)
+        x = np.concatenate([x, data.ranks(seen.features)], axis=1)
     if seen.model == "forest":
-        return _probabilities(x[fitted], asked.truth[fitted], x[here], trees)[1][:, -1]
-    y = asked.among(asked.truth[:, None].astype(np.float64))[:, 0]
+        return _probabilities(x[fitted], data.truth[fitted], x[here], trees)[1][:, -1]
+    y = data.centred(data.truth[:, None].astype(np.float64))[:, 0]
     return _linear(x[fitted], y[fitted], x[here])
 
 
-def _of_questions(seen: Seen, asked: Asked, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int) -> Array:
-    true, held, others = asked.name[asked.truth], here[asked.starts], fitted[asked.starts]
+def _of_questions(
+    seen: ProbeFeatures, data: ProbeDataset, fitted: NDArray[np.bool_], here: NDArray[np.bool_], trees: int
+) -> Array:
+    true, held, others = data.name[data.truth], here[data.starts], fitted[data.starts]
     x = seen.features
     if seen.model == "forest":
         classes, scores = _probabilities(x[others], true[others], x[held], trees)
     else:
         classes = np.unique(true[others])
         scores = _linear(x[others], (true[others, None] == classes).astype(np.float64), x[held])
-    place = np.searchsorted(classes, asked.name[here]).clip(max=len(classes) - 1)
-    row = np.searchsorted(np.flatnonzero(held), asked.owner[here])
-    return np.where(classes[place] == asked.name[here], scores[row, place], -1.0)
+    place = np.searchsorted(classes, data.name[here]).clip(max=len(classes) - 1)
+    row = np.searchsorted(np.flatnonzero(held), data.owner[here])
+    return np.where(classes[place] == data.name[here], scores[row, place], -1.0)
 
 
 def _linear(x: Array, y: Array, unseen: Array) -> Array:
-    """A regression on few of the numbers, as a shortcut is apt to be in few; on all, if there are too few questions."""
+    """Return predictions of a sparse regression, since shortcuts tend to be in few features.
+
+    The regression is dense if there are too few questions.
+    """
     middle, spread = x.mean(0), x.std(0)
     spread[spread < 1e-9] = np.inf
     x, unseen = (x - middle) / spread, (unseen - middle) / spread
@@ -188,9 +197,9 @@ def _linear(x: Array, y: Array, unseen: Array) -> Array:
 
 
 def _lasso(x: Array, y: Array, noise: float) -> Array:
-    """The coefficients of a lasso of what is centred, its penalty by Schwarz's criterion (Zou and others 2007).
+    """Return the coefficients of a lasso on centred data, with the penalty of the Bayesian criterion (Zou et al. 2007).
 
-    `noise` is the variance that a regression on all of it leaves.
+    `noise` is the residual variance of the full regression.
     """
     most = max(float(abs(x.T @ y).max()) / len(x), 1e-12)
     paths = lasso_path(x, y, alphas=most * PENALTIES)[1]  # (d, penalties)
@@ -200,6 +209,8 @@ def _lasso(x: Array, y: Array, noise: float) -> Array:
 
 
 def _probabilities(x: Array, y: NDArray[np.generic], unseen: Array, trees: int) -> tuple[NDArray[np.generic], Array]:
-    """The classes, and the probability of each for what was not fitted to."""
-    forest = RandomForestClassifier(trees, min_samples_leaf=LEAF, max_features=NUMBERS, random_state=SEED).fit(x, y)
+    """Return the classes, and their probabilities for unseen samples."""
+    forest = RandomForestClassifier(
+        trees, min_samples_leaf=MIN_LEAF, max_features=FEATURE_SHARE, random_state=SEED
+    ).fit(x, y)
     return forest.classes_, np.asarray(forest.predict_proba(unseen))

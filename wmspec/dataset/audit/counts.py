@@ -1,4 +1,4 @@
-"""Is everything there that the manifest says: files as they were written, questions kept or rejected with a reason?"""
+"""Completeness: files match the manifest, and every question is kept or rejected with a reason."""
 
 from __future__ import annotations
 
@@ -9,38 +9,38 @@ from pathlib import Path
 from wmspec.dataset.audit.cases import Case, Unit
 from wmspec.dataset.audit.model import Counts, Finding
 from wmspec.dataset.build import files
-from wmspec.dataset.build.reader import MENDED, DatasetReader
+from wmspec.dataset.build.reader import REPAIR_HINT, DatasetReader
 from wmspec.runtime.questions.model import FAILED
 
 
 def counts(dataset: DatasetReader, task: str) -> Counts:
-    """What the manifest says of a task."""
+    """Return the manifest's counts of a task."""
     recorded = dataset.manifest["tasks"][task]
     kept, rejected = sum(recorded["rows"].values()), dict(recorded["rejected"])
     return Counts(task, recorded["dimension"], recorded["instances"], kept + sum(rejected.values()), kept, rejected)
 
 
-def whole(dataset: DatasetReader) -> list[Finding]:
-    """Whether every file is there as it was written: a failure of each task with a damaged one, which names them all.
+def check_files(dataset: DatasetReader) -> list[Finding]:
+    """Check every file against the hashes of the manifest. Each task with damaged files fails, with a list of them.
 
-    Shards are held against the hashes in the manifest. The card and the Croissant metadata have to be there.
+    The card and the Croissant metadata must exist as well.
     """
     wrong: dict[str, list[str]] = {}
     for path, why in dataset.damaged().items():
         wrong.setdefault(Path(path).parent.name, []).append(f"{path} {why}")
     findings = [
-        Finding("files", task, "fails", f"{'; '.join(those)}. Nothing else of the task was looked at; {MENDED}")
+        Finding("files", task, "fails", f"{'; '.join(those)}. The task was not checked further; {REPAIR_HINT}")
         for task, those in wrong.items()
     ]
     gone = [name for name in (files.CARD, files.CROISSANT) if not (dataset.folder / name).is_file()]
-    findings += [Finding("files", "", "fails", f"{name} is gone; {MENDED}") for name in gone]
+    findings += [Finding("files", "", "fails", f"{name} is missing; {REPAIR_HINT}") for name in gone]
     return findings or [
         Finding("files", "", "holds", f"{len(dataset.manifest['shards']):,} files are as they were written")
     ]
 
 
-def accounted(dataset: DatasetReader, counts: Counts, units: list[Unit]) -> Iterator[Finding]:
-    """Whether a task's rows are those that the manifest counts, each with one true option."""
+def check_rows(dataset: DatasetReader, counts: Counts, units: list[Unit]) -> Iterator[Finding]:
+    """Check that a task's rows match the counts of the manifest, each with one true option."""
     rows = [case for unit in units for case in unit.cases]
     by_engine = Counter(c.row["engine"] for c in rows)
     wrong = [
@@ -54,7 +54,7 @@ def accounted(dataset: DatasetReader, counts: Counts, units: list[Unit]) -> Iter
     wrong += [f"{len(odd):,} rows have no or another true option, such as {odd[0]}"] if odd else []
     if wrong:
         yield Finding("counts", counts.task, "fails", "; ".join(wrong))
-    yield _judged(counts)
+    yield _rejection_finding(counts)
 
 
 def _rows(dataset: DatasetReader, task: str) -> Iterator[tuple[str, int]]:
@@ -68,11 +68,11 @@ def _one_truth(case: Case) -> bool:
     return [i for i, kind in enumerate(kinds) if kind == "truth"] == [answer]
 
 
-def _judged(counts: Counts) -> Finding:
-    """How many questions were kept. A task that yields none fails, and one in which something broke."""
+def _rejection_finding(counts: Counts) -> Finding:
+    """Return the finding about rejections. A task without questions fails, and one with failures."""
     reasons = ", ".join(f"{n:,} {reason}" for reason, n in counts.rejected.items())
-    lost = counts.asked - counts.kept
-    share = f"{counts.kept:,} of {counts.asked:,} questions kept of {counts.instances:,} instances"
-    what = f"{share}; rejected {lost / max(1, counts.asked):.1%}: {reasons}" if lost else f"{share}, none rejected"
+    lost = counts.questions - counts.kept
+    share = f"{counts.kept:,} of {counts.questions:,} questions kept of {counts.instances:,} instances"
+    what = f"{share}; rejected {lost / max(1, counts.questions):.1%}: {reasons}" if lost else f"{share}, none rejected"
     broken = sum(counts.rejected.get(reason, 0) for reason in FAILED)
     return Finding("counts", counts.task, "fails" if not counts.kept or broken else "holds", what)

@@ -1,4 +1,4 @@
-"""What the probes see of a question's options, as numbers."""
+"""Features of options and pictures for probes."""
 
 from __future__ import annotations
 
@@ -9,97 +9,106 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.dataset.audit.cases import SIDE, Case, Small
+from wmspec.dataset.audit.cases import THUMBNAIL_SIZE, Case, Thumbnail
 
 Array = NDArray[np.float64]
 
-#: Pixels a side that a probe sees of a picture, and levels of each colour in a histogram.
-PIXELS, LEVELS = 8, 4
-#: The principal components of pixels that are looked at.
-MOST_PIXELS = 16
-#: Those of words crossed with words.
-MOST_TEXTS = 24
-#: The most words, names and texts that are told apart: the most frequent ones.
-MOST_WORDS = 40
+#: Side of a picture for probes (px), and levels of each colour in a histogram.
+GRID_SIZE, COLOUR_LEVELS = 8, 4
+#: Number of principal components of pixels.
+MAX_PIXEL_COMPONENTS = 16
+#: Number of principal components of word pairs.
+MAX_TEXT_COMPONENTS = 24
+#: Maximum vocabulary size; the most frequent words, names and texts are used.
+MAX_VOCABULARY = 40
 
 _WORD = re.compile(r"[^\W_]+(?:\.\d+)?|[+-]")
 
 
-def _pixels(picture: Small) -> Array:
-    """A picture as (PIXELS * PIXELS * 3) values from 0 to 1."""
-    block = SIDE // PIXELS
-    means = picture.reshape(PIXELS, block, PIXELS, block, 3).mean((1, 3))
+def _pixels(picture: Thumbnail) -> Array:
+    """Return a picture as (PIXELS * PIXELS * 3) values from 0 to 1."""
+    block = THUMBNAIL_SIZE // GRID_SIZE
+    means = picture.reshape(GRID_SIZE, block, GRID_SIZE, block, 3).mean((1, 3))
     return np.asarray(means.ravel() / 255)
 
 
-def _histogram(picture: Small) -> Array:
-    """The share of a picture's pixels in each of LEVELS ** 3 colours."""
-    level = (picture.astype(np.int64) * LEVELS) // 256
-    code = (level[..., 0] * LEVELS + level[..., 1]) * LEVELS + level[..., 2]
-    return np.bincount(code.ravel(), minlength=LEVELS**3) / code.size
+def _histogram(picture: Thumbnail) -> Array:
+    """Return the share of a picture's pixels in each of LEVELS ** 3 colours."""
+    level = (picture.astype(np.int64) * COLOUR_LEVELS) // 256
+    code = (level[..., 0] * COLOUR_LEVELS + level[..., 1]) * COLOUR_LEVELS + level[..., 2]
+    return np.bincount(code.ravel(), minlength=COLOUR_LEVELS**3) / code.size
 
 
-# ---------------------------------------------------------------- of options alone
+# ---------------------------------------------------------------- options alone
 
 
 def positions(cases: Sequence[Case]) -> Array:
-    """Where an option stands."""
+    """Return the position of each option."""
     places = np.eye(max(c.count for c in cases))
     return np.concatenate([places[: c.count] for c in cases])
 
 
 def options(cases: Sequence[Case]) -> Array:
-    """The options alone: their pixels, or their words, and how they stand to each other."""
-    if cases[0].pictured:
-        return leading(np.concatenate([_among([_pixels(p) for p in c.seen_options]) for c in cases]), MOST_PIXELS)
+    """Return features of the options alone: pixels or words, and their relation to the other options."""
+    if cases[0].has_picture_options:
+        return principal_components(
+            np.concatenate([_relative_to_options([_pixels(p) for p in c.option_thumbnails]) for c in cases]),
+            MAX_PIXEL_COMPONENTS,
+        )
     return np.concatenate([_words_of(cases), np.concatenate([_ranks(c.row["option_text"]) for c in cases])], axis=1)
 
 
 def colours(cases: Sequence[Case]) -> Array:
-    """The colours of the option pictures, and how they stand to each other."""
-    return leading(np.concatenate([_among([_histogram(p) for p in c.seen_options]) for c in cases]), MOST_PIXELS)
+    """Return the colours of option pictures, and their relation to the other options."""
+    return principal_components(
+        np.concatenate([_relative_to_options([_histogram(p) for p in c.option_thumbnails]) for c in cases]),
+        MAX_PIXEL_COMPONENTS,
+    )
 
 
 def texts(cases: Sequence[Case]) -> Array:
-    """The words of the question with those of the option; with its place, if options are pictures."""
-    option = positions(cases) if cases[0].pictured else _words_of(cases)
-    asked = _bag([_words(c.row["text"]) for c in cases])
-    asked = asked[:, asked.std(0) > 0]  # what every question says tells nothing
-    each = np.split(_crossed(option, np.repeat(asked, [c.count for c in cases], axis=0)), _ends(cases))
-    return leading(np.concatenate([of_one - of_one.mean(0) for of_one in each]), MOST_TEXTS)
+    """Return the words of question and option, crossed; with the position if options are pictures."""
+    option = positions(cases) if cases[0].has_picture_options else _words_of(cases)
+    question_words = _bag([_words(c.row["text"]) for c in cases])
+    question_words = question_words[:, question_words.std(0) > 0]  # drop words that every question has
+    each = np.split(_with_products(option, np.repeat(question_words, [c.count for c in cases], axis=0)), _ends(cases))
+    return principal_components(np.concatenate([of_one - of_one.mean(0) for of_one in each]), MAX_TEXT_COMPONENTS)
 
 
 def _ends(cases: Sequence[Case]) -> list[int]:
-    """After how many options each question but the last ends."""
+    """Return the cumulative number of options after each question but the last."""
     return [int(end) for end in np.cumsum([c.count for c in cases])[:-1]]
 
 
-# ---------------------------------------------------------------- with pictures of the context
+# ---------------------------------------------------------------- context pictures
 
 
 def pixels(cases: Sequence[Case], views: Sequence[int]) -> Array:
-    """The pixels of the pictures `views`: a row a question, or, with options that are pictures, how each differs."""
-    shown = np.stack([np.concatenate([_look(c.seen_context[v]) for v in views]) for c in cases])
-    if not cases[0].pictured:
-        return leading(shown, MOST_PIXELS)
+    """Return the pixels of the pictures `views`: one row a question, or differences to the options if these are
+    pictures.
+    """
+    shown = np.stack([np.concatenate([_look(c.context_thumbnails[v]) for v in views]) for c in cases])
+    if not cases[0].has_picture_options:
+        return principal_components(shown, MAX_PIXEL_COMPONENTS)
     gaps = [
-        np.stack([np.tile(_look(o), len(views)) for o in c.seen_options]) - s for c, s in zip(cases, shown, strict=True)
+        np.stack([np.tile(_look(o), len(views)) for o in c.option_thumbnails]) - s
+        for c, s in zip(cases, shown, strict=True)
     ]
     either = (np.concatenate([gap, abs(gap)], axis=1) for gap in gaps)
-    return leading(np.concatenate([gap - gap.mean(0) for gap in either]), MOST_PIXELS)
+    return principal_components(np.concatenate([gap - gap.mean(0) for gap in either]), MAX_PIXEL_COMPONENTS)
 
 
-def _look(picture: Small) -> Array:
+def _look(picture: Thumbnail) -> Array:
     return np.concatenate([_pixels(picture), _histogram(picture)])
 
 
-# ---------------------------------------------------------------- pieces
+# ---------------------------------------------------------------- helpers
 
 
-def _among(seen: Sequence[Array]) -> Array:
-    """Each of a question's options (n, d) as it is, as far as it is from their mean, and its rank in distance.
+def _relative_to_options(seen: Sequence[Array]) -> Array:
+    """Return each option (n, d), its deviation from the mean of the options, and its rank by distance from it.
 
-    Counterfactuals change one thing of the truth each, so that the truth is apt to lie in their middle.
+    Counterfactuals change one aspect of the truth each, so that the truth tends to lie in their middle.
     """
     x = np.stack(seen)
     away = abs(x - x.mean(0))
@@ -111,7 +120,7 @@ def _among(seen: Sequence[Array]) -> Array:
 
 
 def _ranks(texts: Sequence[str]) -> Array:
-    """The rank of an option by its number and by its length, if it has one."""
+    """Return the ranks of options by their number and by their length."""
     numbers = [float(m[0]) if (m := re.search(r"-?\d+(?:\.\d+)?", s)) else 0.0 for s in texts]
     n = len(texts)
     ranks = np.zeros((n, 9))
@@ -129,20 +138,20 @@ def _words(text: str) -> list[str]:
 
 
 def _bag(words: Sequence[Iterable[str]]) -> Array:
-    """Which of the most frequent words each text has: (texts, words), at least one column wide."""
+    """Return the occurrence of the most frequent words in each text: (texts, words), at least one column."""
     sets = [set(s) for s in words]
     count = Counter(word for s in sets for word in s)
-    known = sorted(count, key=lambda w: (-count[w], w))[:MOST_WORDS]
+    known = sorted(count, key=lambda w: (-count[w], w))[:MAX_VOCABULARY]
     return np.array([[float(w in s) for w in known] or [0.0] for s in sets])
 
 
-def _crossed(a: Array, b: Array) -> Array:
-    """`a` and all products of a column of `a` and one of `b`."""
+def _with_products(a: Array, b: Array) -> Array:
+    """Return `a` and all products of its columns with those of `b`."""
     return np.concatenate([a, (a[:, :, None] * b[:, None, :]).reshape(len(a), -1)], axis=1)
 
 
-def leading(x: Array, most: int) -> Array:
-    """The leading principal components."""
+def principal_components(x: Array, most: int) -> Array:
+    """Return the leading principal components."""
     x = x - x.mean(0)
     _, directions = np.linalg.eigh(x.T @ x)
     return np.asarray(x @ directions[:, -most:])

@@ -1,4 +1,4 @@
-"""The figures of the report: marks that the page draws as SVG in its own colours."""
+"""Figures of the audit report, as SVG elements that the page draws in its own colours."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from wmspec.dataset.audit.model import Counts, Probe, Spread, Test
 from wmspec.dataset.audit.probes import verdict
 
-#: The width of a figure, of the words at its left, and the height of a line (px).
+#: The width of a figure, the width of its row labels, and the height of a row (px).
 WIDTH, WORDS, LINE = 720, 210, 24
 
 
 @dataclass(frozen=True)
 class Mark:
-    """An SVG element: its tag, class and attributes, its text, and the title that it shows when it is pointed at."""
+    """An SVG element: tag, class, attributes, text, and tooltip."""
 
     tag: str
     kind: str
@@ -25,7 +25,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Figure:
-    """Marks with what they say in words, `height` px high; the legend has the class and name of each kind of mark."""
+    """SVG elements with a text description, `height` px high; the legend lists class and name of each kind of mark."""
 
     title: str
     marks: tuple[Mark, ...]
@@ -35,7 +35,7 @@ class Figure:
 
 
 def probes(shown: Sequence[Probe]) -> Figure:
-    """Accuracies with their intervals; a line at what chance yields each."""
+    """Return a figure of accuracies with their intervals and chance levels."""
     parts = []
     for i, probe in enumerate(shown):
         y = LINE * i + LINE / 2
@@ -57,7 +57,7 @@ def _x(share: float) -> float:
 
 
 def rejected(counts: Sequence[Counts]) -> Figure:
-    """Of every task's questions, the share that was kept and the shares that were rejected, by reason."""
+    """Return a figure with the shares of every task's questions that were kept, and rejected by reason."""
     reasons = sorted({reason for c in counts for reason in c.rejected})
     parts = []
     for i, count in enumerate(counts):
@@ -65,17 +65,17 @@ def rejected(counts: Sequence[Counts]) -> Figure:
         parts.append(_text(count.task, WORDS - 12, y + LINE / 2, "end"))
         shares = [("kept", count.kept), *((r, count.rejected.get(r, 0)) for r in reasons)]
         for name, number in shares:
-            wide = (WIDTH - WORDS - 60) * number / max(1, count.asked)
+            wide = (WIDTH - WORDS - 60) * number / max(1, count.questions)
             kind = "kept" if name == "kept" else f"lost{reasons.index(name) % 6}"
             parts.append(_rect(kind, left, y + 4, wide, LINE - 8, f"{count.task}: {number:,} {name}"))
             left += wide
-        parts.append(_text(f"{count.kept / max(1, count.asked):.0%}", WIDTH - 4, y + LINE / 2, "end"))
+        parts.append(_text(f"{count.kept / max(1, count.questions):.0%}", WIDTH - 4, y + LINE / 2, "end"))
     keys = [("kept", "kept"), *((f"lost{i % 6}", reason) for i, reason in enumerate(reasons))]
     return _figure("The share of questions kept, and rejected by reason", parts, LINE * len(counts), keys)
 
 
 def shares(test: Test) -> Figure:
-    """How often each value is the true one, or in the true place."""
+    """Return a figure of how often each value is true, or in the true position."""
     (counts,) = test.counts
     total, most = sum(counts), max(counts)
     parts = []
@@ -91,7 +91,7 @@ def shares(test: Test) -> Figure:
 
 
 def spread(values: Spread) -> Figure:
-    """A quantity's least, quarter, middle, three quarters and most."""
+    """Return a box plot of a quantity: minimum, quartiles and maximum."""
     low, quarter, middle, three, high = values.quantiles
     unit = values.unit
     span = high - low or 1.0
@@ -111,7 +111,7 @@ def spread(values: Spread) -> Figure:
     return _figure(f"{values.name}: {low:.3g} to {high:.3g}, middle {middle:.3g} {unit}", parts, LINE + 18)
 
 
-# ---------------------------------------------------------------- pieces
+# ---------------------------------------------------------------- elements
 
 
 def _figure(title: str, marks: Iterable[Mark], height: float, legend: Iterable[tuple[str, str]] = ()) -> Figure:

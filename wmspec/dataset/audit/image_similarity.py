@@ -1,4 +1,4 @@
-"""How alike pictures are: options that nobody can tell apart, and options that are picked by their likeness alone."""
+"""Similarity of option pictures: indistinguishable options, and options that similarity alone identifies."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.dataset.audit.cases import Case, Unit
-from wmspec.dataset.audit.duplicates import ALIKE, MOST_NAMED, different
+from wmspec.dataset.audit.duplicates import ALIKE_SHARE, MAX_EXAMPLES, pixel_difference
 from wmspec.dataset.audit.model import Finding, Likeness
 
 QUANTILES = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
-def likeness(unit: Unit) -> Likeness | None:
-    """How alike the option pictures are; None if options are words."""
+def option_similarity(unit: Unit) -> Likeness | None:
+    """Return the similarity of the option pictures; None if options are words."""
     closest: dict[str, float] = {}
     pairs: dict[str, list[float]] = defaultdict(list)
-    for case in unit.looked_at:
+    for case in unit.sampled:
         names = case.row["option_name"]
-        for i, j in combinations(range(len(case.seen_options)), 2):
-            gap = different(case.seen_options[i], case.seen_options[j])
+        for i, j in combinations(range(len(case.option_thumbnails)), 2):
+            gap = pixel_difference(case.option_thumbnails[i], case.option_thumbnails[j])
             pairs[" and ".join(sorted((names[i], names[j])))].append(gap)
             closest[case.row["id"]] = min(gap, closest.get(case.row["id"], 1.0))
     if not closest:
@@ -33,33 +33,34 @@ def likeness(unit: Unit) -> Likeness | None:
     return Likeness(unit.name, quantiles, medians, min(closest, key=lambda name: closest[name]))
 
 
-def judge(unit: Unit, likeness: Likeness | None) -> Finding:
-    """Fails where a question has two options that are the same, or look it."""
+def similarity_finding(unit: Unit, likeness: Likeness | None) -> Finding:
+    """Return the finding; it fails where two options of a question are equal or look equal."""
     same = [c.row["id"] for c in unit.cases if len(set(c.options or c.row["option_text"] or ())) < c.count]
     if same:
-        what = f"{len(same):,} questions have the same option twice, such as {', '.join(same[:MOST_NAMED])}"
+        what = f"{len(same):,} questions have the same option twice, such as {', '.join(same[:MAX_EXAMPLES])}"
         return Finding("options", unit.name, "fails", what)
     if likeness is None:
         return Finding("options", unit.name, "holds", "no question has the same words twice")
     least, _, middle, _, _ = likeness.quantiles
     what = f"the closest two differ in {middle:.1%} of the picture (median), {least:.2%} at least ({likeness.closest})"
-    return Finding("options", unit.name, "fails" if least < ALIKE else "holds", what)
+    return Finding("options", unit.name, "fails" if least < ALIKE_SHARE else "holds", what)
 
 
 def rules(cases: Sequence[Case]) -> dict[str, NDArray[np.float64]]:
-    """Rules of thumb by which to pick a picture, each with a score for every option: the highest is picked.
+    """Return rules of thumb for choosing a picture, each with a score for every option; the highest is chosen.
 
-    How like the last picture shown it is (similarity), and by how many pixels it differs from the others (prominence).
+    Similarity to the last picture shown, and prominence: the number of pixels that differ from the other options.
     """
     apart = np.concatenate([_from_others(case) for case in cases])
     scored = {"the option that differs most from the others": apart, "the option that differs least": -apart}
-    if cases[0].seen_context:
-        gaps = [different(o, c.seen_context[-1]) for c in cases for o in c.seen_options]
+    if cases[0].context_thumbnails:
+        gaps = [pixel_difference(o, c.context_thumbnails[-1]) for c in cases for o in c.option_thumbnails]
         scored["the option most like the last picture"] = -np.array(gaps)
         scored["the option least like the last picture"] = np.array(gaps)
     return scored
 
 
 def _from_others(case: Case) -> NDArray[np.float64]:
-    options = case.seen_options
-    return np.array([sum(different(a, b) for b in options) / max(1, len(options) - 1) for a in options])
+    """Return the mean difference of each option from the others."""
+    options = case.option_thumbnails
+    return np.array([sum(pixel_difference(a, b) for b in options) / max(1, len(options) - 1) for a in options])

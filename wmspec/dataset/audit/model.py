@@ -1,18 +1,18 @@
-"""What an audit finds."""
+"""The results of an audit."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-#: `fails` is a defect, `holds` its absence, `unclear` that there are too few questions to tell; `told` is for the
-#: reader to judge, because it may be meant.
+#: `fails` is a defect, `holds` its absence, `unclear` lack of data; `told` is reported without judgement, because it
+#: may be intended.
 Verdict = Literal["fails", "unclear", "told", "holds"]
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at: which check, of which task (or of the dataset, ""), and what was seen."""
+    """One result: the check, the task ('' for the dataset), the verdict, and a description."""
 
     check: str
     task: str
@@ -22,13 +22,12 @@ class Finding:
 
 @dataclass(frozen=True)
 class Test:
-    """Whether two things are independent of each other, or one of them uniform (`second` is "").
+    """A test of independence of two variables, or of uniformity of one (`second` is '').
 
-    `counts` are the contingency table, a row for each value of `first`; `strength` is Cramér's V (or Cohen's w),
-    `p` the probability of a table so uneven by chance, by `method`; `corrected` is `p` after Holm, among those of the
-    task that are `judged` (`audit.balance.weighed`). `effect` is the design effect: so many questions are worth
-    one, since those of a group are alike. `least` is the weakest dependence that would have been
-    found in four of five datasets such as this.
+    `counts` is the contingency table, with a row for each value of `first`. `strength` is Cramér's V (or Cohen's w),
+    `p` the p-value by `method`. `corrected` is the p-value after Holm's correction over the task's `judged` tests
+    (`audit.balance.weighed`). `effect` is the design effect: the number of questions worth one independent question.
+    `least` is the weakest dependence detectable with a power of 0.8.
     """
 
     task: str
@@ -48,20 +47,19 @@ class Test:
 
 @dataclass(frozen=True)
 class Probe:
-    """How often a small classifier that sees only `sees` picks the true option, on questions it was not fitted to.
+    """The accuracy of a small classifier that sees only `sees`, on held-out questions.
 
-    `family` says what sort of thing it sees. `right` of `asked` questions (ties count in part), `chance` is what
-    guessing yields, `deviation` the standard deviation of the accuracy about it. (`low`, `high`) is the 95 % interval
-    of its accuracy; a judged one is `luck` if it is no further above chance than guessing gets. `least` is the smallest
-    shortcut, in accuracy above chance, that would have been found in four of five datasets such as this; `learned` what
-    the probe answered of shortcuts that were planted. One that is not `judged` sees what the question is meant to be
-    answered from.
+    `family` is the type of its input. `right` of `questions` are correct (ties count in part), `chance` is the accuracy
+    of guessing, `deviation` the standard deviation of the accuracy under guessing. (`low`, `high`) is the 95 % interval
+    of the accuracy. A judged probe is `luck` if it is not significantly above chance. `least` is the smallest shortcut,
+    in accuracy above chance, detectable with a power of 0.8. `learned` is the accuracy gained on injected shortcuts. A
+    probe that is not `judged` sees information that is meant to give the answer.
     """
 
     task: str
     sees: str
     family: str
-    asked: int
+    questions: int
     right: float
     chance: float
     deviation: float
@@ -75,28 +73,28 @@ class Probe:
 
     @property
     def accuracy(self) -> float:
-        """The share of questions that it answers."""
-        return self.right / self.asked if self.asked else 0.0
+        """The share of questions answered correctly."""
+        return self.right / self.questions if self.questions else 0.0
 
 
 @dataclass(frozen=True)
 class Counts:
-    """How many of a task's questions there are: asked, kept, and rejected by reason; instances planned."""
+    """The numbers of a task's instances and questions: planned, kept, and rejected by reason."""
 
     task: str
     dimension: str
     instances: int
-    asked: int
+    questions: int
     kept: int
     rejected: dict[str, int]
 
 
 @dataclass(frozen=True)
 class Likeness:
-    """How alike the options of a task's questions are: the share of pixels in which the closest two differ.
+    """The similarity of the options of a task's questions: the share of pixels in which the closest two differ.
 
-    `quantiles` are the least, the quarter, the median, the three quarters and the most; `pairs` the median for every
-    pair of options by name; `closest` the question whose options are most alike.
+    `quantiles` are minimum, quartiles and maximum; `pairs` is the median for every pair of option names; `closest` is
+    the question with the most similar options.
     """
 
     task: str
@@ -107,7 +105,7 @@ class Likeness:
 
 @dataclass(frozen=True)
 class Spread:
-    """How a quantity, such as the stimulus difference, is spread over a task's questions."""
+    """The distribution of a quantity, such as the stimulus difference, over a task's questions."""
 
     task: str
     name: str
@@ -117,12 +115,12 @@ class Spread:
 
 @dataclass(frozen=True)
 class Summary:
-    """What there is to say of a task in one line: whether it passes, why not, and how much was looked at.
+    """The one-line summary of a task: verdict, reasons, and amount of data.
 
-    `verdict` is `unclear` where nothing fails and something cannot be told. `groups` are the independent control
-    groups that its questions come from: the effective sample size. Of the judged probes: the most that any answers
-    `above` chance, which one that is, and the `least` shortcut that all of them would have found. They are None if
-    nothing was probed. `stable` is the share of answers that hold (`wmspec.dataset.audit.stability`), None if unknown.
+    `verdict` is `unclear` if nothing fails but something is inconclusive. `groups` is the effective sample size: the
+    number of independent control groups. Over the judged probes, `above` is the highest accuracy above chance, `best`
+    its probe, and `least` the shortcut that all would have detected; None if nothing was probed. `stable` is the share
+    of stable answers (`wmspec.dataset.audit.stability`), None if unknown.
     """
 
     task: str
@@ -138,7 +136,7 @@ class Summary:
 
 @dataclass(frozen=True)
 class Audit:
-    """Everything that was found in a dataset."""
+    """All results of an audit."""
 
     dataset: str
     findings: tuple[Finding, ...]

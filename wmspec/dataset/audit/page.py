@@ -1,42 +1,42 @@
-"""The report of an audit as one page that opens anywhere."""
+"""The audit report as a self-contained page."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from wmspec.dataset.audit import balance, figures
-from wmspec.dataset.audit.balance import STRONG, SURE
-from wmspec.dataset.audit.classify import FOLDS, TREES
-from wmspec.dataset.audit.groups import LEAST_GROUPS
+from wmspec.dataset.audit.balance import MIN_STRENGTH, SIGNIFICANCE
+from wmspec.dataset.audit.classify import FOLDS, FOREST_TREES
+from wmspec.dataset.audit.groups import MIN_GROUPS
 from wmspec.dataset.audit.model import Audit, Probe, Summary, Verdict
-from wmspec.dataset.audit.power import ALARMS, POWER
-from wmspec.dataset.audit.probes import ROOM, SLACK
+from wmspec.dataset.audit.power import FALSE_ALARMS, POWER
+from wmspec.dataset.audit.probes import MAX_MISSED_SHORTCUT, SLACK
 from wmspec.dataset.audit.probes import verdict as probe_verdict
-from wmspec.dataset.audit.stability import LEAST_STABLE
+from wmspec.dataset.audit.stability import MIN_STABLE
 from wmspec.dataset.build.webpage import webpage
 
-#: What verdicts are called.
+#: Labels of verdicts.
 WORDS: dict[Verdict, str] = {"fails": "fails", "unclear": "too few to tell", "told": "to judge", "holds": "holds"}
-#: What they are called of a task as a whole.
+#: Labels of verdicts of a whole task.
 OF_TASKS: dict[Verdict, str] = {"fails": "fail", "unclear": "unknown", "holds": "pass", "told": ""}
-#: The limits that the page explains.
+#: Thresholds that the page explains.
 _RULES = {
-    "sure": SURE,
-    "strong": STRONG,
-    "trees": TREES,
+    "sure": SIGNIFICANCE,
+    "strong": MIN_STRENGTH,
+    "trees": FOREST_TREES,
     "folds": FOLDS,
     "slack": SLACK,
-    "alarms": ALARMS,
-    "room": ROOM,
+    "alarms": FALSE_ALARMS,
+    "room": MAX_MISSED_SHORTCUT,
     "power": POWER,
-    "least_groups": LEAST_GROUPS,
-    "guessing": balance.ROOM,
-    "least_stable": LEAST_STABLE,
+    "least_groups": MIN_GROUPS,
+    "guessing": balance.MAX_MISSED_GAIN,
+    "least_stable": MIN_STABLE,
 }
 
 
 def page(audit: Audit) -> str:
-    """The page: HTML with its style and figures inside, the same for the same findings."""
+    """Return the page: HTML with style and figures inside; deterministic."""
     tasks = dict.fromkeys([c.task for c in audit.counts] + [t.task for t in audit.tests])
     return webpage(
         "wmspec.dataset.audit",
@@ -53,7 +53,7 @@ def page(audit: Audit) -> str:
 
 
 def _task(audit: Audit, task: str) -> dict[str, Any]:
-    """What was found in a task; `best` is the best probe of each family."""
+    """Return the results of a task; `best` is the best probe of each family."""
     best: dict[tuple[str, bool], Probe] = {}
     probes = [p for p in audit.probes if p.task == task]
     for probe in sorted(probes, key=lambda p: p.chance - p.accuracy):
@@ -69,9 +69,9 @@ def _task(audit: Audit, task: str) -> dict[str, Any]:
 
 
 def verdict(audit: Audit) -> str:
-    """The outcome in a sentence."""
+    """Return the outcome in a sentence."""
     number = {v: sum(s.verdict == v for s in audit.summaries) for v in ("holds", "unclear", "fails")}
-    wording = {"holds": "pass", "unclear": "cannot be told", "fails": "fail"}
+    wording = {"holds": "pass", "unclear": "are inconclusive", "fails": "fail"}
     many = len(audit.summaries)
     tasks = ", ".join(f"{number[v]:,} {wording[v]}" for v in number if number[v])
     whole = "" if audit.passed or number["fails"] else "; files of the dataset are gone"
@@ -79,7 +79,7 @@ def verdict(audit: Audit) -> str:
 
 
 def overview(audit: Audit) -> list[list[str]]:
-    """The first page as cells: a head, and a line for each task, the failing ones first."""
+    """Return the summary table: a header, and a row for each task, failing ones first."""
     order = ("fails", "unclear", "holds")
     head = ["task", "verdict", "why", "questions", "groups", "best probe", "above chance", "found from", "stable"]
     return [head, *map(_line, sorted(audit.summaries, key=lambda s: (order.index(s.verdict), s.task)))]

@@ -1,8 +1,8 @@
-"""What a probe could have found: the smallest shortcut that it tells from chance in four of five datasets.
+"""Power of probes: the smallest shortcut that a probe detects with a power of 0.8.
 
-Two things hide a shortcut: the dice, because few questions are answered by luck more often than others, and the
-classifier, which has to learn it from the same few. The first is worked out. The second is tried: shortcuts of known
-sizes are planted into what the probe sees, and it is seen how much of them it answers.
+Two effects hide a shortcut: chance, because questions are few, and learning, because the classifier has to find the
+shortcut from the same few questions. Chance is computed. Learning is measured: shortcuts of known sizes are injected
+into the features, and the gain in accuracy is recorded.
 """
 
 from __future__ import annotations
@@ -13,45 +13,46 @@ from statistics import NormalDist
 
 import numpy as np
 
-from wmspec.dataset.audit.classify import SEED, Array, Asked, Seen, held_out
+from wmspec.dataset.audit.classify import SEED, Array, ProbeDataset, ProbeFeatures, cross_validated_scores
 
-#: The share of datasets without a shortcut that may be said to have one, by all probes of a task together.
-ALARMS = 0.05
-#: The share of datasets with a shortcut in which it has to be found.
+#: Probability of a false alarm by any probe of a task without a shortcut.
+FALSE_ALARMS = 0.05
+#: Probability of detecting an existing shortcut.
 POWER = 0.8
-#: The sizes that are planted, above chance, and how often each: forests take longer.
-SIZES, PLANTED = (0.1, 0.2, 0.3), {"linear": 16, "forest": 8}
+#: Sizes of injected shortcuts (accuracy above chance), and the number of injections by model.
+SHORTCUT_SIZES, INJECTIONS = (0.1, 0.2, 0.3), {"linear": 16, "forest": 8}
 
 
-#: A number that has fewer values, or in fewer of the questions one largest, has no room for a shortcut.
-VALUES, ABLE = 20, 0.9
-#: What is larger by less than this share of how much a number varies is not clearly so.
-LARGER = 0.1
+#: Minimum number of values of a feature, and minimum share of questions with a single largest value, to hold a
+#: shortcut.
+MIN_VALUES, MIN_UNIQUE_MAXIMA = 20, 0.9
+#: Minimum lead of the largest value, relative to the spread of the feature.
+MIN_LEAD = 0.1
 
-#: How much more a probe's accuracy varies than that of answers given one by one, since what answers the parts has been
-#: fitted to most of the same questions: measured on noise, 1.16 to 1.2 in three settings of 40 to 100 draws.
-SHARED = 1.2
+#: Factor by which the deviation of a cross-validated accuracy exceeds that of independent answers, since the folds
+#: share most of their training data. Measured on noise: 1.16 to 1.2 in three settings of 40 to 100 draws.
+FOLD_INFLATION = 1.2
 
 
 def deviation(right: Array, chance: Array, groups: Sequence[str]) -> float:
-    """The standard deviation of a probe's accuracy: by chance alone, or as groups differ if that is more.
+    """Return the standard deviation of a probe's accuracy: that of chance, or that between groups if larger.
 
-    Questions of a group are alike, so that what is right of one is apt to be right of all (clustered sampling).
+    Questions of a group are correlated (cluster sampling).
     """
     alone = float(np.sqrt((chance * (1 - chance)).sum())) / len(right)
     number = np.unique(groups, return_inverse=True)[1]
     sums = np.bincount(number, right - right.mean())
     many = len(sums)
     clustered = float(np.sqrt((sums**2).sum() * many / max(1, many - 1))) / len(right)
-    return SHARED * max(alone, clustered)
+    return FOLD_INFLATION * max(alone, clustered)
 
 
 @dataclass(frozen=True)
-class Reach:
-    """What is known of a probe before it is looked at what it answers: its `chance`, the `deviation` of its accuracy.
+class ProbePower:
+    """Properties of a probe that do not depend on its result: `chance`, and the `deviation` of its accuracy.
 
-    `learned` is how far above chance it gets, in four of five datasets, with a shortcut of each of the `SIZES`; None
-    if there is nothing to learn.
+    `learned` is the gain above chance from a shortcut of each of the `SHORTCUT_SIZES`, with a power of 0.8. It is None
+    if nothing can be learned.
     """
 
     chance: float
@@ -59,9 +60,9 @@ class Reach:
     learned: Sequence[float] | None
 
     def gained(self, size: float) -> float:
-        """How far above chance it gets in four of five datasets with a shortcut of this size, in deviations."""
+        """Return the gain above chance from a shortcut of this size, with a power of 0.8, in deviations."""
         if self.learned is not None:
-            got = float(np.interp(size, [0.0, *SIZES], np.maximum.accumulate([0.0, *self.learned])))
+            got = float(np.interp(size, [0.0, *SHORTCUT_SIZES], np.maximum.accumulate([0.0, *self.learned])))
         else:
             share = min(self.chance + size, 1.0)
             wider = np.sqrt(share * (1 - share) / max(self.chance * (1 - self.chance), 1e-12))
@@ -69,38 +70,41 @@ class Reach:
         return got / self.deviation
 
 
-def threshold(tests: int, alarms: float = ALARMS) -> float:
-    """How many standard deviations above chance is more than luck, in so many tests (Bonferroni)."""
+def threshold(tests: int, alarms: float = FALSE_ALARMS) -> float:
+    """Return the significance threshold for `tests` tests, in standard deviations above chance (Bonferroni)."""
     return NormalDist().inv_cdf(1 - alarms / max(1, tests))
 
 
-def thresholds(reaches: Sequence[Reach]) -> list[float]:
-    """The same of each of a task's probes: half of the alarms are shared out evenly, half to those that find least.
+def thresholds(reaches: Sequence[ProbePower]) -> list[float]:
+    """Return the thresholds of a task's probes. Half of the alarms are shared evenly, half go to the weakest probes.
 
-    These get so much that all find a shortcut of the same size, the smallest that can be had (weights by power, as in
-    Roeder & Wasserman 2009). If none of `SIZES` can be had, all alarms are shared out evenly.
+    The second half is distributed so that all probes detect the same smallest possible shortcut (weights by power,
+    Roeder & Wasserman 2009). If none of `SHORTCUT_SIZES` is detectable, all alarms are shared evenly.
     """
-    for size in np.arange(0.01, SIZES[-1] + 0.001, 0.01):
+    for size in np.arange(0.01, SHORTCUT_SIZES[-1] + 0.001, 0.01):
         needed = [reach.gained(float(size)) for reach in reaches]
-        if sum(1 - NormalDist().cdf(beyond) for beyond in needed) <= ALARMS / 2:
-            return [min(beyond, threshold(len(reaches), ALARMS / 2)) for beyond in needed]
+        if sum(1 - NormalDist().cdf(beyond) for beyond in needed) <= FALSE_ALARMS / 2:
+            return [min(beyond, threshold(len(reaches), FALSE_ALARMS / 2)) for beyond in needed]
     return [threshold(len(reaches))] * len(reaches)
 
 
-def learned(seen: Seen, asked: Asked, chance: Array) -> tuple[float, ...]:
-    """Of shortcuts of each of the sizes: how far above chance the probe gets in four of five datasets."""
+def learned_gains(seen: ProbeFeatures, data: ProbeDataset, chance: Array) -> tuple[float, ...]:
+    """Return the gain above chance, with a power of 0.8, from a shortcut of each of the sizes."""
     random = np.random.default_rng(SEED)
-    times = range(PLANTED[seen.model])
-    return least_gained(
-        [[float((held_out(*planted(seen, asked, size, random)) - chance).mean()) for _ in times] for size in SIZES]
+    times = range(INJECTIONS[seen.model])
+    return gain_quantile(
+        [
+            [float((cross_validated_scores(*inject_shortcut(seen, data, size, random)) - chance).mean()) for _ in times]
+            for size in SHORTCUT_SIZES
+        ]
     )
 
 
-def least_gained(gained: Sequence[Sequence[float]]) -> tuple[float, ...]:
-    """What is gained of shortcuts of each size in four of five datasets, from what was gained of some (sizes, times).
+def gain_quantile(gained: Sequence[Sequence[float]]) -> tuple[float, ...]:
+    """Return the gain for each size with a power of 0.8, from measured gains (sizes, repetitions).
 
-    How much they differ, by luck and by what was learned, is taken to be the same for all sizes. Few are tried, so it
-    is what is gained at the least, by one standard error.
+    The variance is assumed equal for all sizes. The estimate is lowered by one standard error, since repetitions are
+    few.
     """
     of_sizes = np.array(gained)
     means, times = of_sizes.mean(1), of_sizes.shape[1]
@@ -108,63 +112,68 @@ def least_gained(gained: Sequence[Sequence[float]]) -> tuple[float, ...]:
     return tuple(float(mean) for mean in means - (NormalDist().inv_cdf(POWER) + times**-0.5) * spread)
 
 
-def smallest(reach: Reach, beyond: float) -> float:
-    """The smallest shortcut that is told from luck in four of five datasets; 1 if none that was tried.
+def smallest_detectable(reach: ProbePower, beyond: float) -> float:
+    """Return the smallest shortcut detected with a power of 0.8; 1 if none of the sizes.
 
-    More than luck is what is more than `beyond` deviations above chance.
+    A result is significant more than `beyond` deviations above chance.
     """
-    sizes = np.arange(0.0, (1.0 if reach.learned is None else SIZES[-1]) + 1e-9, 0.002)
+    sizes = np.arange(0.0, (1.0 if reach.learned is None else SHORTCUT_SIZES[-1]) + 1e-9, 0.002)
     found = [size for size in sizes if reach.gained(float(size)) >= beyond - 1e-9]
     return max(float(found[0]), beyond * reach.deviation) if found else 1.0
 
 
-def planted(seen: Seen, asked: Asked, size: float, random: np.random.Generator) -> tuple[Seen, Asked]:
-    """The same with another truth, drawn at random, and one number of what is seen that tells it.
+def inject_shortcut(
+    seen: ProbeFeatures, data: ProbeDataset, size: float, random: np.random.Generator
+) -> tuple[ProbeFeatures, ProbeDataset]:
+    """Return the input with a random truth, and a shortcut injected into one feature.
 
-    It tells it in so many questions that whoever reads it is right `size` above chance, and lies in the others.
+    The feature indicates the truth in a share of questions that gives it an accuracy of `size` above chance.
     """
-    count = asked.sizes
-    places = (random.random(asked.count) * count).astype(np.int64)
-    retold = asked.retold(places)
-    tells = random.random(asked.count) < size / (1 - (1 / count).mean())
-    claimed = np.where(tells, places, (random.random(asked.count) * count).astype(np.int64))
+    count = data.sizes
+    places = (random.random(data.count) * count).astype(np.int64)
+    relabelled = data.with_labels(places)
+    tells = random.random(data.count) < size / (1 - (1 / count).mean())
+    claimed = np.where(tells, places, (random.random(data.count) * count).astype(np.int64))
     features = seen.features.copy()
     of_options = seen.of == "options"
-    able = _only_best(features, asked) if of_options else _values(features)
-    column = _telling(features, able, random)
-    if able[column] < ABLE:  # no number has room
+    able = _unique_maxima(features, data) if of_options else _value_room(features)
+    column = _shortcut_feature(features, able, random)
+    if able[column] < MIN_UNIQUE_MAXIMA:  # no feature can hold a shortcut
         features[:, column] = random.random(len(features))
     if of_options:
-        features[:, column] = _first(features[:, column], asked, claimed, random)
+        features[:, column] = _largest_at_claim(features[:, column], data, claimed, random)
     else:
-        features[:, column] = _banded(features[:, column], asked.name[asked.starts + claimed], random)
-    return replace(seen, features=features), retold
+        features[:, column] = _bands_by_name(features[:, column], data.name[data.starts + claimed], random)
+    return replace(seen, features=features), relabelled
 
 
-def _telling(features: Array, able: Array, random: np.random.Generator) -> int:
-    """A number that a shortcut may be in: one of the eight that vary most, of those most `able` (0 to 1) to tell it."""
-    possible = np.flatnonzero(able >= min(ABLE, able.max()))
+def _shortcut_feature(features: Array, able: Array, random: np.random.Generator) -> int:
+    """Return a feature for a shortcut: one of the eight with the largest variance among the most able.
+
+    `able` (0 to 1) says how well each feature can hold a shortcut.
+    """
+    possible = np.flatnonzero(able >= min(MIN_UNIQUE_MAXIMA, able.max()))
     widest = possible[np.argsort(-features[:, possible].std(0), kind="stable")][:8]
     return int(widest[random.integers(len(widest))])
 
 
-def _values(features: Array) -> Array:
-    """Whether each has as many values as a shortcut has room in: (d,), at most 1."""
-    return np.array([min(1.0, len(np.unique(column.round(9))) / VALUES) for column in features.T])
+def _value_room(features: Array) -> Array:
+    """Return whether each feature has enough values for a shortcut: (d,), at most 1."""
+    return np.array([min(1.0, len(np.unique(column.round(9))) / MIN_VALUES) for column in features.T])
 
 
-def _only_best(features: Array, asked: Asked) -> Array:
-    """In how many of the questions one option has a number that is clearly the largest: (d,)."""
-    largest = np.repeat(np.maximum.reduceat(features, asked.starts), asked.sizes, axis=0)
-    near = features >= largest - np.maximum(LARGER * features.std(0), 1e-9)
-    having = np.add.reduceat(near.astype(np.float64), asked.starts)
+def _unique_maxima(features: Array, data: ProbeDataset) -> Array:
+    """Return the share of questions in which one option clearly has the largest value: (d,)."""
+    largest = np.repeat(np.maximum.reduceat(features, data.starts), data.sizes, axis=0)
+    near = features >= largest - np.maximum(MIN_LEAD * features.std(0), 1e-9)
+    having = np.add.reduceat(near.astype(np.float64), data.starts)
     return np.asarray((having == 1).mean(0))
 
 
-def _first(column: Array, asked: Asked, claimed: np.ndarray, random: np.random.Generator) -> Array:
-    """The numbers of each question's options in random order, the largest where the truth is said to be."""
+def _largest_at_claim(column: Array, data: ProbeDataset, claimed: np.ndarray, random: np.random.Generator) -> Array:
+    """Return each question's values in random order, with the largest at the claimed position."""
     put = column.copy()
-    for start, size, place in zip(asked.starts, asked.sizes, claimed, strict=True):
+    for start, size, place in zip(data.starts, data.sizes, claimed, strict=True):
         values = random.permutation(column[start : start + size])
         best = int(values.argmax())
         values[[best, place]] = values[[place, best]]
@@ -172,8 +181,8 @@ def _first(column: Array, asked: Asked, claimed: np.ndarray, random: np.random.G
     return put
 
 
-def _banded(column: Array, groups: np.ndarray, random: np.random.Generator) -> Array:
-    """The same numbers, so that each of the names has a band of them for itself."""
+def _bands_by_name(column: Array, groups: np.ndarray, random: np.random.Generator) -> Array:
+    """Return the values rearranged so that each name has a range of its own."""
     order = np.argsort(np.unique(groups, return_inverse=True)[1] + random.random(len(groups)), kind="stable")
     put = np.empty_like(column)
     put[order] = np.sort(column)

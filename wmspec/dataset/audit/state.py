@@ -1,6 +1,6 @@
-"""Where objects are in pictures and what they look like there, as numbers that a probe sees.
+"""Positions and appearance of objects in pictures, as features for probes.
 
-An object's numbers are those of a row's `context_objects` and `option_objects`: what a perfect eye would read off.
+The values come from `context_objects` and `option_objects`: the state that perfect vision would extract.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from wmspec.dataset.build.rows import Row
 
 Array = NDArray[np.float64]
 
-#: What is read off an object: where it is in the picture and how large, how it is turned, its colour.
-PLACES = ("across", "down", "share", "qw", "qx", "qy", "qz")
-LOOKS = ("red", "green", "blue")
-#: So many objects of a question are looked at: those that it is about come first.
-MOST_OBJECTS = 6
+#: Features of an object: position and area in the picture, orientation, colour.
+POSE_CHANNELS = ("across", "down", "share", "qw", "qx", "qy", "qz")
+COLOUR_CHANNELS = ("red", "green", "blue")
+#: Maximum number of objects of a question; those that it is about come first.
+MAX_OBJECTS = 6
 
 #: The objects of one picture, by name.
 Objects = Mapping[str, Row]
 
 
-def pictured(case: Case, column: str) -> Sequence[Objects]:
-    """The objects of each picture, of the context or of the options."""
+def objects_by_picture(case: Case, column: str) -> Sequence[Objects]:
+    """Return the objects of each picture, of the context or of the options."""
     count = len(case.context) if column == "context_objects" else len(case.options)
     pictures: list[dict[str, Row]] = [{} for _ in range(count)]
     for seen in case.row.get(column) or ():
@@ -35,19 +35,19 @@ def pictured(case: Case, column: str) -> Sequence[Objects]:
     return pictures
 
 
-def known(cases: Sequence[Case]) -> bool:
-    """Whether the rows say where objects are."""
+def has_object_states(cases: Sequence[Case]) -> bool:
+    """Whether the rows have object states."""
     return all(case.row.get("context_objects") or case.row.get("option_objects") for case in cases)
 
 
-def of_questions(cases: Sequence[Case], views: Sequence[int], about: bool = True) -> Array:
-    """The objects of the pictures `views` and how they go from one to the next, a row for each question.
+def question_states(cases: Sequence[Case], views: Sequence[int], about: bool = True) -> Array:
+    """Return the objects of the pictures `views` and their motion between pictures, one row a question.
 
-    By name; first those that it is `about`, and of these the ones that it speaks of most, since it asks of one of them.
+    Ordered by name. If `about`, objects of the question come first, and those mentioned most often before others.
     """
     rows = []
     for case in cases:
-        pictures = pictured(case, "context_objects")
+        pictures = objects_by_picture(case, "context_objects")
         names = _named(pictures, about, case.row["text"])
         seen = [[_numbers(pictures[view].get(name)) for name in names] for view in views]
         steps = [_step(a, b) for here, there in pairwise(seen) for a, b in zip(here, there, strict=True)]
@@ -56,11 +56,11 @@ def of_questions(cases: Sequence[Case], views: Sequence[int], about: bool = True
     return np.stack([np.pad(row, (0, width - len(row))) for row in rows])
 
 
-def of_options(cases: Sequence[Case], views: Sequence[int]) -> Array:
-    """The objects of each option picture, and how they differ from those of the pictures `views`: a row an option."""
+def option_states(cases: Sequence[Case], views: Sequence[int]) -> Array:
+    """Return the objects of each option picture, and their differences to the pictures `views`: one row an option."""
     rows = []
     for case in cases:
-        shown, offered = pictured(case, "context_objects"), pictured(case, "option_objects")
+        shown, offered = objects_by_picture(case, "context_objects"), objects_by_picture(case, "option_objects")
         names = _named([*shown, *offered], True)
         for objects in offered:
             here = [_numbers(objects.get(name)) for name in names]
@@ -70,55 +70,58 @@ def of_options(cases: Sequence[Case], views: Sequence[int]) -> Array:
     return np.stack([np.pad(row, (0, width - len(row))) for row in rows])
 
 
-def of_things(cases: Sequence[Case], views: Sequence[int]) -> Array:
-    """The object that each option speaks of, in the pictures `views`: a row an option, nought if it is none."""
+def named_object_states(cases: Sequence[Case], views: Sequence[int]) -> Array:
+    """Return the object that each option names, in the pictures `views`: one row an option, zeros if none."""
     rows = []
     for case in cases:
-        pictures = pictured(case, "context_objects")
-        for name in spoken_of(case):
+        pictures = objects_by_picture(case, "context_objects")
+        for name in named_objects(case):
             here = [_numbers(pictures[v].get(name)) if name else _numbers(None) for v in views]
             steps = [b - a for a, b in pairwise(here)]
             rows.append(np.concatenate([[float(name is not None)], *here, *steps, *map(abs, steps)]))
     return np.stack(rows)
 
 
-def spoken_of(case: Case) -> list[str | None]:
-    """The name of the one object that each option speaks of: by its own name, or by a word for its look."""
+def named_objects(case: Case) -> list[str | None]:
+    """Return the name of the one object that each option refers to, by its name or by a word for its look."""
     looks = {seen["name"]: seen["look"].split() for seen in case.row.get("context_objects") or ()}
     names: list[str | None] = []
     for option in case.row["option_name"]:
-        meant = [name for name, words in looks.items() if option == name or option in words]
-        names.append(meant[0] if len(meant) == 1 else None)
+        matches = [name for name, words in looks.items() if option == name or option in words]
+        names.append(matches[0] if len(matches) == 1 else None)
     return names
 
 
-def struck_out(cases: Sequence[Case]) -> list[NDArray[np.bool_]]:
-    """Of each question, the options that whoever sees any picture strikes out.
+def eliminated_options(cases: Sequence[Case]) -> list[NDArray[np.bool_]]:
+    """Return, for each question, the options that any view of the scene eliminates.
 
-    Of words, those that speak of what is not there. Of the pictures of a closed set, those that begin in another state:
-    the state is there to be seen or told, and what follows from it is what the question is about.
+    Words that refer to absent objects are eliminated. In a closed set of pictures, options that begin in another state
+    are eliminated: the state is visible or given, and the question is about its consequences.
     """
-    return [_other_state(case) for case in cases] if cases[0].pictured else _unseen(cases)
+    return [_other_state(case) for case in cases] if cases[0].has_picture_options else _absent_looks(cases)
 
 
-def framed(cases: Sequence[Case]) -> bool:
-    """Whether the options tell where all began: some differ from the truth in the action alone, and began there."""
+def reveals_initial_state(cases: Sequence[Case]) -> bool:
+    """Whether the options reveal the initial state.
+
+    They do if some differ from the truth in the action alone and so begin in the same state.
+    """
     return any("action" in case.row["option_kind"] for case in cases)
 
 
 def _other_state(case: Case) -> NDArray[np.bool_]:
-    """The options that begin in another state, if there are others that differ in the action alone."""
+    """Return the options that begin in another state, if others differ in the action alone."""
     kinds = np.array(case.row["option_kind"])
     return np.isin(kinds, ("state", "both")) & bool((kinds == "action").any())
 
 
-def _unseen(cases: Sequence[Case]) -> list[NDArray[np.bool_]]:
-    """The options that speak of a look that nothing in the pictures has.
+def _absent_looks(cases: Sequence[Case]) -> list[NDArray[np.bool_]]:
+    """Return the options that refer to a look that no visible object has, such as an absent colour.
 
-    Such as a colour that nothing has. A word such as "neither", which is no name and no look of anything in any of the
-    questions, may always be true. Nothing is struck out if that could be the truth.
+    A word such as "neither", which is no name or look in any of the questions, may always be true. Nothing is
+    eliminated if that could be the truth.
     """
-    there = [_spoken(case) for case in cases]
+    there = [_present_words(case) for case in cases]
     known = set().union(*there)
     struck = [
         np.array([o in known - words for o in c.row["option_name"]]) for c, words in zip(cases, there, strict=True)
@@ -128,29 +131,29 @@ def _unseen(cases: Sequence[Case]) -> list[NDArray[np.bool_]]:
     return struck
 
 
-def _spoken(case: Case) -> set[str]:
-    """The names and the words for the looks of what is there."""
+def _present_words(case: Case) -> set[str]:
+    """Return the names of present objects and the words for their looks."""
     return {w for seen in case.row.get("context_objects") or () for w in (seen["name"], *seen["look"].split())}
 
 
 def _named(pictures: Sequence[Objects], about: bool, text: str = "") -> list[str]:
-    """The names of the objects in order, so many of them as are looked at."""
+    """Return the names of the objects in order, at most MOST_OBJECTS."""
     said = text.lower().replace("?", " ").replace(",", " ").replace(".", " ").split()
-    asked: dict[str, tuple[bool, int]] = {}
+    sort_keys: dict[str, tuple[bool, int]] = {}
     for picture in pictures:
         for name, seen in picture.items():
-            asked[name] = not (about and seen["asked"]), -sum(said.count(word) for word in seen["look"].split())
-    return sorted(asked, key=lambda name: (*asked[name], name))[:MOST_OBJECTS]
+            sort_keys[name] = not (about and seen["asked"]), -sum(said.count(word) for word in seen["look"].split())
+    return sorted(sort_keys, key=lambda name: (*sort_keys[name], name))[:MAX_OBJECTS]
 
 
 def _step(a: Array, b: Array) -> Array:
-    """How far an object goes across, down, and in all."""
+    """Return the displacement of an object: horizontal, vertical and total."""
     across, down = (b - a)[:2]
     return np.array([across, down, np.hypot(across, down)])
 
 
 def _numbers(seen: Row | None) -> Array:
-    """What is read off an object; -1 where it is not seen."""
+    """Return the features of an object; -1 where it is not visible."""
     if seen is None or not seen["share"]:
-        return np.full(len(PLACES) + len(LOOKS), -1.0)
-    return np.array([seen[name] for name in (*PLACES, *LOOKS)], dtype=np.float64)
+        return np.full(len(POSE_CHANNELS) + len(COLOUR_CHANNELS), -1.0)
+    return np.array([seen[name] for name in (*POSE_CHANNELS, *COLOUR_CHANNELS)], dtype=np.float64)

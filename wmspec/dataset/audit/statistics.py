@@ -1,4 +1,4 @@
-"""The few statistics that the audit needs: tests of independence, correction for many of them, an interval."""
+"""Statistics of the audit: tests of independence, correction for multiple tests, exact intervals."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from scipy import optimize, stats
 
 Table = NDArray[np.int64]
 
-#: Below this expected count in any cell the chi-square distribution is not trusted (Cochran 1954).
-LEAST_EXPECTED = 5
-#: Tables drawn with the same margins where no exact formula is at hand; always the same ones.
-DRAWN = 19_999
+#: Minimum expected count of every cell for the chi-square distribution (Cochran 1954).
+MIN_EXPECTED = 5
+#: Number of random tables with the same margins where no exact formula is available.
+RANDOM_TABLES = 19_999
 SEED = 20_611
 
 
 def independence(table: Table) -> tuple[float, float, str]:
-    """Cramér's V of a contingency table, the probability of one so uneven by chance, and how that was found.
+    """Return Cramér's V of a contingency table, its p-value, and the method.
 
-    Chi-square where every cell is expected to hold 5; else Fisher's exact test for 2 x 2, and random tables with the
-    same margins (Patefield 1981) for larger ones. (0, 1, "nothing varies") where a margin has a single value.
+    Chi-square where every cell is expected to hold 5. Otherwise Fisher's exact test for 2 x 2, and random tables with
+    the same margins (Patefield 1981) for larger ones. (0, 1, "nothing varies") where a margin has a single value.
     """
     table = table[table.sum(1) > 0][:, table.sum(0) > 0]
     if min(table.shape) < 2:
@@ -31,65 +31,66 @@ def independence(table: Table) -> tuple[float, float, str]:
     expected = np.outer(table.sum(1), table.sum(0)) / table.sum()
     seen = _pearson(table)
     strength = float(np.sqrt(seen / table.sum() / (min(table.shape) - 1)))
-    if expected.min() >= LEAST_EXPECTED:
+    if expected.min() >= MIN_EXPECTED:
         return strength, float(stats.chi2.sf(seen, (table.shape[0] - 1) * (table.shape[1] - 1))), "chi-square"
     if table.shape == (2, 2):
         return strength, float(stats.fisher_exact(table).pvalue), "Fisher's exact"
-    drawn = stats.random_table(table.sum(1), table.sum(0)).rvs(DRAWN, random_state=SEED)
-    return strength, _rank(seen, _pearson(drawn)), f"{DRAWN:,} random tables"
+    drawn = stats.random_table(table.sum(1), table.sum(0)).rvs(RANDOM_TABLES, random_state=SEED)
+    return strength, _rank(seen, _pearson(drawn)), f"{RANDOM_TABLES:,} random tables"
 
 
 def dependence(
     first: NDArray[np.intp], second: NDArray[np.intp], groups: NDArray[np.intp]
 ) -> tuple[float, float, str, float]:
-    """What `independence` tells of two things, and its design effect; all are numbers (n,) from 0.
+    """Return the results of `independence` for two coded variables (n,), and the design effect.
 
-    What is the same in all cases of a group is dealt to groups, so each group is one piece of evidence about it, not as
-    many as it has cases. Then the probability is that of it being dealt so among them, and the design effect (Kish
-    1965) tells how many cases are worth one: at least 1.
+    A variable that is constant within groups is permuted between groups, so that each group counts as one observation.
+    The p-value comes from this permutation test. The design effect (Kish 1965) is the number of cases worth one
+    independent case, at least 1.
     """
-    table = crossed(first, second)
+    table = contingency_table(first, second)
     by_group = np.unique(groups, return_index=True)[1]
     dealt = next((one for one in (second, first) if np.array_equal(one, one[by_group][groups])), None)
     if dealt is None or len(by_group) == len(groups) or min(table.shape) < 2:
         return *independence(table), 1.0
     other, levels = first if dealt is second else second, dealt[by_group]
-    held, order = crossed(groups, other).astype(np.float32), _orders(len(by_group))
+    held, order = contingency_table(groups, other).astype(np.float32), _orders(len(by_group))
     drawn = np.stack([(levels == level)[order].astype(np.float32) @ held for level in range(dealt.max() + 1)], axis=-2)
     chance, seen = _pearson(drawn.astype(np.float64)), _pearson(table)
     narrow = min(table.shape) - 1
     effect = max(1.0, float(chance.mean()) / narrow / (max(table.shape) - 1))
     strength = float(np.sqrt(seen / len(groups) / narrow))
-    return strength, _rank(seen, chance), f"dealt to {len(by_group):,} groups {DRAWN:,} times", effect
+    return strength, _rank(seen, chance), f"dealt to {len(by_group):,} groups {RANDOM_TABLES:,} times", effect
 
 
-def crossed(first: NDArray[np.intp], second: NDArray[np.intp]) -> Table:
-    """How often two things come together: a row for each value of the first, both numbers (n,) from 0."""
+def contingency_table(first: NDArray[np.intp], second: NDArray[np.intp]) -> Table:
+    """Return the contingency table of two coded variables (n,); rows are values of the first."""
     table = np.zeros((first.max() + 1, second.max() + 1), np.int64)
     np.add.at(table, (first, second), 1)
     return table
 
 
-def goodness(counts: NDArray[np.int64], expected: NDArray[np.float64]) -> tuple[float, float, str]:
-    """Cohen's w of counts against those expected, the probability of such by chance, and how that was found."""
+def goodness_of_fit(counts: NDArray[np.int64], expected: NDArray[np.float64]) -> tuple[float, float, str]:
+    """Return Cohen's w of counts against expected ones, the p-value, and the method."""
     if len(counts) < 2:
         return 0.0, 1.0, "nothing varies"
     total = int(counts.sum())
     seen = ((counts - expected) ** 2 / expected).sum()
     strength = float(np.sqrt(seen / total))
-    if expected.min() >= LEAST_EXPECTED:
+    if expected.min() >= MIN_EXPECTED:
         return strength, float(stats.chi2.sf(seen, len(counts) - 1)), "chi-square"
     if len(counts) == 2:
         return strength, float(stats.binomtest(int(counts[0]), total, expected[0] / total).pvalue), "exact binomial"
-    drawn = np.random.default_rng(SEED).multinomial(total, expected / total, DRAWN)
-    return strength, _rank(seen, ((drawn - expected) ** 2 / expected).sum(1)), f"{DRAWN:,} random draws"
+    drawn = np.random.default_rng(SEED).multinomial(total, expected / total, RANDOM_TABLES)
+    return strength, _rank(seen, ((drawn - expected) ** 2 / expected).sum(1)), f"{RANDOM_TABLES:,} random draws"
 
 
 def detectable(counts: Sequence[Sequence[int]], level: float, effect: float = 1.0, power: float = 0.8) -> float:
-    """The strength (Cramér's V, Cohen's w) that a chi-square test at this level finds with this power, at most 1.
+    """Return the strength (Cramér's V, Cohen's w) that a chi-square test at this level detects with this power, at most
+    1.
 
-    By the noncentral chi-square distribution (Cohen 1988); of a table with one row, the test is of goodness of fit.
-    `effect` is the design effect: so many cases are worth one.
+    Uses the noncentral chi-square distribution (Cohen 1988); a table with one row is a test of goodness of fit.
+    `effect` is the design effect.
     """
     table = np.array(counts)
     rows, columns = (table.sum(1) > 0).sum(), (table.sum(0) > 0).sum()
@@ -104,24 +105,24 @@ def detectable(counts: Sequence[Sequence[int]], level: float, effect: float = 1.
 
 @lru_cache(maxsize=2)
 def _orders(groups: int) -> NDArray[np.intp]:
-    """Ways to deal to so many groups (DRAWN, groups); always the same ones."""
-    return np.random.default_rng(SEED).random((DRAWN, groups), np.float32).argsort(axis=1)
+    """Return permutations of groups (DRAWN, groups); deterministic."""
+    return np.random.default_rng(SEED).random((RANDOM_TABLES, groups), np.float32).argsort(axis=1)
 
 
 def _pearson(tables: NDArray[Any]) -> NDArray[np.float64]:
-    """Pearson's statistic of each table (..., rows, columns), by its own margins; empty ones count nothing."""
+    """Return Pearson's statistic of each table (..., rows, columns); empty margins contribute nothing."""
     rows, columns = tables.sum(-1, keepdims=True), tables.sum(-2, keepdims=True)
     expected = rows * columns / tables.sum((-2, -1), keepdims=True)
     return np.asarray(((tables - expected) ** 2 / np.where(expected, expected, 1.0)).sum((-2, -1)))
 
 
 def _rank(seen: NDArray[np.float64], drawn: NDArray[np.float64]) -> float:
-    """The share of the drawn that are at least as far out, the seen one counted among them."""
+    """Return the share of random statistics at least as large, counting the observed one."""
     return float((np.sum(drawn >= seen * (1 - 1e-9)) + 1) / (len(drawn) + 1))
 
 
 def holm(p: Sequence[float]) -> list[float]:
-    """The probabilities after Holm's correction for their number (Holm 1979), in the same order."""
+    """Return p-values after Holm's correction (Holm 1979), in the same order."""
     corrected, largest = [1.0] * len(p), 0.0
     for rank, i in enumerate(sorted(range(len(p)), key=lambda i: p[i])):
         largest = max(largest, min(1.0, p[i] * (len(p) - rank)))
@@ -129,9 +130,9 @@ def holm(p: Sequence[float]) -> list[float]:
     return corrected
 
 
-def clopper_pearson(right: float, asked: int, confidence: float) -> tuple[float, float]:
-    """The exact interval of a share (Clopper & Pearson 1934); `right` may have a fraction, from ties."""
+def clopper_pearson(right: float, count: int, confidence: float) -> tuple[float, float]:
+    """Return the exact interval of a proportion (Clopper & Pearson 1934); `right` may be fractional, from ties."""
     tail = (1 - confidence) / 2
-    low = float(stats.beta.ppf(tail, right, asked - right + 1)) if right > 0 else 0.0
-    high = float(stats.beta.isf(tail, right + 1, asked - right)) if right < asked else 1.0
+    low = float(stats.beta.ppf(tail, right, count - right + 1)) if right > 0 else 0.0
+    high = float(stats.beta.isf(tail, right + 1, count - right)) if right < count else 1.0
     return low, high

@@ -1,4 +1,4 @@
-"""The first page: of each task, whether it passes, and why not."""
+"""One-line summaries of tasks."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ def summary(
     task: str, questions: int, groups: Mapping[str, int], findings: Sequence[Finding], probes: Sequence[Probe],
     stable: float | None,
 ) -> Summary:  # fmt: skip
-    """A task in one line. `findings` and `probes` are those of all its questions, `groups` has each one's groups."""
+    """Return the summary of a task.
+
+    `findings` and `probes` cover all its questions; `groups` maps each question to its number of groups.
+    """
     wrong, unknown = (dict.fromkeys(f.check for f in findings if f.verdict == v) for v in ("fails", "unclear"))
     judged = [p for p in probes if p.judged]
     best = max(judged, key=lambda p: p.accuracy - p.chance, default=None)

@@ -1,4 +1,4 @@
-"""What is right without looking: the scores that a model has to be better than, and from how many draws they come."""
+"""Baseline scores that need no picture, and the number of independent draws behind them."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from wmspec.dataset.build.rows import Row
 
 @dataclass(frozen=True)
 class Baselines:
-    """Of a task's questions with options: how many there are, and the shares that are right by simple rules.
+    """The number of a task's questions with options, and the accuracies of simple rules.
 
-    By `chance`, by always taking the commonest `answer`, and by always taking the commonest `place`. `groups` are its
-    independent control groups.
+    `chance` is guessing, `answer` always chooses the most frequent answer, `place` always the most frequent position.
+    `groups` is the number of independent control groups.
     """
 
-    asked: int
+    questions: int
     groups: int
     chance: float
     answer: float
@@ -28,22 +28,25 @@ class Baselines:
 
 
 def baselines(files: Iterable[Path]) -> Baselines:
-    """The baselines of the task whose shards these are. Raises OSError if one cannot be read."""
+    """Return the baselines of a task from its shard files. Raises OSError if one cannot be read."""
     columns = ["block", "question", "answer", "option_kind", "option_name", "option_text"]
     rows: list[Row] = [row for file in files for row in pq.read_table(file, columns=columns).to_pylist()]
-    asked = [row for row in rows if row["answer"] is not None]
-    count = max(len(asked), 1)
+    answered = [row for row in rows if row["answer"] is not None]
+    count = max(len(answered), 1)
     return Baselines(
-        asked=len(asked),
+        questions=len(answered),
         groups=len({row["block"] for row in rows}),
-        chance=sum(1 / len(row["option_kind"]) for row in asked) / count,
-        answer=_commonest(asked, "option_name") / count,
-        place=_commonest(asked, "") / count,
+        chance=sum(1 / len(row["option_kind"]) for row in answered) / count,
+        answer=_most_frequent_hits(answered, "option_name") / count,
+        place=_most_frequent_hits(answered, "") / count,
     )
 
 
-def _commonest(rows: Iterable[Row], column: str) -> int:
-    """How many are right if the commonest truth is always said; names tell nothing where options are pictures."""
+def _most_frequent_hits(rows: Iterable[Row], column: str) -> int:
+    """Return the number of questions that the most frequent true value answers.
+
+    Names do not count where options are pictures.
+    """
     counted: dict[int, Counter[object]] = {}
     for row in rows:
         named = column and row["option_text"] is not None

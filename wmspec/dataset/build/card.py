@@ -1,4 +1,4 @@
-"""The dataset card: what a person reads first, and what the Hugging Face hub and `load_dataset` read."""
+"""The dataset card, read by people, by the Hugging Face hub and by `load_dataset`."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from wmspec.dataset.build.baselines import Baselines
 from wmspec.dataset.build.files import EXAMPLES
 from wmspec.dataset.build.manifest import Summary, TaskSummary
 from wmspec.dataset.build.plan import Plan, Task
-from wmspec.dataset.build.rows import COLUMNS, channels
+from wmspec.dataset.build.rows import COLUMNS, channel_columns
 from wmspec.lang.check.ir.ir import Choices, Factor, Interval, Normal
 
-#: The configuration that has the questions of all tasks, and the columns that all of them have.
+#: The configuration that holds the questions of all tasks, with the columns that all tasks share.
 ALL = "all"
 
-#: What each reason for rejecting a question means.
+#: Explanation of each rejection reason.
 REASONS = {
     "ensure": "what the spec says must happen did not",
     "margin": "the answer is nearer to turning than the spec allows",
@@ -33,19 +33,19 @@ REASONS = {
     "timeout": "the engine took too long, twice",
 }
 
-#: Which questions are kept of several engines, by the consensus asked for.
-AGREED: dict[str, str] = {
+#: Description of each consensus setting.
+CONSENSUS_TEXT: dict[str, str] = {
     "all": "Only questions on which all engines agree are kept.",
     "majority": "Only questions on which more than half of the engines agree are kept, of those engines.",
     "none": "Questions are kept whether the engines agree on them or not; the column `agreement` tells.",
 }
 
-#: The hub's names for numbers of rows: below each bound.
+#: The hub's size categories, each with its upper bound (rows).
 _SIZES = ((10**3, "n<1K"), (10**4, "1K<n<10K"), (10**5, "10K<n<100K"), (10**6, "100K<n<1M"), (10**7, "1M<n<10M"))
 
 
 def card(plan: Plan, total: Summary, scores: Mapping[str, Baselines]) -> str:
-    """The README.md of a finished dataset: YAML for programs, then Markdown for people.
+    """Return the README.md of a finished dataset: YAML metadata followed by Markdown.
 
     `scores` are the baselines of the tasks that have questions.
     """
@@ -62,15 +62,16 @@ def card(plan: Plan, total: Summary, scores: Mapping[str, Baselines]) -> str:
     return "\n\n".join([_front(plan, total), *people]) + "\n"
 
 
-# ---------------------------------------------------------------- for programs
+# ---------------------------------------------------------------- metadata
 
 
 def _front(plan: Plan, total: Summary) -> str:
+    """Return the YAML metadata."""
     size = next((name for bound, name in _SIZES if total.rows < bound), "n>10M")
     lines = ["---", "language:", "- en", "license:", *(f"- {json.dumps(name)}" for name in _licenses(plan))]
     lines += ["task_categories:", "- visual-question-answering", "- multiple-choice", "size_categories:", f"- {size}"]
     lines += ["tags:", "- wmspec", "- physics", "- world-models", "- synthetic"]
-    filled = _filled(total)
+    filled = _nonempty_tasks(total)
     if filled:
         lines.append("configs:")
         lines += [*configuration(ALL, "*"), "  default: true", "  columns:", *(f"  - {name}" for name in COLUMNS)]
@@ -80,7 +81,7 @@ def _front(plan: Plan, total: Summary) -> str:
 
 
 def configuration(name: str, folder: str) -> list[str]:
-    """A configuration of the hub's: the files of a task, or of all that `*` stands for."""
+    """Return the YAML lines of a configuration: the files of a task, or of all tasks for `*`."""
     path = json.dumps(f"data/{folder}/test-*.parquet")
     return [f"- config_name: {json.dumps(name)}", "  data_files:", "  - split: test", f"    path: {path}"]
 
@@ -92,19 +93,20 @@ def _licenses(plan: Plan) -> list[str]:
 
 
 def example(task: str) -> str:
-    """Where the picture of a task lies in the dataset's folder."""
+    """Return the path of a task's example picture in the dataset folder."""
     return f"{EXAMPLES}/{task}.webp"
 
 
-def _filled(total: Summary) -> list[str]:
+def _nonempty_tasks(total: Summary) -> list[str]:
+    """Return the names of the tasks that have questions."""
     return [t.name for t in total.tasks if sum(t.rows.values())]
 
 
-# ---------------------------------------------------------------- for people
+# ---------------------------------------------------------------- text
 
 
 def title(total: Summary) -> str:
-    """What the dataset is called."""
+    """Return the title of the dataset."""
     return f"{total.rows:,} questions about a physical world"
 
 
@@ -119,7 +121,7 @@ def _opening(plan: Plan, total: Summary) -> str:
         f"# {title(total)}\n\n"
         f"Made by wmspec from {len(plan.tasks)} {'task' if len(plan.tasks) == 1 else 'tasks'} {drawn}; "
         f"pictures of {width} × {height} pixels, seed {plan.seed}. "
-        f"{AGREED[plan.consensus] if len(plan.engines) > 1 else alone} "
+        f"{CONSENSUS_TEXT[plan.consensus] if len(plan.engines) > 1 else alone} "
         "Every answer is read off the scene and its executed episode, by a program. "
         f"The same specs, seed and versions ({versions}) give the same questions again, on the same machine to the "
         "byte."
@@ -127,7 +129,7 @@ def _opening(plan: Plan, total: Summary) -> str:
 
 
 def _loading(total: Summary) -> str:
-    name = next(iter(_filled(total)), "TASK")
+    name = next(iter(_nonempty_tasks(total)), "TASK")
     return (
         "## Loading\n\n"
         "```python\n"
@@ -164,19 +166,19 @@ def _use(plan: Plan) -> str:
 def _baselines(scores: Mapping[str, Baselines]) -> str:
     head = ["task", "questions with options", "control groups", "chance", "commonest answer", "commonest place"]
     rows = [
-        [name, f"{b.asked:,}", f"{b.groups:,}", *(f"{share:.1%}" for share in (b.chance, b.answer, b.place))]
+        [name, f"{b.questions:,}", f"{b.groups:,}", *(f"{share:.1%}" for share in (b.chance, b.answer, b.place))]
         for name, b in scores.items()
-        if b.asked
+        if b.questions
     ]
-    told = (
+    consensus_text = (
         "What is right without looking: by guessing, by always saying the answer, or the place of it, that is most "
         "often true. `wmspec audit` tells whether classifiers do better without what it takes."
     )
-    return f"## Baselines\n\n{told}\n\n{_table(head, rows)}"
+    return f"## Baselines\n\n{consensus_text}\n\n{_table(head, rows)}"
 
 
 def bibtex(plan: Plan, total: Summary) -> str:
-    """How to cite the dataset."""
+    """Return the BibTeX entry of the dataset."""
     version = plan.versions.get("wmspec", "")
     return (
         f"@misc{{wmspec-{plan.fingerprint[:8]}, title = {{{title(total)}}}, "
@@ -218,21 +220,21 @@ def _task(task: Task, count: TaskSummary) -> str:
 def _domain(factor: Factor) -> str:
     match factor.domain:
         case Choices(values=values, weights=weights):
-            words = ", ".join(plain(v) for v in values)
-            words += f", weighted {', '.join(map(plain, weights))}" if weights else ""
+            words = ", ".join(format_level(v) for v in values)
+            words += f", weighted {', '.join(map(format_level, weights))}" if weights else ""
         case Interval(low=low, high=high, logarithmic=logarithmic):
-            words = f"{plain(low)} to {plain(high)}{', even in the logarithm' if logarithmic else ''}"
+            words = f"{format_level(low)} to {format_level(high)}{', even in the logarithm' if logarithmic else ''}"
         case Normal(mean=mean, deviation=deviation):
-            words = f"about {plain(mean)}, normally with a deviation of {plain(deviation)}"
+            words = f"about {format_level(mean)}, normally with a deviation of {format_level(deviation)}"
     if factor.nuisance:
         words += ", drawn once per control group"
     return f"{words} ({factor.unit})" if factor.unit else words
 
 
-def plain(value: Level) -> str:
-    """A factor's value as a person writes it."""
+def format_level(value: Level) -> str:
+    """Return a factor's value in human notation."""
     if isinstance(value, tuple):
-        return f"({', '.join(map(plain, value))})"
+        return f"({', '.join(map(format_level, value))})"
     if isinstance(value, bool):
         return "yes" if value else "no"
     return value if isinstance(value, str) else f"{value:.4g}"
@@ -241,10 +243,10 @@ def plain(value: Level) -> str:
 def _rejected(total: Summary) -> str:
     if not total.rejected:
         return "## Rejected\n\nNothing was rejected."
-    asked = total.rows + sum(total.rejected.values())
-    rows = [[reason, n, f"{n / asked:.1%}", REASONS.get(reason, "")] for reason, n in total.rejected.items()]
+    total_questions = total.rows + sum(total.rejected.values())
+    rows = [[reason, n, f"{n / total_questions:.1%}", REASONS.get(reason, "")] for reason, n in total.rejected.items()]
     counts = _table(["reason", "questions", "share", "meaning"], rows)
-    return f"## Rejected\n\nOf {asked:,} questions asked, one an engine:\n\n{counts}"
+    return f"## Rejected\n\nOf {total_questions:,} questions asked, one an engine:\n\n{counts}"
 
 
 def _reasons(rejected: dict[str, int]) -> str:
@@ -254,7 +256,7 @@ def _reasons(rejected: dict[str, int]) -> str:
 def _columns(plan: Plan) -> str:
     columns = COLUMNS.copy()
     for task in plan.tasks:
-        columns |= channels(task.spec)
+        columns |= channel_columns(task.spec)
     rows = [[f"`{name}`", meaning] for name, (_, meaning) in columns.items()]
     rows += [
         ["`factor.*`", "the value of each factor, in SI units"],

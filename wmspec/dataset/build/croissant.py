@@ -12,7 +12,7 @@ from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.rows import CHANNELS, COLUMNS, schema
 from wmspec.dataset.build.shards import Record
 
-#: The context that the specification asks for, as far as it is used here.
+#: The JSON-LD context of the specification, restricted to the terms used here.
 CONTEXT: dict[str, Any] = {
     "@language": "en",
     "@vocab": "https://schema.org/",
@@ -53,15 +53,15 @@ CONTEXT: dict[str, Any] = {
     "transform": "cr:transform",
 }
 
-#: What every column holds, by its name.
-_MEANINGS = {name: meaning for columns in (COLUMNS, *CHANNELS.values()) for name, (_, meaning) in columns.items()}
+#: Description of every column by name.
+_DESCRIPTIONS = {name: meaning for columns in (COLUMNS, *CHANNELS.values()) for name, (_, meaning) in columns.items()}
 
 _TYPES = {pa.bool_(): "sc:Boolean", pa.int64(): "sc:Integer", pa.float64(): "sc:Float", pa.string(): "sc:Text"}
 
 
 @dataclass(frozen=True)
-class Described:
-    """A task that has questions: its name, its title, and the columns of its rows."""
+class TaskMetadata:
+    """A task that has questions: its name, title and columns."""
 
     name: str
     title: str
@@ -69,14 +69,14 @@ class Described:
 
 
 def croissant(plan: Plan, records: Mapping[str, Record], cited: str, published: str) -> dict[str, Any]:
-    """The metadata as JSON values: a set of files and a record set per task that has questions.
+    """Return the metadata as JSON values: a file set and a record set for each task that has questions.
 
-    `cited` is how to cite it (BibTeX), `published` the day (YYYY-MM-DD).
+    `cited` is the citation (BibTeX), `published` the date (YYYY-MM-DD).
     """
     rows = {t.spec.name: 0 for t in plan.tasks}
     for shard in plan.shards():
         rows[shard.task.spec.name] += records[shard.path].rows
-    filled = [Described(t.spec.name, t.spec.title, schema(t.spec)) for t in plan.tasks if rows[t.spec.name]]
+    filled = [TaskMetadata(t.spec.name, t.spec.title, schema(t.spec)) for t in plan.tasks if rows[t.spec.name]]
     description = f"{sum(rows.values())} questions about a physical world, made by wmspec"
     licenses = [plan.licence] if plan.licence else sorted({t.spec.license for t in plan.tasks if t.spec.license})
     name = "-".join(t.spec.name for t in plan.tasks[:3])
@@ -85,9 +85,9 @@ def croissant(plan: Plan, records: Mapping[str, Record], cited: str, published: 
 
 
 def metadata(
-    name: str, description: str, version: str, tasks: Sequence[Described], licenses: Iterable[str]
+    name: str, description: str, version: str, tasks: Sequence[TaskMetadata], licenses: Iterable[str]
 ) -> dict[str, Any]:
-    """The metadata of a dataset of these tasks as JSON values."""
+    """Return the metadata of a dataset with the given tasks, as JSON values."""
     described: dict[str, Any] = {
         "@context": CONTEXT,
         "@type": "sc:Dataset",
@@ -112,7 +112,7 @@ def _files(name: str) -> dict[str, Any]:
     }
 
 
-def _records(task: Described) -> dict[str, Any]:
+def _records(task: TaskMetadata) -> dict[str, Any]:
     name = task.name
     fields = [_field(name, f) for f in task.columns]
     described = {"description": task.title} if task.title else {}
@@ -127,7 +127,7 @@ def _records(task: Described) -> dict[str, Any]:
 
 
 def _field(task: str, field: pa.Field) -> list[dict[str, Any]]:
-    """The Croissant fields of a column; a list of structs becomes one list per part."""
+    """Return the Croissant fields of a column. A list of structs becomes one field for each member."""
     item = field.type.value_type if pa.types.is_list(field.type) else field.type
     if not pa.types.is_struct(item):
         return [_one(task, field, _TYPES[item])]
@@ -137,11 +137,11 @@ def _field(task: str, field: pa.Field) -> list[dict[str, Any]]:
 
 
 def _one(task: str, column: pa.Field, kind: str, part: str = "", named: str = "") -> dict[str, Any]:
-    """The Croissant field of a column, or of one part of the structs in it."""
+    """Return the Croissant field of a column, or of one member of its structs."""
     name = f"{task}/{column.name}{named}"
     field: dict[str, Any] = {"@type": "cr:Field", "@id": name, "name": name, "dataType": kind}
-    if column.name in _MEANINGS:
-        field["description"] = _MEANINGS[column.name]
+    if column.name in _DESCRIPTIONS:
+        field["description"] = _DESCRIPTIONS[column.name]
     if pa.types.is_list(column.type):
         field["repeated"] = True
     transform = {"transform": {"jsonPath": part}} if part else {}

@@ -1,4 +1,4 @@
-"""The folder of a dataset as a whole: begun, gone on with wherever it was left, and finished."""
+"""A dataset being written: creation, resumption and completion of its folder."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import make_folders, read_plain
+from wmspec.core.safe_io import make_folders, read_bytes
 from wmspec.dataset.build import checkpoint, files
 from wmspec.dataset.build.baselines import Baselines, baselines
 from wmspec.dataset.build.card import bibtex, card
@@ -21,21 +21,21 @@ from wmspec.dataset.build.croissant import croissant
 from wmspec.dataset.build.examples import examples
 from wmspec.dataset.build.manifest import Summary, manifest, summary
 from wmspec.dataset.build.plan import Plan, Shard, differences
-from wmspec.dataset.build.reader import DatasetReader, foreign
-from wmspec.dataset.build.rebuild import rebuilt
+from wmspec.dataset.build.reader import DatasetReader, unlisted_files
+from wmspec.dataset.build.rebuild import rebuild_plan
 from wmspec.dataset.build.rows import Row
-from wmspec.dataset.build.shards import Record, read_outcomes, read_records, sidecar, write_record, write_shard
+from wmspec.dataset.build.shards import Record, read_outcomes, read_records, record_path, write_record, write_shard
 from wmspec.dataset.build.worker import Outcome
 from wmspec.runtime.questions.model import Rejected
 
-_OURS = ("data", files.EXAMPLES, files.MANIFEST, files.CARD, files.CROISSANT)
+_OWN_FILES = ("data", files.EXAMPLES, files.MANIFEST, files.CARD, files.CROISSANT)
 _SHARD = re.compile(r"test-\d{5}-of-\d{5}\.parquet")
 
 
 class Dataset:
-    """A dataset in the making. One process writes to a folder at a time; use it in a `with` statement.
+    """A dataset being written. One process writes to a folder at a time; use it in a `with` statement.
 
-    `notices` says what was found wrong in the folder and is made again.
+    `notices` lists the damage found in the folder; the damaged parts are made again.
     """
 
     def __init__(self, folder: Path, plan: Plan, lock: int) -> None:
@@ -48,20 +48,19 @@ class Dataset:
 
     @classmethod
     def open(cls, folder: Path, plan: Plan, force: bool = False) -> Dataset:
-        """Begin a dataset, or go on with one of the same plan.
+        """Create a dataset, or resume one of the same plan.
 
-        With `force` a dataset of another plan is removed first. Only files that we write are ever removed.
+        With `force`, a dataset of another plan is removed first. Only files written by wmspec are ever removed.
 
-        Raises:
-            WmsError: the folder holds something else or another plan, is being written to, or cannot be written to.
+        Raises: WmsError: the folder holds something else or another plan, is being written to, or cannot be written to.
         """
-        _today()  # if it cannot be told, better now than when all is made
+        _build_date()  # fail early if the date is invalid
         scratch = folder / files.PROGRESS
-        with files.explained(folder):
+        with files.with_remedies(folder):
             make_folders(scratch)
         dataset = cls(folder, plan, files.lock(scratch / "lock"))
         try:
-            with files.explained(folder):
+            with files.with_remedies(folder):
                 dataset._begin(force)
         except BaseException:
             dataset.close()
@@ -69,7 +68,7 @@ class Dataset:
         return dataset
 
     def close(self) -> None:
-        """Let others write to the folder. Of a dataset that is whole, nothing stays that was there to make it."""
+        """Release the lock. If the dataset is complete, remove its progress files as well."""
         scratch = self.folder / files.PROGRESS
         if self._finished or [path.name for path in scratch.glob("*")] == ["lock"]:
             shutil.rmtree(scratch, ignore_errors=True)
@@ -82,32 +81,29 @@ class Dataset:
         self.close()
 
     def pending(self) -> tuple[Shard, ...]:
-        """The shards that are still to be made."""
+        """The shards still to be made."""
         return tuple(s for s in self.plan.shards() if s.path not in self._records)
 
     def keep(self, shard: Shard, index: int, outcome: Outcome) -> None:
-        """Write down what came of an instance until its shard is whole. Raises WmsError if it cannot be written."""
-        checkpoint.keep(self.folder, self.plan, shard, index, outcome)
+        """Save the outcome of an instance until its shard is complete. Raises WmsError if it cannot be written."""
+        checkpoint.save(self.folder, self.plan, shard, index, outcome)
 
     def kept(self, shard: Shard) -> dict[int, Outcome]:
-        """What a run that was stopped kept of a pending shard, by the instances' indices."""
-        return checkpoint.kept(self.folder, self.plan, shard)
+        """Return the outcomes that an interrupted run saved for a pending shard, by instance index."""
+        return checkpoint.load(self.folder, self.plan, shard)
 
     def write(self, shard: Shard, rows: Iterable[Row], rejected: Iterable[Rejected]) -> None:
-        """Write a shard, whole or not at all, in place of what was kept. `rows` come from `rows.encode`, in any order.
+        """Write a shard atomically and discard its checkpoints. `rows` come from `rows.encode`, in any order.
 
-        Raises:
-            WmsError: it cannot be written.
-            ValueError: a question of the shard is missing, foreign or there twice.
+        Raises: WmsError: it cannot be written. ValueError: a question of the shard is missing, foreign or duplicated.
         """
         self._records[shard.path] = write_shard(self.folder, self.plan, shard, rows=rows, rejected=rejected)
         checkpoint.discard(self.folder, shard)
 
     def finish(self) -> Summary:
-        """Write the card, the Croissant metadata, and last the manifest, which says that the dataset is whole.
+        """Write the card, the Croissant metadata and finally the manifest, which marks the dataset as complete.
 
-        Raises:
-            WmsError: shards are still to be made, or it cannot be written.
+        Raises: WmsError: shards are missing, or a file cannot be written.
         """
         left = self.pending()
         if left:
@@ -118,13 +114,13 @@ class Dataset:
             self._put(name, example)
         self._put(files.CARD, card(self.plan, total, self._baselines()).encode())
         described = croissant(self.plan, self._records, bibtex(self.plan, total), self._published())
-        self._put(files.CROISSANT, files.text(described))
-        self._put(files.MANIFEST, files.text(whole))
+        self._put(files.CROISSANT, files.pretty_json(described))
+        self._put(files.MANIFEST, files.pretty_json(whole))
         self._finished = True
         return total
 
     def _baselines(self) -> dict[str, Baselines]:
-        """The baselines of the tasks that have questions."""
+        """Return the baselines of the tasks that have questions."""
         shards: dict[str, list[Path]] = {}
         for shard in self.plan.shards():
             if self._records[shard.path].rows:
@@ -132,20 +128,21 @@ class Dataset:
         return {name: baselines(paths) for name, paths in shards.items()}
 
     def _published(self) -> str:
-        """The day (YYYY-MM-DD) on which it was first finished, or that SOURCE_DATE_EPOCH says."""
+        """Return the date (YYYY-MM-DD) on which the dataset was first completed, or that of SOURCE_DATE_EPOCH."""
         try:
-            there = json.loads(read_plain(self.folder / files.CROISSANT))
+            there = json.loads(read_bytes(self.folder / files.CROISSANT))
             return str(date.fromisoformat(there["datePublished"]))
         except (OSError, ValueError, TypeError, KeyError, RecursionError):
-            return _today()
+            return _build_date()
 
-    # ------------------------------------------------------------ beginning
+    # ------------------------------------------------------------ creation
 
     def _begin(self, force: bool) -> None:
+        """Check the folder, and write the plan if it is new."""
         for part in (self.folder / files.PROGRESS).glob("*.part"):
-            part.unlink()  # left by a run that was killed
+            part.unlink()  # left by an interrupted run
         there = self._plan()
-        if there is None and any((self.folder / name).exists() for name in _OURS):
+        if there is None and any((self.folder / name).exists() for name in _OWN_FILES):
             raise WmsError(f"{self.folder} holds files that are not a dataset of wmspec; choose another folder with -o")
         here = self.plan.record
         if there is not None and there != here:
@@ -157,25 +154,26 @@ class Dataset:
                 )
             self._clear()
         if there != here or not (self.folder / files.PLAN).exists():
-            self._put(files.PLAN, files.lines(here))
-        if others := foreign(self.folder, {shard.path for shard in self.plan.shards()}):
+            self._put(files.PLAN, files.compact_json(here))
+        if others := unlisted_files(self.folder, {shard.path for shard in self.plan.shards()}):
             raise WmsError(
-                f"{self.folder / others[0]} is none of the dataset's files, and would be loaded with them; "
+                f"{self.folder / others[0]} is not part of the dataset but would be loaded with it; "
                 "move it away, or choose another folder with -o"
             )
         self._verify()
 
     def _plan(self) -> dict[str, Any] | None:
-        """The plan that the folder holds, as JSON values; None if it holds none, {} if it cannot be read."""
+        """Return the plan in the folder as JSON values; None if there is none, {} if it cannot be read."""
         try:
-            record = json.loads(read_plain(self.folder / files.PLAN))
+            record = json.loads(read_bytes(self.folder / files.PLAN))
         except FileNotFoundError:
-            return rebuilt(self.folder, self.plan)
+            return rebuild_plan(self.folder, self.plan)
         except (ValueError, RecursionError):
             return {}
         return record if isinstance(record, dict) else {}
 
     def _clear(self) -> None:
+        """Remove the files of the dataset."""
         for name in (files.MANIFEST, files.CROISSANT):
             (self.folder / name).unlink(missing_ok=True)
         for picture in (self.folder / files.EXAMPLES).glob("*.webp"):
@@ -192,41 +190,42 @@ class Dataset:
         checkpoint.discard_all(self.folder)
 
     def _verify(self) -> None:
-        """Keep the shards whose files are what their records say; the others are made again."""
+        """Mark as done the shards whose files match their records; the others are made again."""
         records = read_records(self.folder, self.plan.shards())
         for shard in self.plan.shards():
             record, path = records.get(shard.path), self.folder / shard.path
             if record is None or record.fingerprint != self.plan.fingerprint:
                 continue
             if not path.is_file():
-                self._again(shard, "is gone")
+                self._again(shard, "is missing")
             elif files.digest(path) != record.sha256:
-                self._again(shard, "is not as it was written")
-            elif again := checkpoint.passing(record.rejected):
+                self._again(shard, "was modified")
+            elif again := checkpoint.transient(record.rejected):
                 self._unmade(shard, record, again)
             else:
                 self._records[shard.path] = record
-                checkpoint.discard(self.folder, shard)  # a run was killed between the shard and this
+                checkpoint.discard(self.folder, shard)  # interrupted after the shard was written
         if self.pending():
             self._reopen()
 
     def _reopen(self) -> None:
-        """What the manifest of a dataset says that is whole no more is written down, shard by shard."""
+        """Re-create per-shard records from the manifest of a dataset that lost files."""
         for shard in self.plan.shards():
-            if shard.path in self._records and not (self.folder / sidecar(shard)).exists():
+            if shard.path in self._records and not (self.folder / record_path(shard)).exists():
                 write_record(self.folder, shard, self._records[shard.path])
         (self.folder / files.MANIFEST).unlink(missing_ok=True)
 
     def _again(self, shard: Shard, why: str) -> None:
-        self.notices.append(f"{shard.path} {why}; it is made again")
-        (self.folder / sidecar(shard)).unlink(missing_ok=True)
+        """Note that a shard is made again."""
+        self.notices.append(f"{shard.path} {why}; it will be made again")
+        (self.folder / record_path(shard)).unlink(missing_ok=True)
 
     def _unmade(self, shard: Shard, record: Record, again: set[int]) -> None:
-        """Make a shard one that is not whole yet: the instances are kept that are not to be tried again."""
+        """Turn a shard into an incomplete one: keep the outcomes of all instances that are not to be retried."""
         outcomes = read_outcomes(self.folder, shard, record)
         for index in outcomes.keys() - again:
             self.keep(shard, index, outcomes[index])
-        (self.folder / sidecar(shard)).unlink(missing_ok=True)
+        (self.folder / record_path(shard)).unlink(missing_ok=True)
         count = f"{len(again)} instance{'s' if len(again) > 1 else ''}"
         self.notices.append(f"{shard.task.spec.name}: {count} that crashed or took too long are tried again")
 
@@ -234,10 +233,10 @@ class Dataset:
         files.write(self.folder, name, content)
 
 
-def _today() -> str:
-    """The day (YYYY-MM-DD) that SOURCE_DATE_EPOCH says, or this one. Raises WmsError if it says none."""
+def _build_date() -> str:
+    """Return the date (YYYY-MM-DD) of SOURCE_DATE_EPOCH, or the current one. Raises WmsError if it is invalid."""
     said = os.environ.get("SOURCE_DATE_EPOCH")
     try:
         return str(datetime.fromtimestamp(float(said) if said else time.time(), UTC).date())
     except (ValueError, OverflowError, OSError):
-        raise WmsError(f"SOURCE_DATE_EPOCH is no time: {said}", help="give seconds since 1970, or unset it") from None
+        raise WmsError(f"SOURCE_DATE_EPOCH is invalid: {said}", help="give seconds since 1970, or unset it") from None

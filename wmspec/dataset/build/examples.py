@@ -1,4 +1,4 @@
-"""A picture of each task for people: one of its questions, as the card shows it."""
+"""Example pictures: one question of each task, for the card."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from wmspec.dataset.build.card import example
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.sheet import question_of
 
-#: The width of a picture (px), and its quality as WebP.
+#: The width of an example (px), and its WebP quality.
 WIDTH, QUALITY = 1000, 80
 
 
 def examples(dataset: DatasetReader) -> Iterator[tuple[str, bytes]]:
-    """The place and the content of the picture of every task that has questions.
+    """Yield the path and content of the example of every task that has questions.
 
     Raises WmsError if a shard cannot be read.
     """

@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all, and what can go wrong with a disk said in a sentence with its remedy."""
+"""Atomic files, and file-system errors as messages with a remedy."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from typing import Any
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.safe_io import make_folders
 
-#: Where a dataset's folder keeps what its maker needs to go on.
+#: The subfolder of a dataset with the state of an unfinished run.
 PROGRESS = ".progress"
-#: Its file that says what the folder is to hold.
+#: The file with the plan of the dataset.
 PLAN = "plan.json"
-#: The files that a finished dataset has beside its data; the last says that it is whole.
+#: The files of a finished dataset in addition to its data; the manifest marks it as complete.
 CARD = "README.md"
 CROISSANT = "croissant.json"
 MANIFEST = "manifest.json"
-#: The folder of its pictures for people: an example of each task.
+#: The subfolder with an example picture of each task.
 EXAMPLES = "examples"
 
 _FULL = "{} cannot be written, {}; free some space or choose another folder with -o, then run the same command again"
@@ -31,7 +31,7 @@ _DENIED = "{} cannot be written, {}; choose another folder with -o, or ask for t
 _IN_THE_WAY = "{} is in the way of a folder or of a file of that name; move it, or choose another folder with -o"
 _LONG = "{} is longer than the file system allows; choose a folder with a shorter name with -o"
 
-#: What the user can do about an error of the file system.
+#: Remedy for each error number of the file system.
 REMEDIES = {
     errno.ENOSPC: _FULL,
     errno.EDQUOT: _FULL,
@@ -47,7 +47,7 @@ REMEDIES = {
 
 
 @contextmanager
-def explained(path: Path) -> Iterator[None]:
+def with_remedies(path: Path) -> Iterator[None]:
     """Turn an error of the file system into a WmsError with a remedy."""
     try:
         yield
@@ -58,14 +58,14 @@ def explained(path: Path) -> Iterator[None]:
 
 
 def write(folder: Path, name: str, content: bytes, synced: bool = True) -> None:
-    """Write a folder's file `name` whole or not at all: under another name, and only then under its own.
+    """Write a file atomically: under a temporary name that is then renamed.
 
-    If `synced`, it is on the disk before it has its name, so that a power cut leaves it whole too. Raises WmsError, and
-    leaves what was there before, if it cannot be written.
+    If `synced`, the content reaches the disk before the rename, so that it survives a power cut. Raises WmsError, and
+    leaves the previous file, if it cannot be written.
     """
     path, scratch = folder / name, folder / PROGRESS
     part = scratch / f"{hashlib.sha256(name.encode()).hexdigest()[:16]}.part"
-    with explained(path):
+    with with_remedies(path):
         make_folders(path.parent)
         try:
             with part.open("wb") as file:
@@ -82,7 +82,7 @@ def write(folder: Path, name: str, content: bytes, synced: bool = True) -> None:
 
 
 def _sync(folder: Path) -> None:
-    """Make the folder's new entry last through a power cut."""
+    """Flush a new directory entry to the disk."""
     handle = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(handle)
@@ -90,29 +90,29 @@ def _sync(folder: Path) -> None:
         os.close(handle)
 
 
-def text(value: Any) -> bytes:
-    """A value as JSON for people: indented, in the order of its keys, the same bytes for the same value."""
+def pretty_json(value: Any) -> bytes:
+    """Return a value as indented JSON with the order of its keys kept; deterministic."""
     return (json.dumps(value, indent=1, ensure_ascii=False) + "\n").encode()
 
 
-def lines(values: dict[str, Any]) -> bytes:
-    """Values as JSON with one key a line: for lists that are too long to be read."""
+def compact_json(values: dict[str, Any]) -> bytes:
+    """Return values as JSON with one key a line, for long lists."""
     entries = (f"{json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}" for key, value in values.items())
     return ("{\n" + ",\n".join(entries) + "\n}\n").encode()
 
 
 def digest(path: Path) -> str:
-    """The SHA-256 of a file's content."""
+    """Return the SHA-256 of a file."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def lock(path: Path) -> int:
-    """Hold the lock of a file until the returned descriptor is closed or the process ends, however that happens.
+    """Lock a file until the returned descriptor is closed or the process ends.
 
-    Raises WmsError if another process holds it.
+    Raises WmsError if another process holds the lock.
     """
-    with explained(path):
+    with with_remedies(path):
         while True:
             make_folders(path.parent)
             handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
@@ -128,4 +128,4 @@ def lock(path: Path) -> int:
                 raise
             if os.fstat(handle).st_nlink:
                 return handle
-            os.close(handle)  # whoever held it has just removed it
+            os.close(handle)  # removed by its last owner in the meantime

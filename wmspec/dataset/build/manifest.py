@@ -1,4 +1,4 @@
-"""What a finished dataset holds: counted, and written down for programs."""
+"""The manifest and summary of a finished dataset."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from wmspec.core.crash import Crash
 from wmspec.core.tally import Tally
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.shards import Record
-from wmspec.dataset.build.worker import Balance, Sharing
+from wmspec.dataset.build.worker import Balance, CacheStats
 from wmspec.runtime.questions.model import FAILED, Rejected
 
-#: Of how many reasons an example is told.
-REASONS = 3
+#: Maximum number of rejection reasons in a summary.
+MAX_REASONS = 3
 
 
 @dataclass(frozen=True)
 class TaskSummary:
-    """A task's count: instances made, questions kept of each engine, and rejected by reason, with the first of each.
+    """The counts of a task: instances, questions by engine, rejections by reason with the first example of each.
 
-    `failed` instances ended as internal errors, crashes or timeouts: no gate rejected them.
+    `failed` instances ended as internal errors, crashes or timeouts, not by a gate.
     """
 
     name: str
@@ -33,38 +33,38 @@ class TaskSummary:
     failed: int = 0
 
     def __str__(self) -> str:
-        """How much was kept, and the reasons that most was rejected for."""
+        """Return the number of questions kept and the main rejection reasons."""
         kept = f"{self.name}: {sum(self.rows.values()):,} questions of {self.instances:,} instances"
         return "\n".join([kept, *top_reasons(self.rejected, self.examples)])
 
 
 def top_reasons(rejected: Mapping[str, int], examples: Mapping[str, Rejected]) -> list[str]:
-    """The reasons that most questions were rejected for, a line each, with an example."""
-    often = sorted(rejected.items(), key=lambda one: (-one[1], one[0]))[:REASONS]
-    return [f"  {n:,} {reason}, such as {told(examples[reason])}" for reason, n in often]
+    """Return the most frequent rejection reasons, one line each, with an example."""
+    often = sorted(rejected.items(), key=lambda one: (-one[1], one[0]))[:MAX_REASONS]
+    return [f"  {n:,} {reason}, such as {describe(examples[reason])}" for reason, n in often]
 
 
 def by_reason(lost: Sequence[Rejected]) -> tuple[dict[str, int], dict[str, Rejected]]:
-    """How many questions were rejected for each reason, and the first of each."""
+    """Return the number of rejections by reason, and the first of each."""
     counted = Counter(str(r.reason) for r in lost)
     return dict(sorted(counted.items())), {str(r.reason): r for r in reversed(lost)}
 
 
-def told(one: Rejected) -> str:
-    """Which question was rejected, and why."""
+def describe(one: Rejected) -> str:
+    """Return a rejection in words."""
     question = f" question {one.question + 1}" if one.question else ""
     return f"instance {one.index}{question} in {one.engine}: {one.detail}"
 
 
 @dataclass(frozen=True)
 class Summary:
-    """The count of a whole dataset; of making it just now, how much of the work was shared, and what balance cost.
+    """The counts of a whole dataset, with the cache statistics and balancing cost of this run.
 
-    `crash` is the first unexpected error of making it just now.
+    `crash` is the first unexpected error of this run.
     """
 
     tasks: tuple[TaskSummary, ...]
-    shared: Sharing = field(default_factory=Sharing)
+    shared: CacheStats = field(default_factory=CacheStats)
     balance: Mapping[str, Balance] = field(default_factory=dict)
     crash: Crash | None = None
 
@@ -78,17 +78,17 @@ class Summary:
     def _cause(self) -> str:
         """The first failure in full."""
         if self.crash is not None:
-            return self.crash.told()
-        return next((told(t.examples[r]) for t in self.tasks for r in sorted(FAILED) if r in t.examples), "")
+            return self.crash.report()
+        return next((describe(t.examples[r]) for t in self.tasks for r in sorted(FAILED) if r in t.examples), "")
 
     @property
     def rows(self) -> int:
-        """All questions kept."""
+        """The number of questions kept."""
         return sum(sum(t.rows.values()) for t in self.tasks)
 
     @property
     def rejected(self) -> dict[str, int]:
-        """All questions rejected, by reason."""
+        """The number of questions rejected, by reason."""
         total: Counter[str] = Counter()
         for task in self.tasks:
             total.update(task.rejected)
@@ -103,7 +103,7 @@ class Summary:
 
 
 def summary(plan: Plan, records: Mapping[str, Record]) -> Summary:
-    """Count what the shards' records say. `records` has every shard of the plan by its path."""
+    """Return the counts from shard records. `records` has every shard of the plan by its path."""
     lost: dict[str, list[Rejected]] = {task.spec.name: [] for task in plan.tasks}
     for shard in plan.shards():
         lost[shard.task.spec.name] += records[shard.path].rejected
@@ -111,15 +111,15 @@ def summary(plan: Plan, records: Mapping[str, Record]) -> Summary:
 
 
 def _count(plan: Plan, task: Task, lost: list[Rejected]) -> TaskSummary:
-    asked = len(task.indices) * len(task.spec.questions)
+    planned = len(task.indices) * len(task.spec.questions)
     by_engine = Counter(r.engine for r in lost)
-    rows = {engine: asked - by_engine[engine] for engine in plan.engines}
+    rows = {engine: planned - by_engine[engine] for engine in plan.engines}
     failed = len({r.index for r in lost if r.reason in FAILED})
     return TaskSummary(task.spec.name, len(task.indices), rows, *by_reason(lost), failed)
 
 
 def manifest(plan: Plan, records: Mapping[str, Record], total: Summary) -> dict[str, Any]:
-    """The manifest as JSON values: the plan with the specs' texts, the counts, every rejection and every shard."""
+    """Return the manifest as JSON values: plan with spec texts, counts, rejections and shards."""
     record = plan.record
     shards = [(s.path, records[s.path]) for s in plan.shards()]
     return {

@@ -1,4 +1,4 @@
-"""What helps a person to read a picture: the names of things, and the ways that they have come."""
+"""Annotations of a picture: names of objects and the paths they have taken."""
 
 from __future__ import annotations
 
@@ -9,42 +9,46 @@ from PIL import Image, ImageDraw
 
 from wmspec.dataset.build.typeset import font
 from wmspec.sim.scene.model import Array, Frame, Scene, Shot, Trace
-from wmspec.sim.scene.render.camera import project, seeing
+from wmspec.sim.scene.render.camera import project, world_camera
 
-FINE = 3
-"""Lines are drawn so many times larger, for smooth edges."""
+SUPERSAMPLING = 3
+"""Supersampling factor of lines, for smooth edges."""
 
 WAY, HALO, INK = (255, 255, 255), (20, 22, 24), (255, 255, 255)
-STEP = 1 / 60
-"""Seconds from point to point of a way."""
+PATH_STEP = 1 / 60
+"""Time step between points of a path (s)."""
 
 
-def annotated(frame: Frame, scene: Scene, trace: Trace, camera: str, time: float) -> Image.Image:
-    """The picture with the name of everything that moves or may be moved, and its way up to `time` (s)."""
+def annotate(frame: Frame, scene: Scene, trace: Trace, camera: str, time: float) -> Image.Image:
+    """Return the picture with the name of every object that moves or can move, and its path up to `time` (s)."""
     picture = Image.fromarray(frame.rgb)
     width, height = picture.size
-    over = Image.new("RGBA", (FINE * width, FINE * height))
+    over = Image.new("RGBA", (SUPERSAMPLING * width, SUPERSAMPLING * height))
     draw = ImageDraw.Draw(over)
     shown = [i for i, body in enumerate(scene.bodies) if body.motion != "static"]
     for i in shown:
-        for line in _way(scene, trace, camera, i, time, (width, height)):
-            points = [(FINE * x, FINE * y) for x, y in line.tolist()]
+        for line in _visible_path(scene, trace, camera, i, time, (width, height)):
+            points = [(SUPERSAMPLING * x, SUPERSAMPLING * y) for x, y in line.tolist()]
             for color, wide in ((HALO, 4), (WAY, 2)):
-                draw.line(points, fill=(*color, 200), width=round(wide * FINE * height / 512) + 1, joint="curve")
+                draw.line(
+                    points, fill=(*color, 200), width=round(wide * SUPERSAMPLING * height / 512) + 1, joint="curve"
+                )
     for i in shown:
         _name(draw, scene.bodies[i].name, frame.ids == i, height)
     small = over.resize(picture.size, Image.Resampling.BOX)
     return Image.alpha_composite(picture.convert("RGBA"), small).convert("RGB")
 
 
-def _way(scene: Scene, trace: Trace, camera: str, body: int, time: float, size: tuple[int, int]) -> Iterator[Array]:
-    """The visible pieces of a body's way, in pixels (n, 2); a body that has not come far has none."""
+def _visible_path(
+    scene: Scene, trace: Trace, camera: str, body: int, time: float, size: tuple[int, int]
+) -> Iterator[Array]:
+    """Yield the visible pieces of a body's path in pixels (n, 2); none for a body that barely moved."""
     last = trace.sample(time)
-    samples = np.unique(np.append(np.arange(0, last, max(1, round(STEP / _tick(trace)))), last))
+    samples = np.unique(np.append(np.arange(0, last, max(1, round(PATH_STEP / _tick(trace)))), last))
     places = trace.position[samples, body]
     if np.ptp(places, axis=0).max() < 0.005:
         return
-    points, depth = project(seeing(scene, Shot(camera, trace.poses(time))), places, *size)
+    points, depth = project(world_camera(scene, Shot(camera, trace.poses(time))), places, *size)
     before = np.concatenate([[False], depth > 0, [False]])
     begins, ends = np.flatnonzero(~before[:-1] & before[1:]), np.flatnonzero(before[:-1] & ~before[1:])
     for begin, end in zip(begins, ends, strict=True):
@@ -53,16 +57,17 @@ def _way(scene: Scene, trace: Trace, camera: str, body: int, time: float, size: 
 
 
 def _tick(trace: Trace) -> float:
-    return float(trace.time[1] - trace.time[0]) if len(trace.time) > 1 else STEP
+    """Return the time step of a trace (s)."""
+    return float(trace.time[1] - trace.time[0]) if len(trace.time) > 1 else PATH_STEP
 
 
 def _name(draw: ImageDraw.ImageDraw, name: str, mask: Array, height: int) -> None:
-    """The name above what is seen of a body."""
+    """Draw a name above the visible part of a body."""
     rows, columns = np.nonzero(mask)
     if not len(rows):
         return
-    size = FINE * max(9, round(height / 26))
-    at = (FINE * float(columns.min() + columns.max() + 1) / 2, FINE * float(rows.min()) - size / 5)
+    size = SUPERSAMPLING * max(9, round(height / 26))
+    at = (SUPERSAMPLING * float(columns.min() + columns.max() + 1) / 2, SUPERSAMPLING * float(rows.min()) - size / 5)
     face = font(size, True)
     half = draw.textlength(name, font=face) / 2
     x = min(max(at[0], half), draw.im.size[0] - half)

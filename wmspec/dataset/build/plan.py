@@ -1,4 +1,4 @@
-"""What a dataset is to hold, known before the first question is made."""
+"""The plan of a dataset: everything that is known before the first question is made."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.runtime.questions.consensus import Consensus
 from wmspec.sim.scene.model import Look
 
-#: The version of the folder's layout and of its columns.
+#: The version of the folder's layout and columns.
 FORMAT = 2
 
 
 @dataclass(frozen=True)
 class Task:
-    """A task and the indices of the instances to make of it, in the order of the rows."""
+    """A task and the indices of its instances, in row order."""
 
     spec: TaskSpec
     indices: tuple[int, ...]
@@ -28,7 +28,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Shard:
-    """A part of a task's instances, one Parquet file: number `number` of `of`."""
+    """Some instances of a task in one Parquet file, the `number`-th `of` all."""
 
     task: Task
     number: int
@@ -37,19 +37,18 @@ class Shard:
 
     @property
     def path(self) -> str:
-        """Where it lies in the dataset's folder."""
+        """The path in the dataset folder."""
         return f"data/{self.task.spec.name}/test-{self.number:05d}-of-{self.of:05d}.parquet"
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Everything that decides a dataset's bytes.
+    """Everything that determines the bytes of a dataset.
 
-    `texts` are the specs and what they use, by name. `size` is the pictures' (width, height) in pixels, `look` and
-    `samples` how they are drawn, `renderer` the engine that draws what every engine executes (each for itself if it is
-    empty), `consensus` how many engines must agree on a question for it to be kept, `shard` the
-    instances of a shard, `versions` those of wmspec and of the engines. `licence` is what the card says of the data; it
-    decides nothing else.
+    `texts` are the specs and the files they use, by name. `size` is the width and height of pictures (px); `look` and
+    `samples` determine the rendering. `renderer` is the engine that renders all episodes; if empty, each engine renders
+    its own. `consensus` says how many engines must agree. `shard` is the number of instances in a shard, `versions`
+    those of wmspec and the engines. `licence` is stated in the card and has no other effect.
 
     Raises WmsError if two tasks have the same name.
     """
@@ -78,7 +77,7 @@ class Plan:
             raise WmsError(f"a shard has at least one instance, not {self.shard}")
 
     def shards(self) -> Iterator[Shard]:
-        """The shards of all tasks, in order."""
+        """Yield the shards of all tasks, in order."""
         for task in self.tasks:
             of = -(-len(task.indices) // self.shard)
             for number in range(of):
@@ -104,17 +103,17 @@ class Plan:
 
     @cached_property
     def fingerprint(self) -> str:
-        """A hash that two plans share if and only if they make the same dataset."""
+        """A hash that is equal for two plans exactly if they make the same dataset."""
         return fingerprint(self.record)
 
 
 def fingerprint(record: dict[str, Any]) -> str:
-    """The hash of a plan as JSON values."""
+    """Return the hash of a plan given as JSON values."""
     return hashlib.sha256(json.dumps(record, ensure_ascii=False).encode()).hexdigest()
 
 
 def differences(there: dict[str, Any], here: dict[str, Any]) -> list[str]:
-    """What a folder's plan (as JSON values) has otherwise than another, in words."""
+    """Return the differences of two plans (as JSON values), in words."""
     return [_differs(key, there.get(key), here[key]) for key in here if there.get(key) != here[key]]
 
 

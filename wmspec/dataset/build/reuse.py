@@ -1,7 +1,7 @@
-"""Instances that were made before, in other folders: shares of a dataset come together, and a dataset grows.
+"""Reuse of instances from other folders: merges parts of a dataset and extends datasets.
 
-Files are taken that are what their records say, as if they lay in the dataset's own folder; what was not made, or was
-damaged since, is made again.
+Files that match their records are used as if they lay in the dataset's own folder. Missing or damaged instances are
+made again.
 """
 
 from __future__ import annotations
@@ -13,39 +13,39 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import read_plain
+from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
-from wmspec.dataset.build.checkpoint import passing
+from wmspec.dataset.build.checkpoint import transient
 from wmspec.dataset.build.plan import Plan, Shard, Task, differences
-from wmspec.dataset.build.rebuild import rebuilt
+from wmspec.dataset.build.rebuild import rebuild_plan
 from wmspec.dataset.build.shards import Record, read_outcomes, read_records
 from wmspec.dataset.build.worker import Outcome
 
 
 @dataclass(frozen=True)
-class File:
-    """A file of another folder: its shard, and the record of how it was made."""
+class ShardFile:
+    """A shard file of another folder and its record."""
 
     folder: Path
     shard: Shard
     record: Record
 
-    def outcomes(self, wanted: Iterable[int]) -> dict[int, Outcome]:
-        """What came of these of its instances."""
+    def outcomes(self, requested: Iterable[int]) -> dict[int, Outcome]:
+        """Return the outcomes of the given instances."""
         outcomes = read_outcomes(self.folder, self.shard, self.record)
-        return {i: outcomes[i] for i in wanted}
+        return {i: outcomes[i] for i in requested}
 
     @property
     def indices(self) -> Iterator[int]:
-        """Its instances, but for those that are to be tried again."""
-        again = passing(self.record.rejected)
+        """Yield its instances, except those that are to be retried."""
+        again = transient(self.record.rejected)
         return (i for i in self.shard.indices if i not in again)
 
 
-class Before:
-    """What the folders hold of the instances of a plan.
+class PriorInstances:
+    """The instances of a plan that other folders hold.
 
-    Raises WmsError if one of them holds no dataset, or one that was made in another way.
+    Raises WmsError if a folder holds no dataset, or one that was made with other settings.
     """
 
     def __init__(self, folders: Iterable[Path], plan: Plan) -> None:
@@ -53,20 +53,20 @@ class Before:
         self._files = {(f.shard.task.spec.name, index): f for f in reusable for index in f.indices}
 
     def outcomes(self, shard: Shard) -> dict[int, Outcome]:
-        """What came of the instances of a shard that were made before, by their indices."""
-        task, wanted = shard.task.spec.name, dict[str, tuple[File, list[int]]]()
+        """Return the outcomes of a shard's instances that were made before, by index."""
+        task, requested = shard.task.spec.name, dict[str, tuple[ShardFile, list[int]]]()
         for index in shard.indices:
             if file := self._files.get((task, index)):
-                wanted.setdefault(f"{file.folder}/{file.shard.path}", (file, []))[1].append(index)
-        return {i: outcome for file, indices in wanted.values() for i, outcome in file.outcomes(indices).items()}
+                requested.setdefault(f"{file.folder}/{file.shard.path}", (file, []))[1].append(index)
+        return {i: outcome for file, indices in requested.values() for i, outcome in file.outcomes(indices).items()}
 
     def missing(self, shard: Shard) -> tuple[int, ...]:
-        """The instances of a shard that are still to be made."""
+        """Return the instances of a shard that are still to be made."""
         return tuple(i for i in shard.indices if (shard.task.spec.name, i) not in self._files)
 
 
-def _files(folder: Path, plan: Plan) -> Iterator[File]:
-    """The files of a folder that are what their records say."""
+def _files(folder: Path, plan: Plan) -> Iterator[ShardFile]:
+    """Yield the files of a folder that match their records."""
     there = _plan(folder, plan)
     records = read_records(folder, there.shards())
     for shard in there.shards():
@@ -77,14 +77,14 @@ def _files(folder: Path, plan: Plan) -> Iterator[File]:
             and path.is_file()
             and files.digest(path) == record.sha256
         ):
-            yield File(folder, shard, record)
+            yield ShardFile(folder, shard, record)
 
 
 def _plan(folder: Path, plan: Plan) -> Plan:
-    """The plan of a folder: this one, but for which instances of the tasks it has."""
+    """Return the plan of a folder: `plan` with the folder's own instances."""
     try:
         path = folder / files.PLAN
-        record: Any = json.loads(read_plain(path)) if path.exists() else rebuilt(folder, plan)
+        record: Any = json.loads(read_bytes(path)) if path.exists() else rebuild_plan(folder, plan)
         indices = {name: tuple(map(int, numbers)) for name, numbers in record["tasks"].items()}
     except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
         raise WmsError(

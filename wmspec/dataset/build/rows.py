@@ -1,4 +1,4 @@
-"""A question as a row of a table, its pictures in the layout that Hugging Face `datasets` decodes."""
+"""Questions as table rows, with pictures in the layout that Hugging Face `datasets` decodes."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from wmspec.dataset.build.pictures import lossless, png
+from wmspec.dataset.build.images import encode_png, encode_webp
 from wmspec.lang.check.ir.ir import Choices, Factor, TaskSpec
 from wmspec.runtime.questions.kinds import KINDS
-from wmspec.runtime.questions.model import Change, Picture, QuestionRow, Sighting, Strength, Vote
+from wmspec.runtime.questions.model import Change, Picture, QuestionRow, Strength, VisibleObject, Vote
 from wmspec.runtime.questions.views import channels_of
 
 Row = dict[str, Any]
@@ -33,7 +33,7 @@ _OBJECTS = pa.list_(
     )
 )
 
-#: What every row says, whatever the task: the column's type and what it holds.
+#: The columns that every task has: type and description.
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "id": (pa.string(), "task/index/question/engine, the same in every dataset made with this seed"),
     "task": (pa.string(), "the task"),
@@ -80,17 +80,17 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "seed": (pa.int64(), "the seed of the design"),
 }
 
-#: What rows also say if a question of the task has kinds of outcome.
+#: Additional columns for questions with named outcomes.
 OUTCOMES: dict[str, tuple[pa.DataType, str]] = {
     "option_outcome": (_TEXTS, "of what kind each option is as an outcome; null where the question names none")
 }
 
-#: What rows also say if the answers of a question of the task are balanced.
+#: Additional columns for questions with balanced answers.
 REDRAWN: dict[str, tuple[pa.DataType, str]] = {
     "redrawn": (pa.int64(), "how often the nuisances of the block were drawn before these, for the balance of answers")
 }
 
-#: What rows also say if the task asks for more than colours.
+#: Additional columns for picture channels other than colour.
 CHANNELS: dict[str, dict[str, tuple[pa.DataType, str]]] = {
     "depth": {
         "context_depth": (_IMAGES, "of each picture shown: distance along the view axis in mm, 16 bits, 0 for none")
@@ -109,50 +109,55 @@ _FEATURE = {"_type": "Sequence", "feature": {"_type": "Image"}}
 
 
 def schema(spec: TaskSpec) -> pa.Schema:
-    """The columns of a task: the common ones, those of its balance, kinds of outcome and channels, then `factor.*`,
-    `level.*`, `group.*` and `nuisance.*`.
+    """Return the columns of a task: common ones, balance, outcomes, channels, then `factor.*`, `level.*`, `group.*`,
+    `nuisance.*`.
 
-    A factor's column is boolean, float64, string, or a list of float64 for points, as its values are; its metadata hold
-    its SI `unit`. `group.f` is the key that all instances differing in `f` alone share: the "all but f" groups are one
-    `groupby`. `level.f` is what the value of a factor or nuisance is called, of those whose values have names.
+    A factor's column is boolean, float64, string, or a list of float64 for points; its metadata hold the SI `unit`.
+    `group.f` is the key shared by all instances that differ in `f` alone, so one `groupby` gives the groups. `level.f`
+    is the name of a value of a factor or nuisance with named values.
     """
-    varied, drawn = _parted(spec.factors)
-    fields = [pa.field(name, kind) for name, (kind, _) in (redrawn(spec) | outcomes(spec) | channels(spec)).items()]
+    varied, drawn = _split_nuisances(spec.factors)
+    fields = [
+        pa.field(name, kind)
+        for name, (kind, _) in (redraw_columns(spec) | outcome_columns(spec) | channel_columns(spec)).items()
+    ]
     fields += [_column("factor", f) for f in varied]
-    fields += [pa.field(f"level.{f.name}", pa.string()) for f in (*varied, *drawn) if _named(f)]
+    fields += [pa.field(f"level.{f.name}", pa.string()) for f in (*varied, *drawn) if _has_named_values(f)]
     fields += [pa.field(f"group.{f.name}", pa.string()) for f in varied]
     fields += [_column("nuisance", f) for f in drawn]
     return table_schema(fields)
 
 
 def table_schema(more: Iterable[pa.Field]) -> pa.Schema:
-    """The columns that every dataset has, and more, with what Hugging Face `datasets` has to know of them."""
+    """Return the columns that every dataset has and the given ones, with the metadata of Hugging Face `datasets`."""
     fields = [*(pa.field(name, kind) for name, (kind, _) in COLUMNS.items()), *more]
     features = {f.name: _FEATURE for f in fields if f.type == _IMAGES}
     return pa.schema(fields, metadata={"huggingface": json.dumps({"info": {"features": features}})})
 
 
-def redrawn(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
-    """The columns of the balance of answers, if there is one."""
+def redraw_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
+    """Return the columns for balanced answers, if a question has them."""
     return REDRAWN if spec.plan.balance else {}
 
 
-def outcomes(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
-    """The columns of the kinds of outcome, if a question names some."""
+def outcome_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
+    """Return the columns for outcomes, if a question names some."""
     return OUTCOMES if any(question.kinds for question in spec.questions) else {}
 
 
-def _named(factor: Factor) -> bool:
+def _has_named_values(factor: Factor) -> bool:
+    """Whether a factor has named values."""
     return isinstance(factor.domain, Choices) and factor.domain.names is not None
 
 
-def channels(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
-    """The columns of what a task keeps of its pictures beside their colours."""
-    wanted = channels_of(spec)
-    return {name: column for channel in CHANNELS if channel in wanted for name, column in CHANNELS[channel].items()}
+def channel_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
+    """Return the columns of a task's picture channels other than colour."""
+    keys = channels_of(spec)
+    return {name: column for channel in CHANNELS if channel in keys for name, column in CHANNELS[channel].items()}
 
 
-def _parted(factors: Iterable[Factor]) -> tuple[list[Factor], list[Factor]]:
+def _split_nuisances(factors: Iterable[Factor]) -> tuple[list[Factor], list[Factor]]:
+    """Return factors and nuisances separately."""
     everything = list(factors)
     return [f for f in everything if not f.nuisance], [f for f in everything if f.nuisance]
 
@@ -171,12 +176,12 @@ def _type(factor: Factor) -> pa.DataType:
 
 
 def identity(task: str, index: int, question: int, engine: str) -> str:
-    """The stable name of a question: `collide/000123/q0/ENGINE`."""
+    """Return the stable id of a question: `collide/000123/q0/ENGINE`."""
     return f"{task}/{index:06d}/q{question}/{engine}"
 
 
 def encode(question: QuestionRow) -> Row:
-    """The row of a question. Encodes its pictures (a few ms each), so call it where the question was made."""
+    """Return the row of a question. Encoding pictures takes a few milliseconds each, so call it in the worker."""
     return {
         "id": identity(question.task, question.index, question.question, question.engine),
         "task": question.task,
@@ -207,7 +212,7 @@ def encode(question: QuestionRow) -> Row:
         "agreement": [_vote(v) for v in question.agreement],
         "seed": question.seed,
         **({} if question.redrawn is None else {"redrawn": question.redrawn}),
-        **_kept(question.context),
+        **_channel_columns(question.context),
         **{f"factor.{n}": v for n, v in question.factors.items()},
         **{f"level.{n}": words for n, words in question.levels.items()},
         **{f"group.{n}": v for n, v in question.groups.items()},
@@ -216,7 +221,7 @@ def encode(question: QuestionRow) -> Row:
 
 
 def _options(question: QuestionRow) -> Row:
-    options, offered = question.options, KINDS[question.kind].offered(question.options)
+    options, offered = question.options, KINDS[question.kind].option_set(question.options)
     if len(offered.texts or ()) + len(offered.pictures) != len(options):
         raise ValueError("every option of a question has a text, or every one has a picture")
     return {
@@ -230,14 +235,14 @@ def _options(question: QuestionRow) -> Row:
     }
 
 
-def _objects(pictures: Iterable[Iterable[Sighting]]) -> list[Row]:
-    """The objects of pictures, each with the place of its picture."""
+def _objects(pictures: Iterable[Iterable[VisibleObject]]) -> list[Row]:
+    """Return the objects of pictures, each with the index of its picture."""
     return [_object(place, seen) for place, objects in enumerate(pictures) for seen in objects]
 
 
-def _object(picture: int, seen: Sighting) -> Row:
+def _object(picture: int, seen: VisibleObject) -> Row:
     numbers = (*seen.position, *seen.orientation, seen.share, seen.across, seen.down, *(seen.color or (None,) * 3))
-    known = {"picture": picture, "name": seen.name, "look": " ".join(seen.words), "asked": seen.asked}
+    known = {"picture": picture, "name": seen.name, "look": " ".join(seen.words), "asked": seen.queried}
     return known | dict(zip(_SCALARS, numbers, strict=True))
 
 
@@ -260,8 +265,8 @@ def _strength(strength: Strength | None) -> Row | None:
     return {"name": strength.quantity, "unit": strength.unit, "value": strength.value}
 
 
-def _kept(context: tuple[Picture, ...]) -> Row:
-    """What is kept of the pictures shown beside their colours."""
+def _channel_columns(context: tuple[Picture, ...]) -> Row:
+    """Return the columns of the channels other than colour."""
     row: Row = {}
     if any(p.depth is not None for p in context):
         row["context_depth"] = [_channel(millimetres(p.depth)) for p in context if p.depth is not None]
@@ -272,25 +277,25 @@ def _kept(context: tuple[Picture, ...]) -> Row:
 
 
 def millimetres(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
-    """Metres (h, w) as whole millimetres; what is further than 65 m is as far as can be said."""
+    """Return depth (h, w) in metres as whole millimetres, clipped to 16 bits (65 m)."""
     return np.asarray(np.clip(np.rint(depth * 1000.0), 0, 65535).astype(np.uint16))
 
 
 def _image(picture: Picture) -> dict[str, bytes | None]:
-    return encoded(picture.rgb)
+    return encode_picture(picture.rgb)
 
 
-def encoded(pixels: NDArray[np.uint8]) -> dict[str, bytes | None]:
-    """A picture (h, w, 3) as a row holds it."""
-    return {"bytes": lossless(pixels), "path": None}
+def encode_picture(pixels: NDArray[np.uint8]) -> dict[str, bytes | None]:
+    """Return a picture (h, w, 3) in the layout of a row."""
+    return {"bytes": encode_webp(pixels), "path": None}
 
 
 def _channel(pixels: NDArray[np.uint16]) -> dict[str, bytes | None]:
-    return {"bytes": png(pixels), "path": None}
+    return {"bytes": encode_png(pixels), "path": None}
 
 
 def table(rows: list[Row], columns: pa.Schema) -> pa.Table:
-    """Rows as a table. Raises ValueError if a row has columns that the schema lacks, or lacks some of its own."""
+    """Return rows as a table. Raises ValueError if the columns of a row differ from the schema."""
     for row in rows:
         if row.keys() != set(columns.names):
             raise ValueError(f"{row.get('id')} has other columns: {sorted(row.keys() ^ set(columns.names))}")

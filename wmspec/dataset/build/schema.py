@@ -1,4 +1,4 @@
-"""What a manifest has, and what the rows of a task have: held against what somebody's folder says."""
+"""Validation of manifests and rows that come from elsewhere."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Annotated, Any
 import pyarrow as pa
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
-from wmspec.core.safe_io import is_name
-from wmspec.dataset.build.pictures import form
+from wmspec.core.safe_io import is_file_name
+from wmspec.dataset.build.images import image_format
 from wmspec.dataset.build.rows import COLUMNS, Row
 from wmspec.runtime.questions.consensus import Consensus
 
-#: Where a shard lies: its task is a name, and so it is in the folder.
+#: The path of a shard, which contains the name of its task.
 SHARD = re.compile(r"data/(\w[\w.-]{0,99})/test-\d{5}-of-\d{5}\.parquet")
 
 _Name = Annotated[str, StringConstraints(pattern=r"^\w[\w.-]{0,99}$")]
@@ -69,17 +69,18 @@ class _Manifest(_Strict):
 
 
 def manifest_fault(manifest: Any) -> str:
-    """What is wrong with a manifest as JSON values: empty if nothing is."""
+    """Return the first problem of a manifest (JSON values), or ''."""
     try:
         _Manifest.model_validate(manifest)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         where = ".".join(map(str, first["loc"]))[:120]
         return f"`{where}`: {first['msg'].lower()}" if where else "it is no object"
-    return _miscounted(manifest)
+    return _counts_fault(manifest)
 
 
-def _miscounted(manifest: Any) -> str:
+def _counts_fault(manifest: Any) -> str:
+    """Return the first contradiction between the counts of a manifest, or ''."""
     kept = Counter[str]()
     for path, shard in manifest["shards"].items():
         kept[path.split("/")[1]] += shard["rows"]
@@ -96,25 +97,25 @@ def _miscounted(manifest: Any) -> str:
     return "" if lost == Counter(manifest["rejected"]["count"]) else "its rejections are not those that it counts"
 
 
-#: Columns that every file of rows has, and every row a value in.
-_NEEDED = (
+#: Columns that every Parquet file has, with a value in every row.
+_REQUIRED = (
     "id", "task", "dimension", "index", "question", "engine", "renderer", "text", "context", "context_camera",
     "context_time", "option_image", "option_kind", "option_name", "option_change", "measured", "agreement",
 )  # fmt: skip
-#: What of these is said by the schema to be there, but not in each of the list.
-_HOLED = ("option_change", "context_time")
-#: Lists that are as long as one another.
-_TOGETHER = (
+#: List columns whose items may be null.
+_NULLABLE_ITEMS = ("option_change", "context_time")
+#: Groups of lists with equal length.
+_EQUAL_LENGTHS = (
     ("context", "context_camera", "context_time"),
     ("option_kind", "option_name", "option_change"),
 )
 
 
 def columns_fault(columns: pa.Schema) -> str:
-    """What is wrong with the columns of a file of rows: empty if nothing is."""
+    """Return the first problem of the columns of a Parquet file, or ''."""
     if twice := [name for name, count in Counter(columns.names).items() if count > 1]:
         return f"it has two columns `{twice[0]}`"
-    if missing := [name for name in _NEEDED if name not in columns.names]:
+    if missing := [name for name in _REQUIRED if name not in columns.names]:
         return f"it has no column `{missing[0]}`"
     for name, (kind, _) in COLUMNS.items():
         if name in columns.names and (there := columns.field(name).type) != kind:
@@ -123,19 +124,19 @@ def columns_fault(columns: pa.Schema) -> str:
 
 
 def row_fault(row: Row, task: str, engines: Sequence[str]) -> str:
-    """What is wrong with a row, of which some columns were read: empty if nothing is."""
-    for name in _NEEDED:
+    """Return the first problem of a row of which some columns were read, or ''."""
+    for name in _REQUIRED:
         value = row.get(name, "")
-        if value is None or (isinstance(value, list) and name not in _HOLED and None in value):
+        if value is None or (isinstance(value, list) and name not in _NULLABLE_ITEMS and None in value):
             return f"`{name}` is null"
     for name, known in (("task", [task]), ("engine", engines)):
         if name in row and row[name] not in known:
             return f"its {name} is `{str(row[name])[:60]}`, expected {' or '.join(known)}"
-    if "renderer" in row and not is_name(row["renderer"]):
-        return f"its renderer is `{str(row['renderer'])[:60]}`, which is no name"
+    if "renderer" in row and not is_file_name(row["renderer"]):
+        return f"its renderer is `{str(row['renderer'])[:60]}`, which is not a name"
     if "index" in row and not row["index"] >= 0:
         return f"its index is {row['index']}"
-    for names in _TOGETHER:
+    for names in _EQUAL_LENGTHS:
         counts = {name: len(row[name]) for name in names if name in row}
         if len(set(counts.values())) > 1:
             return "it has " + ", ".join(f"{n} {name}" for name, n in counts.items())
@@ -143,11 +144,12 @@ def row_fault(row: Row, task: str, engines: Sequence[str]) -> str:
 
 
 def _options_fault(row: Row) -> str:
+    """Return the first problem of a row's options, or ''."""
     if not row.keys() >= {"option_text", "option_image", "option_kind", "answer"}:
         return ""
-    pictured, told, kinds = row["option_image"], row["option_text"] or [], row["option_kind"]
-    if len(pictured) + len(told) != len(kinds):
-        return f"it has {len(kinds)} options, {len(told)} with a text and {len(pictured)} with a picture"
+    pictured, texts, kinds = row["option_image"], row["option_text"] or [], row["option_kind"]
+    if len(pictured) + len(texts) != len(kinds):
+        return f"it has {len(kinds)} options, {len(texts)} with a text and {len(pictured)} with a picture"
     answer = row["answer"]
     if (answer is None) != (not kinds) or (kinds and not 0 <= answer < len(kinds)):
         return f"its answer is {answer}, of {len(kinds)} options"
@@ -155,9 +157,9 @@ def _options_fault(row: Row) -> str:
 
 
 def pictures_fault(row: Row, names: Iterable[str]) -> str:
-    """What is wrong with the pictures of a row, but for what only decoding them tells: empty if nothing is."""
+    """Return the first problem of a row's pictures that shows without decoding, or ''."""
     for name in names:
         for number, each in enumerate(row.get(name) or ()):
-            if not form(each.get("bytes")):
+            if not image_format(each.get("bytes")):
                 return f"picture {number + 1} of `{name}` is no PNG or WebP"
     return ""

@@ -1,4 +1,4 @@
-"""Text and pictures put beside and above one another: the little typography that a sheet needs."""
+"""Layout of text and pictures for contact sheets."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ GREEN = "#12843f"
 
 @dataclass(frozen=True)
 class Style:
-    """How a text looks: its size in pixels, colour and weight."""
+    """The size (px), colour and weight of a text."""
 
     size: int
     color: str = BLACK
@@ -34,7 +34,7 @@ class Style:
 
 @cache
 def font(size: int, bold: bool) -> Font:
-    """DejaVu where the system has it, which knows most scripts; else the face that comes with Pillow."""
+    """Return DejaVu if the system has it, which covers most scripts; else Pillow's built-in font."""
     try:
         return ImageFont.truetype("DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf", size)
     except OSError:
@@ -42,17 +42,17 @@ def font(size: int, bold: bool) -> Font:
 
 
 def blank(width: int, height: int) -> Picture:
-    """An empty piece of paper."""
+    """Return an empty picture."""
     return Image.new("RGB", (max(width, 1), max(height, 1)), PAPER)
 
 
 def width_of(text: str, style: Style) -> int:
-    """How wide a text is on one line (px)."""
+    """Return the width of a text on one line (px)."""
     return round(font(style.size, style.bold).getlength(text)) + 1
 
 
 def paragraph(text: str, style: Style, width: int, centred: bool = False) -> Picture:
-    """A text broken into lines of at most `width` px."""
+    """Return a text broken into lines of at most `width` px."""
     lines = list(_lines(text, style, width))
     paper = blank(width, style.height * len(lines))
     draw = ImageDraw.Draw(paper)
@@ -76,7 +76,7 @@ def _lines(text: str, style: Style, width: int) -> Iterator[str]:
 
 
 def _words(text: str, style: Style, width: int) -> Iterator[str]:
-    """The words of a text, those that are wider than a line in pieces."""
+    """Yield the words of a text; words wider than a line are split."""
     for word in text.split():
         rest = word
         while width_of(rest, style) > width and len(rest) > 1:
@@ -87,15 +87,15 @@ def _words(text: str, style: Style, width: int) -> Iterator[str]:
 
 
 def tick(size: int) -> Picture:
-    """A green tick."""
-    big = blank(4 * size, 4 * size)  # drawn large, for smooth edges
+    """Return a green tick."""
+    big = blank(4 * size, 4 * size)  # supersampled for smooth edges
     points = [(0.5 * size, 2.2 * size), (1.5 * size, 3.2 * size), (3.5 * size, 0.8 * size)]
     ImageDraw.Draw(big).line(points, fill=GREEN, width=round(0.6 * size), joint="curve")
     return big.resize((size, size), Image.Resampling.LANCZOS)
 
 
-def beside(parts: Sequence[Picture], gap: int = 0, middle: bool = False) -> Picture:
-    """Pieces from left to right, their tops (or middles) level."""
+def hstack(parts: Sequence[Picture], gap: int = 0, middle: bool = False) -> Picture:
+    """Join pictures from left to right, aligned at the top (or the middle)."""
     height = max((p.height for p in parts), default=1)
     paper = blank(sum(p.width for p in parts) + gap * (len(parts) - 1), height)
     left = 0
@@ -105,8 +105,8 @@ def beside(parts: Sequence[Picture], gap: int = 0, middle: bool = False) -> Pict
     return paper
 
 
-def above(parts: Iterable[Picture], gap: int = 0) -> Picture:
-    """Pieces from top to bottom, their left edges in line."""
+def vstack(parts: Iterable[Picture], gap: int = 0) -> Picture:
+    """Join pictures from top to bottom, aligned at the left."""
     pieces = list(parts)
     paper = blank(max((p.width for p in pieces), default=1), sum(p.height for p in pieces) + gap * (len(pieces) - 1))
     top = 0
@@ -116,8 +116,8 @@ def above(parts: Iterable[Picture], gap: int = 0) -> Picture:
     return paper
 
 
-def padded(part: Picture, margin: int) -> Picture:
-    """A piece with paper all around."""
+def pad(part: Picture, margin: int) -> Picture:
+    """Add a margin to a picture."""
     paper = blank(part.width + 2 * margin, part.height + 2 * margin)
     paper.paste(part, (margin, margin))
     return paper
@@ -126,14 +126,14 @@ def padded(part: Picture, margin: int) -> Picture:
 def grid(
     rows: Iterable[Sequence[tuple[str, Picture]]], label: Callable[[str, int], Picture], gap: int, margin: int = 12
 ) -> Picture:
-    """Rows of pictures, each under its label, which `label` draws from its text and the width (px) of the picture."""
-    lines = [beside([above([label(text, picture.width), picture]) for text, picture in row], gap) for row in rows]
-    return padded(above(lines, 2 * gap), margin)
+    """Return rows of pictures, each under its label, which `label` draws from its text and the picture's width (px)."""
+    lines = [hstack([vstack([label(text, picture.width), picture]) for text, picture in row], gap) for row in rows]
+    return pad(vstack(lines, 2 * gap), margin)
 
 
-def framed(part: Picture, color: str, thickness: int, room: int) -> Picture:
-    """A piece in a frame of `thickness` px, within `room` px on every side that are the same for all thicknesses."""
-    paper = padded(part, room)
+def frame(part: Picture, color: str, thickness: int, room: int) -> Picture:
+    """Add a frame of `thickness` px within `room` px on every side; the size does not depend on `thickness`."""
+    paper = pad(part, room)
     outside = room - thickness
     box = (outside, outside, paper.width - 1 - outside, paper.height - 1 - outside)
     ImageDraw.Draw(paper).rectangle(box, outline=color, width=thickness)
@@ -141,5 +141,5 @@ def framed(part: Picture, color: str, thickness: int, room: int) -> Picture:
 
 
 def rule(width: int, color: str = PALE, thickness: int = 2) -> Picture:
-    """A line across."""
+    """Return a horizontal line."""
     return Image.new("RGB", (width, thickness), color)

@@ -1,4 +1,4 @@
-"""Pictures in motion: animated GIFs, and MP4s where `imageio-ffmpeg` is installed."""
+"""Animated GIFs, and MP4s if `imageio-ffmpeg` is installed."""
 
 from __future__ import annotations
 
@@ -14,20 +14,22 @@ from wmspec.core.places import FilePlace
 
 Picture = Image.Image
 
-COLORS = 255
-"""Of a GIF, chosen anew for every picture."""
+PALETTE_SIZE = 255
+"""Palette size of a GIF frame."""
 
 
 def gif(pictures: Iterable[Picture], rate: float, path: Path) -> None:
-    """Write a GIF that repeats for ever. Its pictures last hundredths of a second, so the rate is met in the mean."""
-    shown = [picture.quantize(COLORS, dither=Image.Dither.NONE) for picture in pictures]
+    """Write an endlessly repeating GIF. Frame times are whole hundredths of a second, so the rate (Hz) holds on
+    average.
+    """
+    shown = [picture.quantize(PALETTE_SIZE, dither=Image.Dither.NONE) for picture in pictures]
     ends = [round(100 * (i + 1) / rate) for i in range(len(shown))]
     lasting = [10 * (end - begin) for begin, end in zip([0, *ends], ends, strict=False)]
     shown[0].save(path, format="GIF", save_all=True, append_images=shown[1:], duration=lasting, loop=0)
 
 
 def mp4(pictures: Iterable[Picture], rate: float, path: Path) -> None:
-    """Write an MP4 (H.264) that every player plays. Raises WmsError if `imageio-ffmpeg` is missing."""
+    """Write an MP4 (H.264). Raises WmsError if `imageio-ffmpeg` is missing."""
     try:
         import imageio_ffmpeg
     except ImportError:
@@ -38,7 +40,7 @@ def mp4(pictures: Iterable[Picture], rate: float, path: Path) -> None:
         ) from None
     shown = [np.asarray(picture.convert("RGB")) for picture in pictures]
     height, width, _ = shown[0].shape
-    even = (width - width % 2, height - height % 2)  # H.264 halves the colours' resolution
+    even = (width - width % 2, height - height % 2)  # H.264 subsamples chroma by 2
     same_bytes = ["-fflags", "+bitexact", "-flags:v", "+bitexact"]
     colors = ["-vf", "scale=out_color_matrix=bt709:out_range=tv", "-color_range", "tv"]
     colors += [word for what in ("space", "_primaries", "_trc") for word in (f"-color{what}", "bt709")]
@@ -52,4 +54,4 @@ def mp4(pictures: Iterable[Picture], rate: float, path: Path) -> None:
 
 
 WRITERS: dict[str, Callable[[Iterable[Picture], float, Path], None]] = {".gif": gif, ".mp4": mp4}
-"""Suffix -> what writes it."""
+"""Writer by file suffix."""

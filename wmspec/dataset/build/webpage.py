@@ -1,4 +1,4 @@
-"""A page as one file: a template with its style, script and data, which loads nothing that is not beside it."""
+"""Self-contained web pages: a template with its style, script and data in one file."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
-#: What a page may do: run its own script, use its own style, show the pictures beside it, and ask who served it.
+#: Content security policy: own script and style, pictures of the same folder, requests to the own server.
 _POLICY = (
     "default-src 'none'; script-src {script}; style-src {style}; img-src 'self' data: blob: file:; "
     "connect-src 'self'; form-action 'none'; base-uri 'none'"
@@ -19,32 +19,32 @@ _POLICY = (
 
 
 def webpage(package: str, *, scripts_beside: bool = False, shaded: bool = False, **values: Any) -> str:
-    """The page that `page.html` of a package makes with `values`, with its `page.css` and `page.js` inside.
+    """Render `page.html` of a package with `values`, including its `page.css` and `page.js`.
 
-    Every value is escaped where it is put in, and `data` becomes JSON for the script. A policy names style and script
-    by their hashes, so that nothing else runs, whatever the values hold; with `scripts_beside`, files of the page's own
-    folder do too, and with `shaded`, elements may have a style of their own.
+    Values are escaped, and `data` becomes JSON for the script. The content security policy names style and script by
+    their hashes, so that no other script can run. `scripts_beside` also permits files of the
+    page's folder, `shaded` permits style attributes.
     """
-    style = _part(__package__, "base.css") + _part(package, "page.css")
-    script = _part(package, "page.js")
+    style = _package_text(__package__, "base.css") + _package_text(package, "page.css")
+    script = _package_text(package, "page.js")
     policy = _POLICY.format(
         script=(_hash(script) if script else "'none'") + (" 'self' file:" if scripts_beside else ""),
         style=_hash(style) + ("; style-src-attr 'unsafe-inline'" if shaded else ""),
     )
     if "data" in values:
-        values["data"] = encoded(values["data"])
+        values["data"] = json_for_script(values["data"])
     return _templates(package).get_template("page.html").render(values, policy=policy, style=style, script=script)
 
 
-def encoded(data: Any) -> str:
-    """JSON that may stand in a script element."""
+def json_for_script(data: Any) -> str:
+    """Return JSON that is safe inside a script element."""
     text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 
 @cache
 def _templates(package: str) -> Environment:
-    """The templates of a package and those that all pages share; `value | fmt(",")` formats as Python does."""
+    """Return the templates of a package and the shared ones; `value | fmt(",")` formats as Python does."""
     templates = Environment(
         loader=ChoiceLoader([PackageLoader(package, ""), PackageLoader(__package__, "")]),
         autoescape=True,
@@ -58,11 +58,12 @@ def _templates(package: str) -> Environment:
 
 
 def _hash(text: str) -> str:
+    """Return the CSP hash of a text."""
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
 @cache
-def _part(package: str, name: str) -> str:
-    """The text of a file of a package; empty if there is none."""
+def _package_text(package: str, name: str) -> str:
+    """Return the text of a package file; empty if there is none."""
     place = files(package) / name
     return place.read_text(encoding="utf-8") if place.is_file() else ""

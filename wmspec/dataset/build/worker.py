@@ -1,4 +1,4 @@
-"""What a worker process does: ask instances in every engine, and encode what comes of them."""
+"""The work of a worker process: makes the questions of instances in every engine and encodes them."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.caches.scene_cache import SceneCache
 from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.questions.ask import ask
-from wmspec.runtime.questions.balance import balanced
-from wmspec.runtime.questions.closed_sets import Answers, has_closed, kept_whole
+from wmspec.runtime.questions.balance import balanced_batch
+from wmspec.runtime.questions.closed_sets import Answers, drop_incomplete_groups, has_closed_set
 from wmspec.runtime.questions.consensus import Consensus, consensus
 from wmspec.runtime.questions.model import QuestionRow, Rejected
 from wmspec.runtime.questions.runs import EnginePair
@@ -23,7 +23,7 @@ from wmspec.sim.scene.model import Look
 
 @dataclass(frozen=True)
 class Job:
-    """How every instance is made: `tasks` are `TaskSpec`s as JSON, by name; some are megabytes."""
+    """The settings of all instances: `tasks` are `TaskSpec`s as JSON, by name; some are megabytes."""
 
     tasks: tuple[tuple[str, str], ...]
     seed: int
@@ -35,29 +35,29 @@ class Job:
     renderer: str = ""
 
     def of(self, task: str) -> Job:
-        """The same for one task alone: what is sent with every piece of work."""
+        """Return the settings restricted to one task, which are sent with every batch."""
         return replace(self, tasks=tuple(pair for pair in self.tasks if pair[0] == task))
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one instance."""
+    """The rows and rejections of one instance."""
 
     rows: tuple[Row, ...]
     rejected: tuple[Rejected, ...]
 
 
 @dataclass(frozen=True)
-class Sharing:
-    """How often episodes and pictures were needed, and how many of them were executed and drawn."""
+class CacheStats:
+    """Cache statistics: episodes and pictures requested, executed and rendered."""
 
     episodes: int = 0
     executed: int = 0
     pictures: int = 0
     drawn: int = 0
 
-    def __add__(self, other: Sharing) -> Sharing:
-        return Sharing(*map(sum, zip(astuple(self), astuple(other), strict=True)))
+    def __add__(self, other: CacheStats) -> CacheStats:
+        return CacheStats(*map(sum, zip(astuple(self), astuple(other), strict=True)))
 
     def __str__(self) -> str:
         return (
@@ -68,7 +68,7 @@ class Sharing:
 
 @dataclass(frozen=True)
 class Balance:
-    """What the balance of answers cost: the groups that were executed, and those of them that were kept."""
+    """The cost of balancing answers: groups executed and groups kept."""
 
     executed: int = 0
     kept: int = 0
@@ -82,52 +82,52 @@ class Balance:
 
 
 @dataclass(frozen=True)
-class Made:
-    """What came of instances, in order, how much of the work was shared, and what balance cost."""
+class BatchResult:
+    """The outcomes of instances in order, the cache statistics and the balancing cost."""
 
     outcomes: tuple[Outcome, ...]
-    shared: Sharing = field(default_factory=Sharing)
+    shared: CacheStats = field(default_factory=CacheStats)
     balance: Balance = field(default_factory=Balance)
 
 
-def work(job: Job, task: str, indices: tuple[int, ...]) -> Made:
-    """Ask instances in every engine of the job: one, or some of a group whose options are a closed set.
+def make_instances(job: Job, task: str, indices: tuple[int, ...]) -> BatchResult:
+    """Make instances in every engine of the job: one instance, or members of a group with a closed set.
 
-    Such a group is asked as a whole, whichever of its members are wanted; so is a lap of groups whose answers are
-    balanced.
+    Such a group is made as a whole, whichever members are requested. The same holds for a batch of groups whose answers
+    are balanced.
     """
-    design, before = _design(job, task), _counted(job)
+    design, before = _design(job, task), _cache_counters(job)
     block, balance = design.blocks.locate(indices[0])[0], Balance()
     if design.spec.plan.balance:
-        lap = balanced(design, block, partial(_group, job))
+        lap = balanced_batch(design, block, partial(_group, job))
         answers, balance = lap.answers, Balance(lap.executed, lap.kept)
-    elif has_closed(design.spec):
+    elif has_closed_set(design.spec):
         answers = _group(job, design, block)
     else:
         answers = {index: _answers(job, design, index) for index in indices}
     outcomes = tuple(_outcome(answers[index]) for index in indices)
-    after = _counted(job)
-    return Made(outcomes, Sharing(*(b - a for a, b in zip(before, after, strict=True))), balance)
+    after = _cache_counters(job)
+    return BatchResult(outcomes, CacheStats(*(b - a for a, b in zip(before, after, strict=True))), balance)
 
 
 def _group(job: Job, design: Design, block: int) -> Mapping[int, Answers]:
-    """The answers of all members of a group."""
+    """Return the answers of all members of a group."""
     answers = {member: _answers(job, design, member) for member in design.blocks.members(block)}
-    return kept_whole(design.spec, answers) if has_closed(design.spec) else answers
+    return drop_incomplete_groups(design.spec, answers) if has_closed_set(design.spec) else answers
 
 
-def _counted(job: Job) -> tuple[int, ...]:
-    """What was asked of this process's engines, and what they did."""
-    counts = [(p.traces.asked, p.traces.executed, p.renders.asked, p.renders.drawn) for p in _pairs(job).values()]
+def _cache_counters(job: Job) -> tuple[int, ...]:
+    """Return the cache counters of this process's engines."""
+    counts = [(p.traces.requests, p.traces.executed, p.renders.requests, p.renders.drawn) for p in _pairs(job).values()]
     return tuple(map(sum, zip(*counts, strict=True)))
 
 
 def _answers(job: Job, design: Design, index: int) -> Answers:
-    """What every engine answers, one question after the other, where they agree as far as the job wants."""
-    asked = {engine: ask(design, index, pair) for engine, pair in _pairs(job).items()}
+    """Return the questions of an instance in every engine, filtered by the consensus setting of the job."""
+    by_engine = {engine: ask(design, index, pair) for engine, pair in _pairs(job).items()}
     answers: list[QuestionRow | Rejected] = []
     for q in range(len(design.spec.questions)):
-        one: dict[str, QuestionRow | Rejected] = {engine: questions[q] for engine, questions in asked.items()}
+        one: dict[str, QuestionRow | Rejected] = {engine: questions[q] for engine, questions in by_engine.items()}
         answers += consensus(one, job.consensus).values()
     return answers
 

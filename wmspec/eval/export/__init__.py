@@ -1,1 +1,1 @@
-"""A dataset as a folder that other tools of evaluation run as it is."""
+"""Exports of a dataset for other evaluation tools."""

@@ -1,4 +1,4 @@
-"""Writing the folder: the questions as each tool takes them, its task, the parser of replies, and how to run it."""
+"""Writes an export: questions in the tool's format, task definition, parser of replies, and instructions."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from wmspec.core.resources import resource
 from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.eval.export.rows import COLUMNS, Row, exported, write
+from wmspec.eval.export.rows import COLUMNS, Row, exported_rows, write
 from wmspec.eval.models.prompt import Prompt
 from wmspec.eval.models.question import Selection
 from wmspec.eval.models.reply import LETTERS, ORDINALS
 
-#: Says of a folder that it is an export, of what, and which files are its own.
-MARK = "export.json"
+#: The file that marks a folder as an export, with its settings and files.
+MARK_FILE = "export.json"
 
 
 @dataclass(frozen=True)
 class Export:
-    """What is exported: which questions of a dataset, under which prompt."""
+    """The content of an export: selected questions and their prompt."""
 
     dataset: DatasetReader
     selection: Selection
@@ -43,39 +43,39 @@ class Export:
         return tasks
 
     def rows(self, task: str) -> Iterator[Row]:
-        """The questions of a task, few in memory at a time."""
-        return exported(self.dataset, self.tasks[task], self.prompt)
+        """Yield the questions of a task, few in memory at a time."""
+        return exported_rows(self.dataset, self.tasks[task], self.prompt)
 
 
 @dataclass
 class _Folder:
-    """A folder that is written, and what has been."""
+    """A folder being written, and the files written to it."""
 
     place: Path
     written: list[str] = field(default_factory=list)
 
     def path(self, name: str) -> Path:
-        """Where a file of this name is to be written."""
+        """Return the path for a file of this name, and record it."""
         self.written.append(name)
         path = self.place / name
         make_folders(path.parent)
         return path
 
     def copy(self, name: str, to: str, **words: str) -> None:
-        """Copy a file that comes with wmspec, with what is said for words in braces."""
+        """Copy a packaged file, with words in braces replaced."""
         text = resource(name).read_text(encoding="utf-8")
         for word, value in words.items():
             text = text.replace(f"{{{word}}}", value)
         self.path(to).write_text(text, encoding="utf-8")
 
     def clear(self) -> None:
-        """Remove what an earlier export has written. Raises WmsError if the folder holds something else than one."""
+        """Remove the files of an earlier export. Raises WmsError if the folder holds anything else."""
         if not self.place.exists() or not any(self.place.iterdir()):
             return
         try:
-            before = json.loads((self.place / MARK).read_bytes())["files"]
+            before = json.loads((self.place / MARK_FILE).read_bytes())["files"]
         except (OSError, ValueError, LookupError, TypeError, RecursionError):
-            raise WmsError(f"{self.place} holds something else than an export; choose another folder with -o") from None
+            raise WmsError(f"{self.place} holds files that are not an export; choose another folder with -o") from None
         inside = self.place.resolve()
         for path in [(self.place / str(name)).resolve() for name in before]:
             if path.is_relative_to(inside):
@@ -85,8 +85,8 @@ class _Folder:
 def export(what: Export, tool: str, place: Path) -> int:
     """Write a folder for a tool of `TOOLS`; returns the number of questions.
 
-    The files of an earlier export are replaced; what the tool has left there stays. Raises WmsError if the folder holds
-    something else or cannot be written.
+    Files of an earlier export are replaced; the tool's own files stay. Raises WmsError if the folder holds something
+    else or cannot be written.
     """
     folder = _Folder(place)
     about = {
@@ -95,11 +95,13 @@ def export(what: Export, tool: str, place: Path) -> int:
         "prompt": what.prompt_name,
         "prompt_hash": what.prompt.hash,
     }
-    with files.explained(place):
+    with files.with_remedies(place):
         folder.clear()
         count = TOOLS[tool](what, folder)
         folder.copy("eval/models/reply.py", "wmspec_reply.py")
-        (place / MARK).write_bytes(files.text({**about, "questions": count, "files": sorted(folder.written)}))
+        (place / MARK_FILE).write_bytes(
+            files.pretty_json({**about, "questions": count, "files": sorted(folder.written)})
+        )
     return count
 
 
@@ -114,7 +116,7 @@ def _inspect(what: Export, folder: _Folder) -> int:
 
 
 def _lmms_eval(what: Export, folder: _Folder) -> int:
-    """A file for each task, which includes a template; and the group of all, in which every question counts alike."""
+    """Write one file for each task, which includes a template, and a group in which every question has equal weight."""
     folder.copy("eval/export/files/lmms_utils.py", "utils.py")
     folder.copy("eval/export/files/lmms_template.yaml", "_default_template_yaml")
     folder.copy("eval/export/files/lmms-eval.md", "README.md")
@@ -130,7 +132,7 @@ def _lmms_eval(what: Export, folder: _Folder) -> int:
 
 
 def _vlmevalkit(what: Export, folder: _Folder) -> int:
-    """One table. Its name has a hash of its content, because VLMEvalKit keeps what it knows of a table by its name."""
+    """Write one table, with a hash of its content in the name, because VLMEvalKit caches tables by name."""
     make_folders(folder.place)
     part, count = folder.place / "table.part", 0
     with part.open("w", newline="", encoding="utf-8") as file:
@@ -150,23 +152,23 @@ _TSV = ("id", "image", "question", *LETTERS[:8], "answer", "category", "l2-categ
 
 
 def _line(row: Row) -> Row:
-    """A question as VLMEvalKit has them, whose own prompt sends the pictures first; `wmspec` holds it as it is."""
+    """Return a question in VLMEvalKit's format, whose prompt has the pictures first; `wmspec` has the original row."""
     pictures = [base64.b64encode(image["bytes"]).decode() for image in row["images"]]
     options, pictured = row["options"], None in row["options"]
     last = f" The last {len(options)} pictures are the options." if pictured else ""
     places = [f"the {ordinal} of the last {len(options)} pictures" for ordinal in ORDINALS[: len(options)]]
     truth = {name.removeprefix("answer_"): row[name] for name in ("options", "labels", "answer", *_NUMBER)}
-    asked = {"system": row["system"], "content": row["content"], "truth": truth}
+    requests = {"system": row["system"], "content": row["content"], "truth": truth}
     return {
         "id": row["id"],
-        "image": pictures[0] if len(pictures) == 1 else str(pictures),  # it reads lists as Python writes them
+        "image": pictures[0] if len(pictures) == 1 else str(pictures),  # VLMEvalKit parses Python lists
         "question": row["question"] + last,
         **dict(zip(LETTERS, places if pictured else options, strict=False)),
         "answer": LETTERS[row["answer"]] if options else row["answer_number"],
         "category": row["task"],
         "l2-category": row["dimension"],
         "split": "test",
-        "wmspec": json.dumps(asked),
+        "wmspec": json.dumps(requests),
     }
 
 
@@ -183,7 +185,7 @@ def _hf(what: Export, folder: _Folder) -> int:
     return _tables(what, folder)
 
 
-#: Tool -> what writes its folder.
+#: Writer by tool.
 TOOLS: dict[str, Callable[[Export, _Folder], int]] = {
     "inspect": _inspect,
     "lmms-eval": _lmms_eval,

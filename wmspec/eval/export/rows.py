@@ -1,4 +1,4 @@
-"""Questions ready to be asked: their requests, made by a prompt template, as rows that need nothing of wmspec."""
+"""Exported questions: complete requests, made by a prompt template, as rows that do not depend on wmspec."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Row = dict[str, Any]
 _IMAGES = pa.list_(pa.struct([("bytes", pa.binary()), ("path", pa.string())]))
 _CONTENT = pa.list_(pa.struct([("text", pa.string()), ("image", pa.int64())]))
 
-#: The columns of exported questions: type, and what they hold.
+#: The columns of exported questions: type and description.
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "id": (pa.string(), "the question's id"),
     "task": (pa.string(), "the task"),
@@ -41,16 +41,16 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "answer_within": (pa.float64(), "how far off a number is still right"),
 }
 
-# "Sequence", because `datasets` before version 4 does not know "List", and later ones read both.
+# `datasets` before version 4 does not know "List"; later versions read both.
 _FEATURES = b'{"info": {"features": {"images": {"_type": "Sequence", "feature": {"_type": "Image"}}}}}'
 SCHEMA = pa.schema([pa.field(n, kind) for n, (kind, _) in COLUMNS.items()], metadata={"huggingface": _FEATURES})
 
-#: Rows of a Parquet file's group: few, so that one row is read quickly.
+#: Rows in a row group; small, so that single rows are read quickly.
 _GROUP = 64
 
 
-def exported(dataset: DatasetReader, ids: Collection[str], prompt: Prompt) -> Iterator[Row]:
-    """The rows of questions, few in memory at a time. Raises WmsError for a prompt that makes films."""
+def exported_rows(dataset: DatasetReader, ids: Collection[str], prompt: Prompt) -> Iterator[Row]:
+    """Yield the rows of questions, few in memory at a time. Raises WmsError for a prompt with videos."""
     return (_row(question, prompt) for question in questions(dataset, ids))
 
 
@@ -66,7 +66,7 @@ def _row(question: Question, prompt: Prompt) -> Row:
                 content.append({"text": None, "image": len(images)})
                 images.append({"bytes": png, "path": None})
             case Clip():
-                raise WmsError("films cannot be exported; use another --prompt than `clip`")
+                raise WmsError("videos cannot be exported; use another --prompt than `clip`")
     is_open = not question.options
     return {
         "id": question.id,

@@ -1,1 +1,1 @@
-"""A dataset as a page for people: to look at, and to answer."""
+"""Galleries: a dataset as a page for browsing and answering."""

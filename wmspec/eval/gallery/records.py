@@ -1,4 +1,4 @@
-"""What the gallery knows of a question: one record for each instance, every engine's pictures in it."""
+"""Records of a gallery: one for each question of an instance, with the pictures of every engine."""
 
 from __future__ import annotations
 
@@ -6,24 +6,24 @@ from collections.abc import Callable, Iterator
 from itertools import groupby
 from typing import Any
 
+from wmspec.dataset.build.format_units import format_reading, format_value
 from wmspec.dataset.build.reader import CHANNELS, DatasetReader
 from wmspec.dataset.build.rows import Row
-from wmspec.dataset.build.words import human, reading
 from wmspec.eval.gallery.paths import IDS, paths
-from wmspec.eval.gallery.replies import NONE, Replies
+from wmspec.eval.gallery.replies import NO_REPLIES, GalleryReplies
 
 Record = dict[str, Any]
 
-#: Puts a picture where the page finds it, under a task's name, and says where that is.
-Put = Callable[[str, bytes], str]
+#: Stores a picture for the page, under a task's name, and returns its URL.
+StorePicture = Callable[[str, bytes], str]
 
 
-#: How many rejected instances are told one by one.
-MOST_REJECTED = 2_000
+#: Maximum number of rejected instances listed.
+MAX_REJECTED = 2_000
 
 
-def about(dataset: DatasetReader, replies: Replies = NONE) -> Record:
-    """What the page says of the dataset, of its tasks, of what was rejected, and of who answered."""
+def about(dataset: DatasetReader, replies: GalleryReplies = NO_REPLIES) -> Record:
+    """Return the page's information on the dataset, its tasks, its rejections, and the models that answered."""
     manifest = dataset.manifest
     rejected = manifest.get("rejected", {}).get("list", ())
     return {
@@ -31,7 +31,7 @@ def about(dataset: DatasetReader, replies: Replies = NONE) -> Record:
         "models": list(replies.models),
         "rejected": [
             [r["task"], r["index"], r["question"], r["engine"], r["reason"], r["detail"]]
-            for r in rejected[:MOST_REJECTED]
+            for r in rejected[:MAX_REJECTED]
         ],
         "rejections": len(rejected),
         "name": dataset.folder.resolve().name,
@@ -53,8 +53,10 @@ def about(dataset: DatasetReader, replies: Replies = NONE) -> Record:
     }
 
 
-def records(dataset: DatasetReader, per_task: int, put: Put, replies: Replies = NONE) -> Iterator[Record]:
-    """The records of at most `per_task` instances of each task, spread over those that were kept."""
+def records(
+    dataset: DatasetReader, per_task: int, put: StorePicture, replies: GalleryReplies = NO_REPLIES
+) -> Iterator[Record]:
+    """Yield the records of at most `per_task` instances of each task, evenly spaced."""
     for task in dataset.tasks:
         units = dataset.units(task)
         kept = sorted({row["index"] for row in dataset.rows(task, ["index"])})
@@ -66,7 +68,9 @@ def records(dataset: DatasetReader, per_task: int, put: Put, replies: Replies = 
             yield _record(list(same), units, dataset.engines, put, replies)
 
 
-def _record(rows: list[Row], units: dict[str, str], engines: tuple[str, ...], put: Put, replies: Replies) -> Record:
+def _record(
+    rows: list[Row], units: dict[str, str], engines: tuple[str, ...], put: StorePicture, replies: GalleryReplies
+) -> Record:
     first = rows[0]
     margins = [row["margin"] for row in rows if row["margin"] is not None]
     return {
@@ -86,23 +90,23 @@ def _record(rows: list[Row], units: dict[str, str], engines: tuple[str, ...], pu
 
 
 def _varied(row: Row, sort: str, units: dict[str, str]) -> dict[str, str]:
-    return {k.partition(".")[2]: human(v, units.get(k, "")) for k, v in row.items() if k.startswith(f"{sort}.")}
+    return {k.partition(".")[2]: format_value(v, units.get(k, "")) for k, v in row.items() if k.startswith(f"{sort}.")}
 
 
 def _difference(row: Row) -> str | None:
-    """How strong the stimulus is, where the row says so."""
+    """Return the stimulus difference as text, where the row has one."""
     difference = row.get("difference")
-    return f"{difference['name']}: {human(difference['value'], difference['unit'])}" if difference else None
+    return f"{difference['name']}: {format_value(difference['value'], difference['unit'])}" if difference else None
 
 
 def _strength(row: Row) -> Record | None:
-    """The same as a number, to sort by."""
+    """Return the stimulus difference as a number, for sorting."""
     difference = row.get("difference")
     return {"name": difference["name"], "value": difference["value"]} if difference else None
 
 
 def _accuracy(replies: list[Record]) -> dict[str, float]:
-    """The share of each model's replies that are right; `""` has that of all."""
+    """Return the share of right replies of each model; `""` is all models."""
     by_model: dict[str, list[bool]] = {}
     for reply in replies:
         for name in ("", reply["model"]):
@@ -111,12 +115,12 @@ def _accuracy(replies: list[Record]) -> dict[str, float]:
 
 
 def _answer(row: Row) -> str:
-    """What one filters by: the true words, or the place of the true picture."""
+    """Return the filter value of the answer: the true words, or the position of the true picture."""
     return f"picture {'ABCDEFGHIJKLMNOPQRSTUVWXYZ'[row['answer']]}" if row["option_image"] else str(row["answer_value"])
 
 
 def _agreement(rows: list[Row]) -> str:
-    """Whether the outcomes of all engines pick the same option."""
+    """Return whether the outcomes of all engines select the same option."""
     votes = [(row, vote) for row in rows for vote in row["agreement"]]
     if len({vote["engine"] for _, vote in votes}) < 2:
         return "one engine"
@@ -124,8 +128,8 @@ def _agreement(rows: list[Row]) -> str:
     return "all agree" if agree else "some differ"
 
 
-def _run(row: Row, put: Put, replies: Replies) -> Record:
-    """What one engine makes of it."""
+def _run(row: Row, put: StorePicture, replies: GalleryReplies) -> Record:
+    """Return one engine's version of a question."""
     looks = zip(row["context"], row["context_camera"], row["context_time"], strict=True)
     return {
         "engine": row["engine"],
@@ -135,7 +139,7 @@ def _run(row: Row, put: Put, replies: Replies) -> Record:
         "options": _options(row, put),
         "true": row["answer"],
         "value": row["answer_value"],
-        "measured": [[m["name"], reading(m["name"], m["value"])] for m in row["measured"]],
+        "measured": [[m["name"], format_reading(m["name"], m["value"])] for m in row["measured"]],
         "margin": None if row["margin"] is None else f"{row['margin']:.2g}",
         "paths": paths(row),
         "replies": replies.of(row["id"]),
@@ -143,7 +147,7 @@ def _run(row: Row, put: Put, replies: Replies) -> Record:
     }
 
 
-def _options(row: Row, put: Put) -> list[Record]:
+def _options(row: Row, put: StorePicture) -> list[Record]:
     shown = [put(row["task"], p["bytes"]) for p in row["option_image"]] or row["option_text"] or []
     key = "src" if row["option_image"] else "text"
     kinds, names, changes = row["option_kind"], row["option_name"], row["option_change"]

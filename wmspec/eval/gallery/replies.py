@@ -1,4 +1,4 @@
-"""What models and people answered, beside the truth: from files of results."""
+"""Replies of models and people for a gallery, from result files."""
 
 from __future__ import annotations
 
@@ -10,42 +10,42 @@ from typing import Any
 from wmspec.core.diagnostics import WmsError
 from wmspec.eval.models import results
 
-#: How much of a reply's text is shown, in characters.
-LONGEST = 400
+#: Maximum length of a displayed reply (characters).
+MAX_TEXT_LENGTH = 400
 
 
 @dataclass(frozen=True)
-class Replies:
-    """All replies by the question's id; `models` are who gave them, in order."""
+class GalleryReplies:
+    """All replies by question id; `models` are their authors, in order."""
 
     models: tuple[str, ...]
     by_id: dict[str, list[results.Row]]
 
     def of(self, id: str) -> list[dict[str, Any]]:
-        """The replies to a question, as the page takes them."""
+        """Return the replies to a question, in the page's format."""
         return [
             {
                 "model": row["model"],
                 "parsed": row["parsed"],
                 "right": row["right"],
                 "status": row["status"],
-                "text": row["text"][:LONGEST],
+                "text": row["text"][:MAX_TEXT_LENGTH],
             }
             for row in self.by_id.get(id, ())
         ]
 
 
-NONE = Replies((), {})
+NO_REPLIES = GalleryReplies((), {})
 
 
-def read(paths: Sequence[Path]) -> Replies:
-    """Read files of results, or folders of them. Raises WmsError if one holds none, or a folder has no file."""
+def read(paths: Sequence[Path]) -> GalleryReplies:
+    """Read result files, or folders of them. Raises WmsError if one is invalid, or a folder has none."""
     by_id: dict[str, list[results.Row]] = {}
     for path in _files(paths):
         for row in results.read(path)[0]:
             by_id.setdefault(row["id"], []).append(row)
     models = sorted({row["model"] for rows in by_id.values() for row in rows})
-    return Replies(tuple(models), by_id)
+    return GalleryReplies(tuple(models), by_id)
 
 
 def _files(paths: Sequence[Path]) -> list[Path]:

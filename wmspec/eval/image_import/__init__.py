@@ -1,1 +1,1 @@
-"""People's own photographs and clips as rows of a dataset, so that all that reads datasets works on them."""
+"""Import of photographs and clips as a dataset, so that all tools for datasets apply to them."""

@@ -1,4 +1,4 @@
-"""Entries of a table as rows of a dataset: the columns of all datasets, then factors and their control groups."""
+"""Table entries as dataset rows: the common columns, then factors and their control groups."""
 
 from __future__ import annotations
 
@@ -7,42 +7,43 @@ from collections.abc import Sequence
 
 import pyarrow as pa
 
-from wmspec.dataset.build.rows import COLUMNS, Row, encoded, identity, table_schema
-from wmspec.eval.image_import.pictures import Pictures
+from wmspec.dataset.build.rows import COLUMNS, Row, encode_picture, identity, table_schema
+from wmspec.eval.image_import.decode import PictureFolder
 from wmspec.eval.image_import.table import Entry
 
-#: Who executed and drew: nobody. It is the name of the only "engine" of such a dataset, and its pictures' camera.
-CAMERA = "camera"
+#: The name of the only engine and camera of an imported dataset.
+CAMERA_ENGINE = "camera"
 
 
-def rows(entries: Sequence[Entry], pictures: Pictures) -> list[Row]:
-    """The rows of a task's entries, in their order.
+def rows(entries: Sequence[Entry], pictures: PictureFolder) -> list[Row]:
+    """Return the rows of a task's entries, in order.
 
-    Entries of one episode are questions of one instance; those of one group are of one block, others each of their own.
+    Entries of one episode are questions of one instance. Entries of one group are in one block; others have a block
+    each.
     """
     factors = _factors(entries)
     instances: dict[str, int] = {}
     blocks: dict[str, int] = {}
-    asked: dict[int, int] = {}
+    question_counts: dict[int, int] = {}
     made = []
     for entry in entries:
         index = instances.setdefault(entry.episode or f"line {entry.line}", len(instances))
         block = blocks.setdefault(entry.group or f"instance {index}", len(blocks))
-        question = asked.get(index, 0)
-        asked[index] = question + 1
+        question = question_counts.get(index, 0)
+        question_counts[index] = question + 1
         made.append(_row(entry, (index, block, question), factors, pictures))
     return made
 
 
 def schema(entries: Sequence[Entry]) -> pa.Schema:
-    """The columns of a task's rows."""
+    """Return the columns of a task's rows."""
     names = _factors(entries)
     fields = [pa.field(f"factor.{n}", _kind(entries, n), metadata={"unit": ""}) for n in names]
     return table_schema([*fields, *(pa.field(f"group.{n}", pa.string()) for n in names)])
 
 
 def _factors(entries: Sequence[Entry]) -> list[str]:
-    """The factors that a task's rows say anything of."""
+    """Return the factors that a task's rows use."""
     return [n for n in entries[0].factors if any(e.factors[n] for e in entries)]
 
 
@@ -58,29 +59,29 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _row(entry: Entry, place: tuple[int, int, int], factors: list[str], pictures: Pictures) -> Row:
+def _row(entry: Entry, place: tuple[int, int, int], factors: list[str], pictures: PictureFolder) -> Row:
     index, block, question = place
-    shown, times = _shown(entry, pictures)
+    shown, times = _context_pictures(entry, pictures)
     difference = {"name": entry.quantity, "unit": entry.unit, "value": entry.difference}
     is_open = not entry.options
     levels = {n: float(v) if _is_number(v) else v for n, v in entry.factors.items()}
     return {
         **dict.fromkeys(COLUMNS),
-        "id": identity(entry.task, index, question, CAMERA),
+        "id": identity(entry.task, index, question, CAMERA_ENGINE),
         "task": entry.task,
         "dimension": entry.dimension,
         "index": index,
         "block": block,
         "question": question,
         "question_name": entry.name,
-        "engine": CAMERA,
-        "renderer": CAMERA,
+        "engine": CAMERA_ENGINE,
+        "renderer": CAMERA_ENGINE,
         "text": entry.text,
         "context": shown,
-        "context_camera": [CAMERA] * len(shown),
+        "context_camera": [CAMERA_ENGINE] * len(shown),
         "context_time": times,
         "option_text": None if entry.pictured else list(entry.options),
-        "option_image": [encoded(pictures.still(n)) for n in entry.options] if entry.pictured else [],
+        "option_image": [encode_picture(pictures.still(n)) for n in entry.options] if entry.pictured else [],
         "option_kind": ["truth" if i == entry.answer else "label" for i in range(len(entry.options))],
         "option_name": list(entry.options),
         "option_change": [None] * len(entry.options),
@@ -99,14 +100,14 @@ def _row(entry: Entry, place: tuple[int, int, int], factors: list[str], pictures
     }
 
 
-def _shown(entry: Entry, pictures: Pictures) -> tuple[list[dict[str, bytes | None]], list[float]]:
+def _context_pictures(entry: Entry, pictures: PictureFolder) -> tuple[list[dict[str, bytes | None]], list[float]]:
     if entry.clip:
         pixels, times = pictures.frames(entry.pictures[0], entry.frames)
-        return [encoded(p) for p in pixels], times
-    return [encoded(pictures.still(name)) for name in entry.pictures], list(entry.times)
+        return [encode_picture(p) for p in pixels], times
+    return [encode_picture(pictures.still(name)) for name in entry.pictures], list(entry.times)
 
 
 def _group(entry: Entry, factor: str, factors: list[str]) -> str:
-    """What all rows share that differ in a factor alone."""
+    """Return the key of all rows that differ in this factor alone."""
     others = [entry.task, entry.group, entry.name, factor, *(f"{n}={entry.factors[n]}" for n in factors if n != factor)]
     return hashlib.sha256("\n".join(others).encode()).hexdigest()[:16]

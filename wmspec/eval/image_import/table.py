@@ -1,4 +1,4 @@
-"""The table that a person writes: one question a row. Every mistake is told with its row and column, all at once."""
+"""Tables written by people, with one question a row. All errors are reported at once, with row and column."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from pathlib import Path
 
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError, suggestion
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import read_plain
-from wmspec.eval.image_import.pictures import CLIPS, STILLS, Pictures
+from wmspec.core.safe_io import read_bytes
+from wmspec.eval.image_import.decode import CLIP_SUFFIXES, STILL_SUFFIXES, PictureFolder
 
-#: The columns and what they hold; the first four have to be there.
+#: The columns and their descriptions; the first four are required.
 COLUMNS = {
     "question": "the question's text",
     "pictures": "the files shown with it, in order, parted by `;`: photographs, or one clip",
@@ -35,10 +35,10 @@ COLUMNS = {
     "source": "where the pictures are from",
     "license": "under which licence they are",
 }
-NEEDED = ("question", "pictures", "options", "answer")
-FACTOR = "factor."
-#: How many pictures are taken from a clip, if nothing is said.
-FRAMES = 4
+REQUIRED_COLUMNS = ("question", "pictures", "options", "answer")
+FACTOR_PREFIX = "factor."
+#: Default number of pictures from a clip.
+DEFAULT_FRAMES = 4
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 _DIMENSION = re.compile(r"[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)*")
@@ -46,10 +46,10 @@ _DIMENSION = re.compile(r"[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)*")
 
 @dataclass(frozen=True)
 class Entry:
-    """A row of the table that was found right.
+    """A valid row of the table.
 
-    `line` is where it begins; `answer` is the place of the true option, None if the question is open. `pictured` tells
-    whether the options are files. A `clip` gives `frames` pictures.
+    `line` is its first line. `answer` is the position of the true option, None if the question is open. `pictured`
+    means that the options are files. A `clip` yields `frames` pictures.
     """
 
     line: int
@@ -77,15 +77,15 @@ class Entry:
     factors: dict[str, str] = field(default_factory=dict)
 
 
-def read(path: Path, pictures: Pictures) -> tuple[Entry, ...]:
-    """The rows of a table (CSV in UTF-8), checked, and all pictures that they name opened.
+def read(path: Path, pictures: PictureFolder) -> tuple[Entry, ...]:
+    """Return the validated rows of a table (CSV in UTF-8), after opening all pictures that they name.
 
-    Raises WmsError with every mistake: each with its row, its column and what would be right.
+    Raises WmsError with every error: each with its row, its column and a remedy.
     """
     report = Report(WmsError)
     rows = list(_rows(path, report))
     entries = [_Row(path, line, cells, pictures, report).entry() for line, cells in rows]
-    _alone(path, [entry for entry in entries if entry], report)
+    _check_repeats(path, [entry for entry in entries if entry], report)
     if not rows and not report.failed:
         report.include(
             [Diagnostic("the table has no rows", FilePlace(str(path)), "write one question a row below the names")]
@@ -95,9 +95,9 @@ def read(path: Path, pictures: Pictures) -> tuple[Entry, ...]:
 
 
 def _rows(path: Path, report: Report) -> Iterator[tuple[int, dict[str, str]]]:
-    """Every row by column, with the line where it begins; nothing if the names of the columns are wrong."""
+    """Yield every row by column, with its first line; none if the header is invalid."""
     try:
-        text = read_plain(path).decode("utf-8-sig")
+        text = read_bytes(path).decode("utf-8-sig")
     except OSError as error:
         raise WmsError(f"cannot be read: {error.strerror}", FilePlace(str(path)), "give a .csv file") from None
     except UnicodeDecodeError as error:
@@ -106,7 +106,7 @@ def _rows(path: Path, report: Report) -> Iterator[tuple[int, dict[str, str]]]:
     reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
         head = [name.strip() for name in next(reader, [])]
-        if not _named(path, head, report):
+        if not _check_header(path, head, report):
             return
         line = reader.line_num + 1
         for cells in reader:
@@ -125,10 +125,10 @@ def _rows(path: Path, report: Report) -> Iterator[tuple[int, dict[str, str]]]:
         )
 
 
-def _named(path: Path, head: list[str], report: Report) -> bool:
-    """Whether the columns are those that are known and needed."""
+def _check_header(path: Path, head: list[str], report: Report) -> bool:
+    """Whether all columns are known and all required ones present."""
     place = FilePlace(str(path), 1)
-    for name in NEEDED:
+    for name in REQUIRED_COLUMNS:
         if name not in head:
             close = suggestion(name, [n for n in head if n not in COLUMNS and n])
             remedy = f"call it so; it holds {COLUMNS[name]}" + (f"; {close}" if close.startswith("did") else "")
@@ -136,35 +136,39 @@ def _named(path: Path, head: list[str], report: Report) -> bool:
     for name in sorted({n for n in head if head.count(n) > 1}):
         report.include([Diagnostic(f"there are two columns `{name}`", place, "leave one out")])
     for name in head:
-        known = name in COLUMNS or (name.startswith(FACTOR) and _NAME.fullmatch(name.removeprefix(FACTOR)))
+        known = name in COLUMNS or (
+            name.startswith(FACTOR_PREFIX) and _NAME.fullmatch(name.removeprefix(FACTOR_PREFIX))
+        )
         if not known:
-            remedy = suggestion(name, COLUMNS) or f"known are {', '.join(COLUMNS)}, and {FACTOR}NAME for what varies"
+            remedy = (
+                suggestion(name, COLUMNS) or f"known are {', '.join(COLUMNS)}, and {FACTOR_PREFIX}NAME for what varies"
+            )
             report.include([Diagnostic(f"column `{name}` is not known", place, remedy)])
     return not report.failed
 
 
-def _alone(path: Path, entries: list[Entry], report: Report) -> None:
-    """No two rows ask the same."""
+def _check_repeats(path: Path, entries: list[Entry], report: Report) -> None:
+    """Report rows that repeat an earlier question."""
     first: dict[object, int] = {}
     for entry in entries:
         key = (entry.task, entry.text, entry.pictures, frozenset(entry.options))
         if key in first:
-            message = f"the row asks the same as the one in line {first[key]}"
+            message = f"the row repeats the question of line {first[key]}"
             report.include([Diagnostic(message, FilePlace(str(path), entry.line), "leave one of them out")])
         first.setdefault(key, entry.line)
 
 
 class _Row:
-    """One row while it is checked."""
+    """A row being validated."""
 
-    def __init__(self, path: Path, line: int, cells: dict[str, str], pictures: Pictures, report: Report) -> None:
+    def __init__(self, path: Path, line: int, cells: dict[str, str], pictures: PictureFolder, report: Report) -> None:
         self._place = FilePlace(str(path), line)
         self._stem = re.sub(r"[^a-z0-9_]+", "_", path.stem.lower()).strip("_") or "photographs"
         self._line, self._cells, self._pictures, self._report = line, cells, pictures, report
         self._right = True
 
     def entry(self) -> Entry | None:
-        """What the row says; None if anything in it is wrong."""
+        """Return the entry; None if the row has errors."""
         files, clip = self._shown()
         options, pictured = self._options()
         frames = self._frames(files[0] if clip and self._right else "", clip)
@@ -192,7 +196,7 @@ class _Row:
             quantity=self._quantity(),
             source=self._cell("source"),
             license=self._cell("license"),
-            factors={n.removeprefix(FACTOR): v for n, v in self._cells.items() if n.startswith(FACTOR)},
+            factors={n.removeprefix(FACTOR_PREFIX): v for n, v in self._cells.items() if n.startswith(FACTOR_PREFIX)},
         )
         return made if self._right else None
 
@@ -217,7 +221,7 @@ class _Row:
     def _word(self, column: str, pattern: re.Pattern[str], default: str) -> str:
         word = self._cell(column) or default
         if word and not pattern.fullmatch(word):
-            self._wrong(column, f"`{word}` is no name", "write small letters, digits and _, such as `left_of`")
+            self._wrong(column, f"`{word}` is not a name", "write small letters, digits and _, such as `left_of`")
         return word
 
     def _number(self, column: str, text: str | None = None) -> float | None:
@@ -229,7 +233,7 @@ class _Row:
         except ValueError:
             number = math.nan
         if not math.isfinite(number):
-            self._wrong(column, f"`{written}` is no number", "write it such as 1.5, its unit in the column `unit`")
+            self._wrong(column, f"`{written}` is not a number", "write it such as 1.5, its unit in the column `unit`")
             return None
         return number
 
@@ -239,16 +243,18 @@ class _Row:
         names = self._parts("pictures")
         if not names:
             self._wrong("pictures", "it is empty", f"write {COLUMNS['pictures']}")
-        clip = any(Path(name).suffix.lower() in CLIPS for name in names) or any(map(self._pictures.moves, names))
+        clip = any(Path(name).suffix.lower() in CLIP_SUFFIXES for name in names) or any(
+            map(self._pictures.moves, names)
+        )
         if clip and len(names) > 1:
-            self._wrong("pictures", "a clip stands alone", "write one clip, or several photographs")
+            self._wrong("pictures", "a clip must be the only file", "write one clip, or several photographs")
             return names, True
         for name in names:
-            self._open("pictures", name, 1 if clip else None)
+            self._check_readable("pictures", name, 1 if clip else None)
         return names, clip
 
-    def _open(self, column: str, name: str, frames: int | None = None) -> None:
-        """Open a photograph, or so many pictures of a clip."""
+    def _check_readable(self, column: str, name: str, frames: int | None = None) -> None:
+        """Open a photograph, or frames of a clip, to report errors."""
         try:
             if frames is None:
                 self._pictures.still(name)
@@ -259,15 +265,15 @@ class _Row:
                 self._wrong(column, diagnostic.message, diagnostic.help)
 
     def _frames(self, readable: str, clip: bool) -> int:
-        """How many pictures are taken from a clip, if it is `readable` (its name, else "")."""
+        """Return the number of pictures from a clip, if it is `readable` (its name, else '')."""
         frames = self._number("frames")
-        number = FRAMES if frames is None else frames
+        number = DEFAULT_FRAMES if frames is None else frames
         if frames is not None and not clip:
             self._wrong("frames", "there is no clip to take them from", "leave it empty")
         elif number != int(number) or not 1 <= number <= 64:
-            self._wrong("frames", f"{number:g} is no number of pictures", "write a whole number from 1 to 64")
+            self._wrong("frames", f"{number:g} is not a number of pictures", "write a whole number from 1 to 64")
         elif readable:
-            self._open("frames", readable, int(number))
+            self._check_readable("frames", readable, int(number))
         return int(number)
 
     def _times(self, files: tuple[str, ...], clip: bool) -> tuple[float, ...]:
@@ -278,17 +284,17 @@ class _Row:
         elif times and len(times) != len(files):
             self._wrong("times", f"{len(times)} times for {len(files)} pictures", "write one for each, parted by `;`")
         elif list(known) != sorted(known):
-            self._wrong("times", "they do not rise", "write the pictures and their times in order")
+            self._wrong("times", "the times are not increasing", "write the pictures and their times in order")
         return known or tuple(float(i) for i in range(len(files)))
 
     # ------------------------------------------------------------ options and answer
 
     def _options(self) -> tuple[tuple[str, ...], bool]:
         options = self._parts("options")
-        files = [o for o in options if Path(o).suffix.lower() in STILLS]
+        files = [o for o in options if Path(o).suffix.lower() in STILL_SUFFIXES]
         if options and len(options) < 2:
             self._wrong(
-                "options", "there is one alone", "write at least two, parted by `;`, or none for an open question"
+                "options", "there is only one option", "write at least two, parted by `;`, or none for an open question"
             )
         if "" in options:
             self._wrong("options", "one of them is empty", "leave out the `;` too many")
@@ -296,15 +302,17 @@ class _Row:
             self._wrong("options", f"`{option}` is there twice", "leave one of them out")
         if files and len(files) < len(options):
             word = next(o for o in options if o not in files)
-            self._wrong("options", f"`{word}` is no photograph, but others are", "write either words or files")
+            self._wrong(
+                "options", f"`{word}` is not a photograph, but other options are", "write either words or files"
+            )
         elif files:
-            self._different(options)
+            self._check_different(options)
         return options, bool(files)
 
-    def _different(self, options: tuple[str, ...]) -> None:
+    def _check_different(self, options: tuple[str, ...]) -> None:
         before = self._report.failed
         for name in options:
-            self._open("options", name)
+            self._check_readable("options", name)
         if before or not self._right:
             return
         first: dict[bytes, str] = {}
@@ -319,7 +327,7 @@ class _Row:
             return None, self._number("answer")
         if value and value not in options:
             remedy = suggestion(value, options) or "write one of the options as it is written there"
-            self._wrong("answer", f"`{value}` is none of the options", remedy)
+            self._wrong("answer", f"`{value}` is not one of the options", remedy)
         return (options.index(value) if value in options else None), None
 
     def _within(self, options: tuple[str, ...]) -> float | None:
@@ -334,5 +342,5 @@ class _Row:
 
     def _quantity(self) -> str:
         if self._cell("difference") and not self._cell("quantity"):
-            self._wrong("quantity", "it is empty", "write of what `difference` is the number")
+            self._wrong("quantity", "it is empty", "write the quantity that `difference` measures")
         return self._cell("quantity")

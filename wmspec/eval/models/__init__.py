@@ -1,1 +1,1 @@
-"""Questions put to models, and what came of it. It reads datasets and writes results; engines are never touched."""
+"""Evaluation of models: reads datasets and writes results, without engines."""

@@ -1,4 +1,4 @@
-"""What raters choose together, and how far they agree."""
+"""Majority votes and agreement of raters."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ Vote = TypeVar("Vote", bound=Hashable)
 
 
 def majority(id: str, votes: Iterable[Vote]) -> Vote:
-    """What most chose; a draw whose seed is the question's id decides among equals. Raises ValueError without votes."""
+    """Return the most frequent vote; ties are broken at random, seeded by the question's id. Raises ValueError without
+    votes.
+    """
     counts = Counter(votes)
     most = max(counts.values())
     best = sorted((vote for vote, count in counts.items() if count == most), key=str)
@@ -19,11 +21,11 @@ def majority(id: str, votes: Iterable[Vote]) -> Vote:
 
 
 def fleiss_kappa(items: Iterable[Sequence[Hashable]]) -> float | None:
-    """Fleiss' κ (1971) of several raters' choices for each item: 1 is full agreement, 0 what chance would give.
+    """Return Fleiss' κ (1971) of several raters' choices for each item: 1 is full agreement, 0 chance level.
 
-    Items may have different numbers of raters, as where somebody stopped: each weighs the same in the agreement
-    observed, and each choice in the one expected. With equal numbers this is Fleiss' formula. Items with fewer than two
-    choices say nothing. None if there are none others, or if all choices are the same.
+    Items may have different numbers of raters. Each item has the same weight in the observed agreement, each choice in
+    the expected one. With equal numbers this is Fleiss' formula. Items with fewer than two choices are ignored. None if
+    no items remain, or if all choices are equal.
     """
     rated = [Counter(choices) for choices in items if len(choices) > 1]
     if not rated:

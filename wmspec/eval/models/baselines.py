@@ -1,7 +1,7 @@
-"""Models that are none: what a score is worth is seen beside theirs. Their replies are read as any other's.
+"""Baseline models for comparison; their replies are parsed like any other.
 
-`oracle` knows the truth, `random` knows nothing. `blind` sees words and no picture, `options-only` the options and
-nothing else; both have learned from all other control groups of the task which option is true how often.
+`oracle` knows the truth, `random` guesses. `blind` sees the words and no picture, `options-only` the options and
+nothing else. Both learn from the task's other control groups how often each option is true.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from PIL import Image
 
 from wmspec.core import rng
 from wmspec.eval.models.model import Reply
-from wmspec.eval.models.pictures import opened
+from wmspec.eval.models.montage import decode_image
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.request import Ask
 
-#: A picture is compared with others at this size (px).
-_SIDE = 32
+#: Side of the thumbnails that are compared (px).
+THUMBNAIL_SIZE = 32
 
 
 @dataclass
-class _Learned:
-    """Of something seen in questions, by control group: how often it was true and how often it was to choose from."""
+class _CueCounts:
+    """How often a cue was true and how often it was offered, by control group and in total."""
 
     true: Counter[tuple[str, str]] = field(default_factory=Counter)
     offered: Counter[tuple[str, str]] = field(default_factory=Counter)
@@ -40,13 +40,13 @@ class _Learned:
         self.all_offered[cue] += 1
 
     def rate(self, cue: str, group: str) -> float:
-        """The share of times that it was true outside of a group, drawn towards one half where it was seldom seen."""
+        """Return the share of true occurrences outside a group, shrunk towards one half."""
         true = self.all_true[cue] - self.true[group, cue]
         return (true + 1) / (self.all_offered[cue] - self.offered[group, cue] + 2)
 
 
 class Baseline:
-    """A baseline. `questions` are those of the dataset, their pictures not needed: what it may learn from."""
+    """A baseline. It learns from `questions`, those of the dataset; their pictures are not needed."""
 
     asks = 1
 
@@ -54,16 +54,16 @@ class Baseline:
         self.identity = f"{name} {seed}"
         self._seed = seed
         self._choose = _CHOOSERS[name]
-        self._learned = _Learned()
+        self._learned = _CueCounts()
         self._numbers: dict[tuple[str, str], list[tuple[str, float]]] = {}
         for question in questions if name != "oracle" else ():
             for place, cue in enumerate(_cues(name, question)):
                 self._learned.learn(cue, question.group, place == question.answer)
             if question.number is not None and not question.options:
-                self._numbers.setdefault(_kind(question), []).append((question.group, question.number))
+                self._numbers.setdefault(_question_kind(question), []).append((question.group, question.number))
 
     def reply(self, ask: Ask) -> Reply:
-        """The label of the option that it chooses, or a number."""
+        """Return the label of the chosen option, or a number."""
         question = ask.question
         draw = rng.uniform(self._seed, question.id, ask.permutation, ask.sample, self.identity)
         if question.options:
@@ -73,57 +73,57 @@ class Baseline:
         return Reply("" if number is None else f"{number!r} {question.unit}".strip(), model_version="1")
 
     def _number(self, question: Question, draw: float) -> float | None:
-        """The answer of another question of the kind: any of them by chance, else the median."""
-        others = sorted(n for group, n in self._numbers.get(_kind(question), []) if group != question.group)
+        """Return the number of another question of the same kind: a random one, or the median."""
+        others = sorted(n for group, n in self._numbers.get(_question_kind(question), []) if group != question.group)
         if not others:
             return None
         return others[int(draw * len(others))] if self.identity.startswith("random") else others[len(others) // 2]
 
 
-def _kind(question: Question) -> tuple[str, str]:
+def _question_kind(question: Question) -> tuple[str, str]:
     return question.task, question.name
 
 
 def _cues(name: str, question: Question) -> list[str]:
-    """What an option is known by: its words, beside those of the question for who reads it; a picture by nothing."""
-    kind, seen = "/".join(_kind(question)), question.text if name == "blind" else ""
+    """Return the cue of each option: its words, with the question's for `blind`; an empty one for a picture."""
+    kind, seen = "/".join(_question_kind(question)), question.text if name == "blind" else ""
     return [f"{kind}|{seen}|{words}" for words in question.options if words is not None]
 
 
-def _oracle(question: Question, learned: _Learned, draw: float) -> int:  # noqa: ARG001
+def _oracle(question: Question, learned: _CueCounts, draw: float) -> int:  # noqa: ARG001
     assert question.answer is not None
     return question.answer
 
 
-def _random(question: Question, learned: _Learned, draw: float) -> int:  # noqa: ARG001
+def _random(question: Question, learned: _CueCounts, draw: float) -> int:  # noqa: ARG001
     return int(draw * len(question.options))
 
 
-def _likeliest(question: Question, learned: _Learned, draw: float, name: str) -> int:
+def _likeliest(question: Question, learned: _CueCounts, draw: float, name: str) -> int:
     rates = [learned.rate(cue, question.group) for cue in _cues(name, question)]
     best = [place for place, rate in enumerate(rates) if rate == max(rates)]
     return best[int(draw * len(best))]
 
 
-def _blind(question: Question, learned: _Learned, draw: float) -> int:
+def _blind(question: Question, learned: _CueCounts, draw: float) -> int:
     return _likeliest(question, learned, draw, "blind") if question.in_words else _random(question, learned, draw)
 
 
-def _options_only(question: Question, learned: _Learned, draw: float) -> int:
-    """Of words the one that is true most often; of pictures the one that is nearest to all others."""
+def _options_only(question: Question, learned: _CueCounts, draw: float) -> int:
+    """Return the option whose words are true most often, or the picture closest to all others."""
     if question.in_words:
         return _likeliest(question, learned, draw, "options-only")
-    seen = np.stack([_small(png) for png in question.pictures])
+    seen = np.stack([_thumbnail(png) for png in question.pictures])
     apart = np.abs(seen[:, None] - seen[None]).mean(axis=(2, 3, 4)).sum(axis=1)
     return int(np.argmin(apart))
 
 
-def _small(png: bytes) -> NDArray[np.float64]:
-    picture = opened(png).resize((_SIDE, _SIDE), Image.Resampling.BOX)
+def _thumbnail(png: bytes) -> NDArray[np.float64]:
+    picture = decode_image(png).resize((THUMBNAIL_SIZE, THUMBNAIL_SIZE), Image.Resampling.BOX)
     return np.asarray(picture, dtype=np.float64)
 
 
-_CHOOSERS: dict[str, Callable[[Question, _Learned, float], int]] = {
+_CHOOSERS: dict[str, Callable[[Question, _CueCounts, float], int]] = {
     "random": _random,
     "blind": _blind,
     "options-only": _options_only,

@@ -1,4 +1,4 @@
-"""Replies by the content of what was asked, for all runs that share the file: the same request is not paid twice."""
+"""Cache of replies by request content, shared by all runs that name the same file."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from wmspec.eval.models.model import Model, Reply
 from wmspec.eval.models.request import Ask
 
 
-class Cached:
-    """A model whose replies are kept in a file. What is taken from there costs nothing."""
+class CachedModel:
+    """A model with a cache of its replies in a file. Cached replies cost nothing."""
 
     def __init__(self, model: Model, parameters: dict[str, Any], path: Path) -> None:
-        """Raises WmsError if the file is no cache or cannot be written."""
+        """Open or create the cache. Raises WmsError if the file is no cache or cannot be written."""
         self.identity, self.asks = model.identity, model.asks
         self._model, self._path = model, path
         self._identity = json.dumps([model.identity, parameters], sort_keys=True)
@@ -33,7 +33,7 @@ class Cached:
             raise WmsError(f"--cache {path}: cannot be used ({error}); name another file") from None
 
     def reply(self, ask: Ask) -> Reply:
-        """The reply kept, or the model's, which is kept unless it is an error."""
+        """Return the cached reply, or the model's, which is cached unless it is an error."""
         key = hashlib.sha256(f"{self._identity}\n{ask.request.digest}\n{ask.sample}".encode()).hexdigest()
         known = self._run("SELECT reply FROM replies WHERE key = ?", key)
         if known:

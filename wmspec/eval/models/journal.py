@@ -1,7 +1,7 @@
-"""The replies of a run that is not over, on disk as soon as they come: killed at any moment, none is lost or doubled.
+"""Journal of an unfinished run: every reply is on disk as soon as it arrives, and none is lost or duplicated.
 
-A file of JSON lines that only grows. The first line says what is asked, each other is a reply; a line that a kill cut
-off is taken back when the file is opened again. Of an asking that has several replies the last one counts.
+An append-only file of JSON lines. The first line holds the settings of the run, each other line a reply. A truncated
+last line is dropped when the file is opened. If an ask has several replies, the last one counts.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pydantic import TypeAdapter, ValidationError
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import make_folders
-from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.files import with_remedies
 from wmspec.eval.models.model import Reply
 
 Key = tuple[str, int, int]
@@ -29,20 +29,20 @@ _REPLY = TypeAdapter(Reply)
 
 
 class Journal:
-    """An open journal; `replies` are those that it had when it was opened."""
+    """An open journal; `replies` are those found when it was opened."""
 
-    def __init__(self, path: Path, asked: dict[str, Any]) -> None:
-        """Open a journal, or begin one, for what is `asked`; no other process can while it is open.
+    def __init__(self, path: Path, settings: dict[str, Any]) -> None:
+        """Open or create a journal for the run `settings`, with an exclusive lock.
 
-        Raises WmsError if it is of something else, open elsewhere, or cannot be written.
+        Raises WmsError if it belongs to another run, is open elsewhere, or cannot be written.
         """
         self.path = path
-        with explained(path):
+        with with_remedies(path):
             make_folders(path.parent)
             self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
             try:
                 self._lock()
-                self.replies = self._read(asked)
+                self.replies = self._read(settings)
             except BaseException:
                 os.close(self._file)
                 raise
@@ -61,22 +61,22 @@ class Journal:
         except BlockingIOError:
             raise WmsError(f"another process is writing to {self.path}; wait for it, or choose another -o") from None
 
-    def _read(self, asked: dict[str, Any]) -> Replies:
+    def _read(self, settings: dict[str, Any]) -> Replies:
         content = self.path.read_bytes()
         whole = content[: content.rfind(b"\n") + 1]
         if len(whole) < len(content):
             os.ftruncate(self._file, len(whole))
         if not whole:
-            self._append({"asked": asked})
+            self._append({"asked": settings})
             return {}
         head, *lines = whole.splitlines()
-        same(_loaded(head, self.path).get("asked"), asked, self.path)
-        return dict(_record(_loaded(line, self.path), self.path) for line in lines)
+        require_same_settings(_parse_line(head, self.path).get("asked"), settings, self.path)
+        return dict(_record(_parse_line(line, self.path), self.path) for line in lines)
 
     def keep(self, key: Key, reply: Reply) -> None:
-        """Write a reply down; when this returns it outlasts a kill and a power cut. Raises WmsError if it cannot."""
+        """Append a reply and flush it to disk. Raises WmsError if that fails."""
         id, permutation, sample = key
-        with explained(self.path):
+        with with_remedies(self.path):
             self._append({"id": id, "permutation": permutation, "sample": sample, **asdict(reply)})
 
     def _append(self, value: dict[str, Any]) -> None:
@@ -86,28 +86,28 @@ class Journal:
         os.fsync(self._file)
 
     def discard(self) -> None:
-        """Remove the file: what it holds is elsewhere."""
-        with explained(self.path):
+        """Remove the file after its replies have been saved elsewhere."""
+        with with_remedies(self.path):
             self.path.unlink()
 
 
-def same(before: Any, asked: dict[str, Any], path: Path) -> None:
-    """Raises WmsError, which names what differs, if results at `path` are not of what is `asked`."""
+def require_same_settings(before: Any, settings: dict[str, Any], path: Path) -> None:
+    """Raise WmsError, with the differences, if results at `path` belong to another run than `settings`."""
     before = before if isinstance(before, dict) else {}
-    differing = [key for key in asked if before.get(key) != asked[key]]
+    differing = [key for key in settings if before.get(key) != settings[key]]
     if differing:
         raise WmsError(
-            f"{path} holds replies to something else: {', '.join(differing)} differ; choose another -o, or move it away"
+            f"{path} holds replies of another run: {', '.join(differing)} differ; choose another -o, or move it away"
         )
 
 
-def _loaded(line: bytes, path: Path) -> dict[str, Any]:
+def _parse_line(line: bytes, path: Path) -> dict[str, Any]:
     try:
         value = json.loads(line)
     except (ValueError, RecursionError):
         value = None
     if not isinstance(value, dict):
-        raise _other(path)
+        raise _wrong_version(path)
     return value
 
 
@@ -116,9 +116,9 @@ def _record(value: dict[str, Any], path: Path) -> tuple[Key, Reply]:
         key = (value.pop("id"), value.pop("permutation"), value.pop("sample"))
         return _KEY.validate_python(key, strict=True), _REPLY.validate_python(asdict(Reply(**value)))
     except (KeyError, TypeError, ValidationError):
-        raise _other(path) from None
+        raise _wrong_version(path) from None
 
 
-def _other(path: Path) -> WmsError:
+def _wrong_version(path: Path) -> WmsError:
     what = "no journal of this version of `wmspec evaluate`"
     return WmsError(what, FilePlace(str(path)), "choose another -o, or move it away")

@@ -1,4 +1,4 @@
-"""What a run may do: so many requests, so many of them a minute, so much cost."""
+"""Limits of a run: number, rate and cost of requests."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import time
 from dataclasses import dataclass, field
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.eval.models.model import Lost, Reply
+from wmspec.eval.models.model import FatalModelError, Reply
 
-#: Errors in a row after which nothing else is sent.
-PATIENCE = 20
+#: Maximum number of consecutive errors before the run stops.
+MAX_CONSECUTIVE_ERRORS = 20
 
 
 @dataclass(frozen=True)
 class Limits:
-    """At most so many requests in this run, so many a minute, and so much cost for the whole result; None: no limit."""
+    """Maximum number of requests, requests a minute, and cost of the whole result; None for no limit."""
 
     requests: int | None = None
     a_minute: float | None = None
@@ -24,7 +24,7 @@ class Limits:
 
 @dataclass
 class Meter:
-    """What a run has done of what it may. `spent` is what the result has cost before."""
+    """Counts requests and cost against the limits. `spent` is the cost of earlier runs of the result."""
 
     limits: Limits
     spent: float = 0.0
@@ -35,9 +35,10 @@ class Meter:
     _dearest: float = 0.0
 
     def may_send(self) -> bool:
-        """Whether another request may go out now. Those on their way are taken to cost as much as the dearest so far.
+        """Return whether another request may be sent.
 
-        With a limit of cost the first request goes alone, to learn what one costs.
+        Pending requests are assumed to cost as much as the dearest so far. With a cost limit, the first request is sent
+        alone, to learn its cost.
         """
         if self.limits.requests is not None and self.sent >= self.limits.requests:
             return False
@@ -48,28 +49,33 @@ class Meter:
         return self.spent + (self.flying + 1) * self._dearest <= self.limits.cost and self.spent < self.limits.cost
 
     def send(self) -> None:
-        """A request goes out."""
+        """Count a request."""
         self.sent += 1
         self.flying += 1
 
     def receive(self, reply: Reply) -> None:
-        """A reply has come. Raises Lost after `PATIENCE` errors in a row, and if a limited cost is not known."""
+        """Count a reply.
+
+        Raises FatalModelError after `MAX_CONSECUTIVE_ERRORS` consecutive errors, or if a limited cost is unknown.
+        """
         self.flying -= 1
         self._failed = self._failed + 1 if reply.outcome == "error" else 0
-        if self._failed >= PATIENCE:
-            raise Lost(f"{PATIENCE} requests in a row have failed, the last with: {reply.error}")
+        if self._failed >= MAX_CONSECUTIVE_ERRORS:
+            raise FatalModelError(
+                f"{MAX_CONSECUTIVE_ERRORS} requests in a row have failed, the last with: {reply.error}"
+            )
         if reply.outcome == "error":
             return
         if reply.cost is None and self.limits.cost is not None:
-            raise Lost("--max-cost: the server does not say what a reply costs; add --price IN OUT")
+            raise FatalModelError("--max-cost: the server does not say what a reply costs; add --price IN OUT")
         self._paid += 1
         self.spent += reply.cost or 0.0
         self._dearest = max(self._dearest, reply.cost or 0.0)
 
 
 @dataclass
-class Pace:
-    """Lets threads through evenly, so many a minute."""
+class RateLimiter:
+    """Spaces the requests of all threads evenly."""
 
     a_minute: float | None
     _next: float = 0.0
@@ -80,7 +86,7 @@ class Pace:
             raise WmsError("--rate: expected requests a minute, more than 0")
 
     def wait(self) -> None:
-        """Return when it is this thread's turn."""
+        """Block until the next request may be sent."""
         if self.a_minute is None:
             return
         with self._turn:

@@ -1,4 +1,4 @@
-"""Models whose weights are on this machine, by `transformers`."""
+"""Local models, run by `transformers`."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.eval.models.model import Reply, kept
-from wmspec.eval.models.pictures import opened
+from wmspec.eval.models.model import Reply, storable
+from wmspec.eval.models.montage import decode_image
 from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
 
 _INSTALL = "install it with `pip install 'wmspec[local]'`"
 
 
 class LocalModel:
-    """A model that looks at pictures, in a folder as `save_pretrained` writes it. It is asked one thing at a time."""
+    """A vision-language model in a folder written by `save_pretrained`. It takes one request at a time."""
 
     asks = 1
 
     def __init__(self, path: Path, parameters: dict[str, Any]) -> None:
-        """Raises WmsError if transformers is missing or cannot open what is there."""
+        """Load the model. Raises WmsError if transformers is missing or cannot load it."""
         try:
             import torch
             import transformers
@@ -46,7 +46,7 @@ class LocalModel:
         self._turn = threading.Lock()
 
     def reply(self, ask: Ask) -> Reply:
-        """What the model writes. Raises WmsError for a film: pictures work with every model, films do not."""
+        """Return the generated text. Raises WmsError for a video, which not all models support."""
         import torch
 
         messages, began = _messages(ask.request), time.monotonic()
@@ -59,10 +59,10 @@ class LocalModel:
                 sent = int(batch["input_ids"].shape[1])
                 written = self._model.generate(**batch, **self._generation)[0, sent:]
             except (RuntimeError, ValueError, IndexError, TypeError) as error:
-                return Reply(outcome="error", error=kept(f"{type(error).__name__}: {error}")[:2000])
+                return Reply(outcome="error", error=storable(f"{type(error).__name__}: {error}")[:2000])
             text = self._processor.decode(written, skip_special_tokens=True)
         return Reply(
-            text=kept(text),
+            text=storable(text),
             model_version=self._version,
             tokens_in=sent,
             tokens_out=len(written),
@@ -71,7 +71,7 @@ class LocalModel:
 
 
 def _generation(parameters: dict[str, Any]) -> dict[str, Any]:
-    """Parameters as `generate` calls them."""
+    """Return parameters by the names of `generate`."""
     options = dict(parameters)
     tokens, temperature = options.pop("max_tokens", 1024), options.pop("temperature", 0)
     warm = {"do_sample": True, "temperature": float(temperature)} if temperature else {"do_sample": False}
@@ -85,15 +85,15 @@ def _messages(request: Request) -> list[dict[str, Any]]:
             case Text(text):
                 turn.append({"type": "text", "text": f"{text}\n"})
             case Picture(png):
-                turn.append({"type": "image", "image": opened(png)})
+                turn.append({"type": "image", "image": decode_image(png)})
             case Clip():
-                raise WmsError("models by transformers are shown pictures here; use another --prompt than `clip`")
+                raise WmsError("local models do not support videos; use another --prompt than `clip`")
     system = [{"role": "system", "content": [{"type": "text", "text": request.system}]}] if request.system else []
     return [*system, {"role": "user", "content": turn}]
 
 
 def _digest(path: Path) -> str:
-    """Twelve hex digits that tell weights from others: of every file its name and size, of small ones the content."""
+    """Return twelve hex digits that identify weights: names and sizes of all files, content of small ones."""
     digest = hashlib.sha256()
     for file in sorted(
         f for f in path.iterdir() if f.is_file() and f.suffix in {".json", ".safetensors", ".bin", ".jinja"}

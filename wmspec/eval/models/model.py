@@ -1,4 +1,4 @@
-"""What a model is to the rest: something that replies to an asking."""
+"""The interface of models."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.eval.models.reply import LONGEST
+from wmspec.eval.models.reply import MAX_REPLY_LENGTH
 from wmspec.eval.models.request import Ask
 
-#: How a reply came: as text, withheld by a filter, or not at all.
+#: How a request ended: with text, withheld by a filter, or without a reply.
 Outcome = Literal["ok", "refused", "error"]
 
 
 @dataclass(frozen=True)
 class Reply:
-    """What came back: the text, who gave it, the tokens, the cost and the seconds that it took, as far as known."""
+    """A reply: text, version of the model, tokens, cost and seconds, where known."""
 
     text: str = ""
     outcome: Outcome = "ok"
@@ -28,23 +28,25 @@ class Reply:
 
 
 class Model(Protocol):
-    """A model, opened. `identity` tells it from all whose replies may differ; it takes `asks` askings at a time."""
+    """An open model. `identity` differs between models whose replies may differ; `asks` is the number of concurrent
+    requests.
+    """
 
     identity: str
     asks: int
 
     def reply(self, ask: Ask) -> Reply:
-        """The reply to one asking, from any thread. What goes wrong with it alone is a reply of outcome `error`.
+        """Return the reply to one request; thread-safe. An error of this request alone is a reply with outcome `error`.
 
-        Raises WmsError if no asking can come to anything (a wrong key, an unknown model).
+        Raises WmsError if no request can succeed (a wrong key, an unknown model).
         """
         ...
 
 
-class Lost(WmsError):
-    """Nothing that this model is asked will come to anything."""
+class FatalModelError(WmsError):
+    """No request to this model can succeed."""
 
 
-def kept(text: str | None) -> str:
-    """A reply's text as it is kept: at most `LONGEST` characters, whatever is not Unicode replaced."""
-    return (text or "")[:LONGEST].encode("utf-8", "replace").decode()
+def storable(text: str | None) -> str:
+    """Return the text of a reply for storage: at most `LONGEST` characters, with invalid Unicode replaced."""
+    return (text or "")[:MAX_REPLY_LENGTH].encode("utf-8", "replace").decode()

@@ -16,7 +16,7 @@ from wmspec.eval.models.server import Server, ServerModel
 def open_model(
     name: str, dataset: DatasetReader, seed: int, parameters: dict[str, Any], server: Server | None, asks: int
 ) -> Model:
-    """The model of a name. Raises WmsError if there is none, or if what it needs is missing."""
+    """Open a model by name. Raises WmsError if there is none, or if a requirement is missing."""
     kind, _, rest = name.partition(":")
     if kind == "openai" and rest and server is not None:
         return ServerModel(rest, server, parameters, asks)

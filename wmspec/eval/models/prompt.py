@@ -1,4 +1,4 @@
-"""Prompt templates, TOML files: how a question is put to a model. Those that come with wmspec are in `prompts/`."""
+"""Prompt templates, TOML files that determine how questions are presented. The built-in ones are in `prompts/`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from wmspec.core.resources import resource
 Labels = Literal["letters", "numbers"]
 Part = Literal["pictures", "question", "option_words", "option_pictures", "instruction"]
 
-#: What may stand in braces in each text.
+#: Permitted placeholders of each text.
 _PLACEHOLDERS = {
     "picture": {"number"},
     "clip": {"pictures"},
@@ -37,14 +37,14 @@ class _Model(BaseModel):
 
 
 class LabelKinds(_Model):
-    """What options are called by: those in words, those that are pictures."""
+    """The labels of options in words and of option pictures."""
 
     words: Labels
     pictures: Labels
 
 
 class Texts(_Model):
-    """The template's words; an empty one leaves its line out."""
+    """The texts of a template; an empty one omits its line."""
 
     picture: str
     clip: str
@@ -72,13 +72,13 @@ class Texts(_Model):
         return self
 
     def line(self, name: str, **values: object) -> str:
-        """A text with its placeholders filled in."""
+        """Return a text with its placeholders filled."""
         text: str = getattr(self, name)
         return re.sub(r"\{(\w+)\}", lambda match: str(values[match[1]]), text)
 
 
 class Prompt(_Model):
-    """A template: the system's words, the order of a question's parts, how pictures are handed over, and its texts."""
+    """A template: system prompt, order of parts, presentation of pictures, and texts."""
 
     system: str
     parts: tuple[Part, ...]
@@ -88,18 +88,18 @@ class Prompt(_Model):
 
     @property
     def hash(self) -> str:
-        """Twelve hex digits that depend on everything in the template, and on nothing else."""
+        """Twelve hex digits that identify the content of the template."""
         text = json.dumps(self.model_dump(), sort_keys=True, ensure_ascii=False)
         return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
-def known() -> list[str]:
-    """The names of the templates that come with wmspec."""
+def builtin_prompts() -> list[str]:
+    """Return the names of the built-in templates."""
     return sorted(path.stem for path in resource("eval/models/prompts").glob("*.toml"))
 
 
 def load(name: str) -> Prompt:
-    """A template by name or as a file. Raises WmsError if it cannot be read or says what a template cannot."""
+    """Load a template by name or path. Raises WmsError if it cannot be read or is invalid."""
     try:
         return Prompt.model_validate(_merged(name))
     except ValidationError as error:
@@ -110,27 +110,27 @@ def load(name: str) -> Prompt:
 
 
 def _merged(name: str, depth: int = 0) -> dict[str, Any]:
-    """The values of a template over those of the one that it extends."""
+    """Return the values of a template merged over those of the template that it extends."""
     values = _read(name)
     base = values.pop("extends", None)
     if base is None:
         return values
     if depth == 8 or not isinstance(base, str):
         raise WmsError(f"prompt {name}: extends: the name of another template, which does not extend this one")
-    if name not in known() and base not in known():
+    if name not in builtin_prompts() and base not in builtin_prompts():
         base = str(Path(name).parent / base)
-    return _over(_merged(base, depth + 1), values)
+    return _merge(_merged(base, depth + 1), values)
 
 
-def _over(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+def _merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
     both = {key for key in above if isinstance(above[key], dict) and isinstance(below.get(key), dict)}
-    return {**below, **above, **{key: _over(below[key], above[key]) for key in both}}
+    return {**below, **above, **{key: _merge(below[key], above[key]) for key in both}}
 
 
 def _read(name: str) -> dict[str, Any]:
-    file = resource("eval/models/prompts") / f"{name}.toml" if name in known() else Path(name)
+    file = resource("eval/models/prompts") / f"{name}.toml" if name in builtin_prompts() else Path(name)
     if not file.is_file():
-        raise WmsError(f"there is no prompt `{name}`: {', '.join(known())}, or the path of a .toml file")
+        raise WmsError(f"there is no prompt `{name}`: {', '.join(builtin_prompts())}, or the path of a .toml file")
     try:
         return tomllib.loads(file.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:

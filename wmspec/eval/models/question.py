@@ -1,4 +1,4 @@
-"""The questions of a dataset as models are asked them, and the control group that each belongs to."""
+"""Questions of a dataset as models receive them, with their control groups."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.rng import bits
-from wmspec.dataset.build.pictures import as_png
+from wmspec.dataset.build.images import as_png
 from wmspec.dataset.build.reader import PICTURES, DatasetReader
 from wmspec.dataset.build.rows import Row
 
@@ -19,11 +19,11 @@ _COLUMNS = (
 
 @dataclass(frozen=True)
 class Question:
-    """A question: what is shown (pictures as PNG), its options, and the truth.
+    """A question: pictures (PNG), options and truth.
 
-    `options` are the words of each, None for a picture, which `pictures` then has; `names` are what each stands for.
-    `answer` is the place of the true option; of an open question, which has no options, it is None, and right is what
-    is `within` of `number` (SI `unit`).
+    `options` are the words of each option, None for a picture, which is then in `pictures`; `names` identify their
+    meaning. `answer` is the position of the true option. For an open question, without options, it is None, and a reply
+    is right `within` of `number` (SI `unit`).
     """
 
     id: str
@@ -50,16 +50,16 @@ class Question:
 
     @property
     def group(self) -> str:
-        """The control group: questions that share their nuisances and so are not independent of one another."""
+        """The control group: questions that share nuisances and so are statistically dependent."""
         return f"{self.task}/{self.block}"
 
 
 @dataclass(frozen=True)
 class Selection:
-    """Which questions of a dataset: of these tasks and engines, all without; and at most so many of them.
+    """A selection of questions: tasks, engines (all if empty), and a maximum number.
 
-    A limit takes as many of each task and engine as of the others, the same instances in every engine, spread at random
-    over each task; a higher one takes the same and more.
+    A limit takes equal numbers of each task and engine, with the same instances in every engine, spread at random over
+    each task. A higher limit takes a superset.
     """
 
     tasks: tuple[str, ...] = ()
@@ -67,9 +67,9 @@ class Selection:
     limit: int | None = None
 
     def ids(self, dataset: DatasetReader) -> list[str]:
-        """The questions' ids in the dataset's order. Raises WmsError if the dataset lacks a task or an engine."""
-        for kind, wanted, known in (("task", self.tasks, dataset.tasks), ("engine", self.engines, dataset.engines)):
-            for name in wanted:
+        """Return the ids of the questions in dataset order. Raises WmsError if a task or engine is missing."""
+        for kind, expected, known in (("task", self.tasks, dataset.tasks), ("engine", self.engines, dataset.engines)):
+            for name in expected:
                 if name not in known:
                     raise WmsError(f"the dataset has no {kind} `{name}`; {suggestion(name, known)}".rstrip("; "))
         queues: dict[tuple[str, str], list[str]] = {}
@@ -80,37 +80,37 @@ class Selection:
         everything = [id for queue in queues.values() for id in queue]
         if self.limit is None:
             return everything
-        chosen = _evenly(list(queues.values()), self.limit)
+        chosen = _interleave(list(queues.values()), self.limit)
         return [id for id in everything if id in chosen]
 
 
-def _evenly(queues: list[list[str]], limit: int) -> set[str]:
-    """The first of every queue, then the second, once they have been shuffled; whatever the engine the same way."""
+def _interleave(queues: list[list[str]], limit: int) -> set[str]:
+    """Return the first of every shuffled queue, then the second, and so on; the same shuffle for every engine."""
     shuffled = [sorted(queue, key=lambda id: bits("limit", id.rpartition("/")[0])) for queue in queues]
     turns = sorted((turn, queue) for queue, ids in enumerate(shuffled) for turn in range(len(ids)))
     return {shuffled[queue][turn] for turn, queue in turns[:limit]}
 
 
 def questions(dataset: DatasetReader, ids: Collection[str], pictures: bool = True) -> Iterator[Question]:
-    """The questions of these ids, in the dataset's order, few in memory at a time; without `pictures` much quicker.
+    """Yield the questions with these ids in dataset order, few in memory at a time; much faster without `pictures`.
 
     Raises WmsError if a shard cannot be read.
     """
-    wanted = set(ids)
+    expected = set(ids)
     columns = (*_COLUMNS, *PICTURES) if pictures else _COLUMNS
     indices: dict[str, set[int]] = {}
-    for id in wanted:
+    for id in expected:
         task, index, *_ = id.split("/")
         indices.setdefault(task, set()).add(int(index))
     for task in dataset.tasks:
         if task in indices:
             for row in dataset.rows(task, ("index", *(c for c in columns if c != "index")), indices[task]):
-                if row["id"] in wanted:
+                if row["id"] in expected:
                     yield question(row)
 
 
 def question(row: Row) -> Question:
-    """The question of a dataset's row; without pictures if the row was read without them.
+    """Return the question of a dataset row; without pictures if the row was read without them.
 
     Raises WmsError if a picture is damaged.
     """

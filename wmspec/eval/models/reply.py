@@ -1,16 +1,20 @@
-"""What a reply chooses: the one parser of replies, for every model and every tool. Standard library only.
+"""The parser of replies, shared by all models and exported tools. Standard library only.
 
-Options have places from 0 in the order in which they are shown. A reply is read by the first rule that finds exactly
-one option in it (`docs/evaluate.md` has examples):
+Options have positions from 0 in the order shown. A reply is parsed by the first rule that finds exactly one option in
+it (`docs/evaluate.md` has examples):
 
-1. the reply is nothing but an option's label, its place or its words;
+1. the reply is only an option's label, position or words;
+
 2. it announces one: "the answer is (B)", "I choose the third option"; the last announcement counts;
-3. it begins with one: "B. the red cube", "No, they do not";
-4. it mentions one label only, in parentheses or as a capital that stands alone;
-5. it has the words of one option only.
 
-What is denied ("not B") is not chosen. Where options have letters, "picture 2" is none of them. What is thought aloud
-in <think> is not the reply. Nothing is guessed: a reply that no rule reads has no option.
+3. it begins with one: "B. the red cube", "No, they do not";
+
+4. it mentions one label only, in parentheses or as an isolated capital;
+
+5. it contains the words of one option only.
+
+A negated option ("not B") is not chosen. Where options have letters, "picture 2" is not an option. Reasoning inside
+<think> is ignored. Nothing is guessed: if no rule applies, the reply has no option.
 """
 
 from __future__ import annotations
@@ -21,17 +25,31 @@ import unicodedata
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-#: Told with every result: replies read by another version of these rules may be read otherwise.
-VERSION = 1
-#: What is looked at of a reply, in characters.
-LONGEST = 65_536
+#: Version of these rules, recorded with every result.
+PARSER_VERSION = 1
+#: Maximum number of characters of a reply that are parsed.
+MAX_REPLY_LENGTH = 65_536
 
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
-_SHORT = ("1st", "2nd", "3rd", "4th", "5th", "6th", "7th", "8th")
-_COUNTED = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+_SHORT_ORDINALS = ("1st", "2nd", "3rd", "4th", "5th", "6th", "7th", "8th")
+_NUMBER_WORDS = (
+    "zero",
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+    "eight",
+    "nine",
+    "ten",
+    "eleven",
+    "twelve",
+)
 
-#: SI unit -> the units of the same quantity, without the s of the plural, and their sizes in it.
+#: SI unit -> singular names of the units of its quantity, and their sizes in the SI unit.
 _SIZES: dict[str, dict[str, float]] = {
     "m": {"m": 1, "metre": 1, "meter": 1, "km": 1e3, "dm": 0.1, "cm": 0.01, "centimetre": 0.01, "centimeter": 0.01}
     | {
@@ -55,7 +73,7 @@ _UNITS = {name: (unit, size) for unit, sizes in _SIZES.items() for name, size in
 
 @dataclass(frozen=True)
 class Mark:
-    """What a reply came to: the place that it chooses (as shown) or its number, None if unread; and if it is right."""
+    """A scored reply: the chosen position (as shown) or number, None if unparsed, and whether it is right."""
 
     place: int | None
     number: float | None
@@ -63,7 +81,7 @@ class Mark:
 
     @property
     def parsed(self) -> bool:
-        """Whether the reply could be read."""
+        """Whether the reply could be parsed."""
         return self.place is not None or self.number is not None
 
 
@@ -76,21 +94,21 @@ def mark(
     unit: str | None = None,
     within: float | None = None,
 ) -> Mark:
-    """Read a reply and hold it against the truth.
+    """Parse and score a reply.
 
-    `options` are the words of each as shown, None for a picture; `answer` the place of the true one as shown. Without
-    options the question is open, and right is what is `within` of `number` (SI `unit`).
+    `options` are the words of each option as shown, None for a picture; `answer` is the position of the true one as
+    shown. Without options the question is open, and a number `within` of `number` (SI `unit`) is right.
     """
     if options:
         place = choice(text, options, labels)
         return Mark(place, None, place is not None and place == answer)
     value = number_in(text, unit or "")
-    right = value is not None and number is not None and near(value, number, within or 0.0, unit or "")
+    right = value is not None and number is not None and is_near(value, number, within or 0.0, unit or "")
     return Mark(None, value, right)
 
 
-def near(value: float, truth: float, within: float, unit: str = "") -> bool:
-    """Whether a number is right; of angles (rad) the shorter way round counts."""
+def is_near(value: float, truth: float, within: float, unit: str = "") -> bool:
+    """Whether a number is right; for angles (rad) the shorter way round counts."""
     apart = abs(math.remainder(value - truth, math.tau)) if unit == "rad" else abs(value - truth)
     return apart <= within * (1 + 1e-9)
 
@@ -99,14 +117,14 @@ def near(value: float, truth: float, within: float, unit: str = "") -> bool:
 
 
 @dataclass(frozen=True)
-class _Shown:
-    """The options as they were shown: their words, none for pictures; and whether they had letters or numbers."""
+class _ShownOptions:
+    """The options as shown: their words (empty for pictures), and whether labels are letters or numbers."""
 
     words: tuple[str, ...]
     numbered: bool
 
     def label(self, text: str) -> int | None:
-        """The place that a label or number names. A letter and a number are both understood, if they mean one thing."""
+        """Return the position of a label. Letters and numbers are both accepted if unambiguous."""
         if len(text) == 1 and text.upper() in LETTERS:
             place = LETTERS.index(text.upper())
         elif text.isdecimal() and len(text) < 4 and (self.numbered or not any(re.search(r"\d", w) for w in self.words)):
@@ -116,20 +134,20 @@ class _Shown:
         return place if 0 <= place < len(self.words) else None
 
     def ordinal(self, text: str) -> int | None:
-        """The place that an ordinal names."""
+        """Return the position of an ordinal."""
         if text == "last":
             return len(self.words) - 1
-        place = next((names.index(text) for names in (ORDINALS, _SHORT) if text in names), len(self.words))
+        place = next((names.index(text) for names in (ORDINALS, _SHORT_ORDINALS) if text in names), len(self.words))
         return place if place < len(self.words) else None
 
 
 def choice(text: str, options: Sequence[str | None], labels: str = "letters") -> int | None:
-    """The place of the option that a reply chooses, None if no rule of this file reads it.
+    """Return the position of the chosen option, None if no rule applies.
 
-    `labels` says what the options were shown with: "letters" or "numbers".
+    `labels` are those shown with the options: "letters" or "numbers".
     """
-    reply = cleaned(text)
-    shown = _Shown(tuple(_plain(words or "") for words in options), labels == "numbers")
+    reply = normalize(text)
+    shown = _ShownOptions(tuple(_plain(words or "") for words in options), labels == "numbers")
     if not shown.numbered and not any(_SHOWN_PICTURE.search(words) for words in shown.words):
         reply = _SHOWN_PICTURE.sub(" ", reply)
     for rule in _RULES:
@@ -139,9 +157,9 @@ def choice(text: str, options: Sequence[str | None], labels: str = "letters") ->
     return None
 
 
-def cleaned(text: str) -> str:
-    """A reply without what was thought aloud, without markup, in ordinary characters."""
-    reply = unicodedata.normalize("NFKC", text[-LONGEST:])
+def normalize(text: str) -> str:
+    """Return a reply without reasoning and markup, with normalized characters."""
+    reply = unicodedata.normalize("NFKC", text[-MAX_REPLY_LENGTH:])
     reply = re.sub(r"(?is)^.*</think(?:ing)?>", "", reply)
     reply = re.sub(r"(?is)<think(?:ing)?>.*", "", reply)
     marked = re.findall(r"(?is)<answer>(.{0,500}?)</answer>", reply) or re.findall(r"\\boxed\{([^{}]{0,500})\}", reply)
@@ -151,27 +169,27 @@ def cleaned(text: str) -> str:
 
 
 def _plain(words: str) -> str:
-    """Words without case, article, and marks around them."""
+    """Return words in lower case, without article and surrounding marks."""
     return re.sub(r"^(?:the|an?)\s+", "", re.sub(r"\s+", " ", words.casefold()).strip(" .,:;!?()'[]{}"))
 
 
 _NOUN = r"(?:option|choice|answer|candidate|picture|image|number|one)"
-_ORDINAL = rf"(?P<ordinal>{'|'.join((*ORDINALS, *_SHORT, 'last'))})"
-# Where options have letters, a numbered picture is one of those shown with the question.
+_ORDINAL = rf"(?P<ordinal>{'|'.join((*ORDINALS, *_SHORT_ORDINALS, 'last'))})"
+# If options have letters, a numbered picture is a context picture.
 _SHOWN_PICTURE = re.compile(rf"(?i)\b(?:the\s+)?(?:(?:picture|image)s?\s*#?\s*\d+|{_ORDINAL}\s+(?:picture|image))\b")
-# A label that is not the beginning of a word or number. A lone "a" (and "A", "I") before a word is none.
+# A label that does not begin a word or number. A lone "a" (and "A", "I") before a word is not a label.
 _LABEL = (
     r"(?:[(\[]\s*(?P<inside>[A-Za-z]|\d{1,3})\s*[)\]]"
     r"|(?P<bare>[B-HJ-Zb-hj-z]|[AaIi](?!\s+(?!(?:is|because|since|as|or|and|nor|but)\b)[a-z])|\d{1,3})(?![\w'%°]|\.\d|[-/]\w))"
 )
 
 
-def _alone(reply: str, shown: _Shown) -> set[int]:
-    """The reply is nothing but an option."""
-    return _named(reply, shown) if len(reply) < 500 else set()
+def _only_option(reply: str, shown: _ShownOptions) -> set[int]:
+    """The reply is only an option."""
+    return _find_label(reply, shown) if len(reply) < 500 else set()
 
 
-def _named(reply: str, shown: _Shown) -> set[int]:
+def _find_label(reply: str, shown: _ShownOptions) -> set[int]:
     plain = _plain(reply)
     if shown.numbered and (place := shown.label(plain)) is not None:
         return {place}
@@ -185,14 +203,14 @@ def _named(reply: str, shown: _Shown) -> set[int]:
     return set() if label is None else {label}
 
 
-def _leading(reply: str, shown: _Shown) -> set[int]:
+def _leading_option(reply: str, shown: _ShownOptions) -> set[int]:
     """The reply begins with an option: its label, a mark and a space, or its words and a mark."""
     match = re.match(r"(?:[(\[](\w{1,3})[)\]]|(\w{1,3})(?:[).:,;](?=\s|$)|\s*\n|\s*[-–—=]+>?\s))", reply)
     label = (match[1] or match[2]) if match else ""
-    listed = label.isdecimal() and re.search(r"\n\s*2[.)]", reply)  # "1. ..., 2. ...": steps, not options
+    listed = label.isdecimal() and re.search(r"\n\s*2[.)]", reply)  # "1. ..., 2. ..." are steps, not options
     if label and not listed and (shown.numbered or not label.isdecimal()) and (place := shown.label(label)) is not None:
         return {place}
-    return set() if listed else _named(re.split(r"[.,:;!?\n]|\s[-–—]", reply, maxsplit=1)[0], shown)
+    return set() if listed else _find_label(re.split(r"[.,:;!?\n]|\s[-–—]", reply, maxsplit=1)[0], shown)
 
 
 _ANNOUNCED = re.compile(
@@ -209,7 +227,7 @@ _DENIED = re.compile(
 _MENTIONED = re.compile(rf"(?<![\w.'-])(?:(?i:{_NOUN})\s+(?P<after>[A-Z])\b|{_LABEL})")
 
 
-def _announced(reply: str, shown: _Shown) -> set[int]:
+def _last_announcement(reply: str, shown: _ShownOptions) -> set[int]:
     """The last announcement of an answer."""
     last: tuple[int, int] | None = None
     for match in (*_ANNOUNCED.finditer(reply), *_CONFIRMED.finditer(reply)):
@@ -219,32 +237,32 @@ def _announced(reply: str, shown: _Shown) -> set[int]:
     return set() if last is None else {last[1]}
 
 
-def _place(match: re.Match[str], shown: _Shown) -> int | None:
+def _place(match: re.Match[str], shown: _ShownOptions) -> int | None:
     groups = match.groupdict()
     if label := groups["inside"] or groups["bare"]:
         return shown.label(label)
     if ordinal := groups.get("ordinal"):
         return shown.ordinal(ordinal.casefold())
-    places = _worded(groups.get("words") or "", shown)
+    places = _quoted_options(groups.get("words") or "", shown)
     return places.pop() if len(places) == 1 else None
 
 
-def _mentioned(reply: str, shown: _Shown) -> set[int]:
-    """Labels in parentheses, or capitals (in a numbered list: numbers) that stand alone and are not denied."""
+def _mentioned_labels(reply: str, shown: _ShownOptions) -> set[int]:
+    """Labels in parentheses, or isolated capitals (in a numbered list: numbers) that are not negated."""
     kept = _DENIED.sub(" ", reply)
     labels = [match["inside"] or match["bare"] or match["after"] for match in _MENTIONED.finditer(kept)]
-    wanted = [s for s in labels if s.isdecimal() == shown.numbered and (s.isupper() or s.isdecimal())]
-    return {place for s in wanted if (place := shown.label(s)) is not None}
+    usable = [s for s in labels if s.isdecimal() == shown.numbered and (s.isupper() or s.isdecimal())]
+    return {place for s in usable if (place := shown.label(s)) is not None}
 
 
-def _worded(reply: str, shown: _Shown) -> set[int]:
-    """Options whose words occur and are not denied; words within longer ones of another option do not count."""
+def _quoted_options(reply: str, shown: _ShownOptions) -> set[int]:
+    """Options whose words occur and are not negated; words inside longer ones of another option do not count."""
     text = re.sub(r"\s+", " ", reply.casefold())
     places, taken = set(), text
     for place, words in sorted(enumerate(shown.words), key=lambda each: -len(each[1])):
         if not words:
             continue
-        # "no" and "yes" are words of other sentences too: a mark or the end must follow.
+        # "no" and "yes" also occur in other sentences, so a mark or the end must follow.
         end = r"(?=\s*(?:[.,:;!?)\n]|$))" if words in {"yes", "no", "true", "false"} else r"(?!\w|\.\d)"
         pattern = rf"(?<![\w.])(?<!not )(?<!not the ){re.escape(words)}{end}"
         if re.search(pattern, taken):
@@ -253,7 +271,13 @@ def _worded(reply: str, shown: _Shown) -> set[int]:
     return places
 
 
-_RULES: tuple[Callable[[str, _Shown], set[int]], ...] = (_alone, _announced, _leading, _mentioned, _worded)
+_RULES: tuple[Callable[[str, _ShownOptions], set[int]], ...] = (
+    _only_option,
+    _last_announcement,
+    _leading_option,
+    _mentioned_labels,
+    _quoted_options,
+)
 
 
 # ---------------------------------------------------------------- numbers
@@ -262,32 +286,32 @@ _UNIT = r"\s*(?P<unit>[a-zA-Z°%]+(?:/[a-z]+)?)?(?!\w)"
 _NUMBER = re.compile(
     rf"(?i)(?<![\w.])(?P<value>[-+]?(?:\d{{1,3}}(?:,\d{{3}})+|\d+)(?:\.\d+)?(?:e[-+]?\d{{1,3}})?|[-+]?\.\d+){_UNIT}"
 )
-_IN_WORDS = re.compile(rf"(?i)\b(?P<value>{'|'.join(_COUNTED)})\b{_UNIT}")
+_IN_WORDS = re.compile(rf"(?i)\b(?P<value>{'|'.join(_NUMBER_WORDS)})\b{_UNIT}")
 
 
 def number_in(text: str, unit: str = "") -> float | None:
-    """The number that a reply gives, in the SI `unit` asked for; None if it gives none, several, or another quantity.
+    """Return the number in a reply, in the SI `unit`; None if there is none, several, or another quantity.
 
-    What follows the last "answer" counts, if there is a number; else the only number of the reply.
+    A number after the last "answer" counts; otherwise the only number of the reply.
     """
-    reply = cleaned(text)
+    reply = normalize(text)
     after = re.split(r"(?i)\banswer\b", reply)[-1]
-    told = list(_values(after, unit)) if after != reply else []
-    values = told[:1] or list(_values(reply, unit))
+    answers = list(_values(after, unit)) if after != reply else []
+    values = answers[:1] or list(_values(reply, unit))
     return values[0] if len({f"{value:.9g}" for value in values}) == 1 else None
 
 
 def _values(text: str, unit: str) -> Iterator[float]:
-    """The numbers of a text that may be of this unit; those in words only if there are none in digits."""
+    """Yield the numbers of a text that may have this unit; those in words only if there are none in digits."""
     matches = list(_NUMBER.finditer(text)) or list(_IN_WORDS.finditer(text))
     for match in matches:
         digits = match["value"].casefold().replace(",", "")
-        value = float(_COUNTED.index(digits)) if digits in _COUNTED else float(digits)
+        value = float(_NUMBER_WORDS.index(digits)) if digits in _NUMBER_WORDS else float(digits)
         if not math.isfinite(value):
             continue
         name = match["unit"] or ""
         known = _UNITS.get(name) or _UNITS.get(name.casefold().removesuffix("s"))
         if known is None:
-            yield value  # "3 balls": no unit at all
+            yield value  # "3 balls": not a unit
         elif known[0] == unit:
             yield value * known[1]

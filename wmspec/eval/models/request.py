@@ -1,4 +1,4 @@
-"""The request that a question makes: words and pictures, determined by template, ablation and order of the options."""
+"""Requests: words and pictures, determined by template, ablation and order of options."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
-from wmspec.eval.models.pictures import clip, montage
+from wmspec.eval.models.montage import encode_video, montage
 from wmspec.eval.models.prompt import Labels, Prompt
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.reply import LETTERS
@@ -26,14 +26,14 @@ class Text:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture as PNG."""
+    """A picture (PNG)."""
 
     content: bytes
 
 
 @dataclass(frozen=True)
 class Clip:
-    """A film as mp4."""
+    """A video (mp4)."""
 
     content: bytes
 
@@ -43,14 +43,14 @@ Part = Text | Picture | Clip
 
 @dataclass(frozen=True)
 class Request:
-    """What a model is sent: the system's words, and the parts of one turn."""
+    """A request: the system prompt and the parts of one user turn."""
 
     system: str
     parts: tuple[Part, ...]
 
     @cached_property
     def digest(self) -> str:
-        """The SHA-256 of everything in it."""
+        """The SHA-256 of the content."""
         content = [self.system, *(_part_text(part) for part in self.parts)]
         return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
@@ -65,10 +65,7 @@ def _part_text(part: Part) -> list[str]:
 
 @dataclass(frozen=True)
 class Ask:
-    """One asking of a question: which of its permutations, which sample, what is left out.
-
-    `order` are the places of the options in the dataset, as they are shown.
-    """
+    """One presentation of a question: its permutation, sample and ablation."""
 
     question: Question
     prompt: Prompt
@@ -78,27 +75,27 @@ class Ask:
 
     @property
     def key(self) -> tuple[str, int, int]:
-        """What tells this asking from all others of a run."""
+        """The key of this presentation in a run."""
         return self.question.id, self.permutation, self.sample
 
     @property
     def order(self) -> tuple[int, ...]:
-        """The options moved on by as many places as the permutation has."""
+        """The dataset positions of the options as shown, rotated by the permutation."""
         count = len(self.question.options)
         return tuple((place + self.permutation) % count for place in range(count))
 
     @property
     def labels(self) -> Labels:
-        """What the options are called by."""
+        """The kind of the options' labels."""
         return self.prompt.labels.words if self.question.in_words else self.prompt.labels.pictures
 
     def label(self, place: int) -> str:
-        """What the option at a place (as shown) is called."""
+        """Return the label of the option at a position (as shown)."""
         return LETTERS[place] if self.labels == "letters" else str(place + 1)
 
     @cached_property
     def request(self) -> Request:
-        """What is sent. Raises WmsError if a film cannot be made."""
+        """Return the request. Raises WmsError if a video cannot be encoded."""
         writers = {
             "pictures": self._pictures,
             "question": self._question,
@@ -121,7 +118,7 @@ class Ask:
             yield from self._sheet(shown)
         elif self.prompt.pictures == "clip" and len(shown) > 1:
             yield self._line("clip", pictures=len(shown))
-            yield Clip(clip(shown))
+            yield Clip(encode_video(shown))
         else:
             for number, png in enumerate(shown, 1):
                 yield self._line("picture", number=number)

@@ -1,4 +1,4 @@
-"""Results: one row a reply in Parquet, what was asked beside them in JSON. They can be scored again from the texts."""
+"""Results: one row a reply in Parquet, with the settings in a JSON file. They can be scored again from the texts."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import is_name, make_folders, plain, read_plain
-from wmspec.dataset.build.files import explained
+from wmspec.core.safe_io import is_file_name, make_folders, read_bytes, regular_file
+from wmspec.dataset.build.files import with_remedies
 from wmspec.eval.models import reply as replies
 from wmspec.eval.models.journal import Key, Replies
 from wmspec.eval.models.model import Outcome, Reply
@@ -28,7 +28,7 @@ from wmspec.eval.models.request import Ask
 Row = dict[str, Any]
 Status = Literal["ok", "unparsed", "refused", "error"]
 
-#: The columns of results: type, and what they hold.
+#: The columns of results: type and description.
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "id": (pa.string(), "the question's id in the dataset"),
     "task": (pa.string(), "the task"),
@@ -69,7 +69,7 @@ _ABOUT = b"wmspec"
 
 @dataclass(frozen=True)
 class Counts:
-    """How a run came out: replies by status, those right, and the share that guessing gets right (None if open)."""
+    """Counts of a run: replies by status, right ones, and the accuracy of guessing (None if open)."""
 
     replies: int
     right: int
@@ -81,10 +81,10 @@ class Counts:
 
 
 def row(ask: Ask, reply: Reply, model: str, prompt: str) -> Row:
-    """The row of a reply, scored."""
+    """Return the scored row of a reply."""
     question: Question = ask.question
     is_open = not question.options
-    return scored(
+    return score(
         {
             "id": question.id,
             "task": question.task,
@@ -119,8 +119,8 @@ def row(ask: Ask, reply: Reply, model: str, prompt: str) -> Row:
     )
 
 
-def scored(row: Row) -> Row:
-    """A row with what its text comes to: `parsed`, `number`, `right` and `status`. Nothing but the row is needed."""
+def score(row: Row) -> Row:
+    """Return a row with `parsed`, `number`, `right` and `status` computed from its text and other columns."""
     order = row["order"]
     mark = replies.mark(
         row["text"],
@@ -143,7 +143,7 @@ def scored(row: Row) -> Row:
 
 
 def counts(rows: Sequence[Row]) -> Counts:
-    """Count rows."""
+    """Return the counts of rows."""
     shares = [1 / len(row["options"]) for row in rows if row["options"]]
     costs = [row["cost"] for row in rows if row["cost"] is not None]
     return Counts(
@@ -160,38 +160,38 @@ def counts(rows: Sequence[Row]) -> Counts:
 # ---------------------------------------------------------------- files
 
 
-def sidecar(path: Path) -> Path:
-    """Where what was asked is said, beside the results."""
+def settings_path(path: Path) -> Path:
+    """Return the path of the settings file of results."""
     return path.with_suffix(".json")
 
 
 def check_free(path: Path) -> None:
-    """Raises WmsError if what would be written beside results is there, and is something else."""
-    beside = sidecar(path)
+    """Raise WmsError if a foreign file is in the way of the settings file."""
+    beside = settings_path(path)
     try:
-        ours = "asked" in json.loads(read_plain(beside))
+        ours = "asked" in json.loads(read_bytes(beside))
     except FileNotFoundError:
         return
     except (OSError, ValueError, TypeError, RecursionError):
         ours = False
     if not ours:
-        message = "it is in the way of what is said beside the results"
+        message = "it is in the way of the settings file of the results"
         raise WmsError(message, FilePlace(str(beside)), "choose another name with -o")
 
 
 def write(path: Path, rows: Iterable[Row], about: dict[str, Any]) -> None:
-    """Write results, and what they are about. Raises WmsError, and leaves what was there, if that fails."""
+    """Write results with their settings. Raises WmsError, and leaves the previous files, if that fails."""
     metadata = json.dumps(about, indent=1, ensure_ascii=False) + "\n"
     table = pa.Table.from_pylist(list(rows), schema=SCHEMA).replace_schema_metadata({_ABOUT: metadata})
     sink = pa.BufferOutputStream()
     pq.write_table(table, sink, compression="zstd")
-    _whole(sidecar(path), metadata.encode())
-    _whole(path, bytes(sink.getvalue()))
+    _write_atomically(settings_path(path), metadata.encode())
+    _write_atomically(path, bytes(sink.getvalue()))
 
 
-def _whole(path: Path, content: bytes) -> None:
+def _write_atomically(path: Path, content: bytes) -> None:
     part = path.with_name(f"{path.name}.part")
-    with explained(path):
+    with with_remedies(path):
         make_folders(path.parent)
         with part.open("wb") as file:
             file.write(content)
@@ -201,9 +201,9 @@ def _whole(path: Path, content: bytes) -> None:
 
 
 def read(path: Path) -> tuple[list[Row], dict[str, Any]]:
-    """The rows of results and what they are about. Raises WmsError if the file is none of ours."""
+    """Return the rows and settings of results. Raises WmsError if the file is not one of results."""
     try:
-        table = pq.read_table(plain(path))
+        table = pq.read_table(regular_file(path))
         about = json.loads((table.schema.metadata or {})[_ABOUT])
     except (OSError, pa.ArrowException, KeyError, ValueError, RecursionError):
         raise WmsError(f"{path} holds no results; they are made with `wmspec evaluate DATASET -o {path}`") from None
@@ -211,19 +211,19 @@ def read(path: Path) -> tuple[list[Row], dict[str, Any]]:
         raise WmsError(
             "results of another version of wmspec", FilePlace(str(path)), "evaluate again, into another file"
         )
-    return checked(table, path).to_pylist(), about
+    return validated(table, path).to_pylist(), about
 
 
-#: Columns in which every row has something; names among them; and words that can be shown, whoever chose them.
-_FILLED = ("id", "task", "dimension", "engine", "index", "group", "model", "prompt", "permutation", "sample", "order",
+#: Columns with a value in every row; columns of names; columns of text that is displayed.
+_REQUIRED = ("id", "task", "dimension", "engine", "index", "group", "model", "prompt", "permutation", "sample", "order",
            "labels", "options", "text", "right", "status")  # fmt: skip
 _NAMES = ("task", "engine")
-_SHOWN = ("id", "dimension", "question_name", "group", "model", "prompt", "ablation")
+_DISPLAYED = ("id", "dimension", "question_name", "group", "model", "prompt", "ablation")
 _WORDS = re.compile(r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{0,300}")
 
 
-def checked(table: pa.Table, path: Path) -> pa.Table:
-    """The columns of results that a table has, each of its type. Raises WmsError for a row that no run writes."""
+def validated(table: pa.Table, path: Path) -> pa.Table:
+    """Return the result columns of a table, each with its type. Raises WmsError for an invalid row."""
     known = [name for name in SCHEMA.names if name in table.column_names]
     try:
         table = table.select(known).cast(pa.schema([SCHEMA.field(name) for name in known]))
@@ -236,14 +236,14 @@ def checked(table: pa.Table, path: Path) -> pa.Table:
 
 
 def _fault(table: pa.Table) -> str:
-    """What is wrong with rows of the right types: empty if nothing is."""
-    for name in _FILLED:
+    """Return the first problem of rows with the right types, or ''."""
+    for name in _REQUIRED:
         if name in table.column_names and table[name].null_count:
             return f"row {pc.index(pc.is_null(table[name]), True).as_py() + 1}: `{name}` is null"
-    for name in (*_NAMES, *_SHOWN):
+    for name in (*_NAMES, *_DISPLAYED):
         for word in table[name].unique().to_pylist() if name in table.column_names else ():
-            if word is not None and not (is_name(word) if name in _NAMES else _WORDS.fullmatch(word)):
-                return f"`{name}` is {word[:80]!r}, which is no name"
+            if word is not None and not (is_file_name(word) if name in _NAMES else _WORDS.fullmatch(word)):
+                return f"`{name}` is {word[:80]!r}, which is not a name"
     if unknown := set(table["status"].unique().to_pylist()) - set(get_args(Status)):
         return f"a status is {min(unknown)[:80]!r}"
     options = "options" if "options" in table.column_names else "order"
@@ -255,8 +255,8 @@ def _fault(table: pa.Table) -> str:
     return ""
 
 
-def known(rows: Iterable[Row]) -> Replies:
-    """The replies of rows."""
+def replies_of(rows: Iterable[Row]) -> Replies:
+    """Return the replies of rows."""
     return {_key(row): _reply(row) for row in rows}
 
 
@@ -271,8 +271,8 @@ def _reply(row: Row) -> Reply:
 
 
 def rescore(path: Path) -> tuple[Counts, int]:
-    """Score results again from their texts, in place. Returns the counts, and how many scores have changed."""
+    """Score results again from their texts, in place. Returns the counts and the number of changed scores."""
     rows, about = read(path)
-    again = [scored(row) for row in rows]
-    write(path, again, about | {"parser": replies.VERSION, "right": sum(row["right"] for row in again)})
+    again = [score(row) for row in rows]
+    write(path, again, about | {"parser": replies.PARSER_VERSION, "right": sum(row["right"] for row in again)})
     return counts(again), sum(before["right"] != after["right"] for before, after in zip(rows, again, strict=True))

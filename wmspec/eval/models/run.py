@@ -1,4 +1,4 @@
-"""A run: which askings there are, which of them still want a reply, and the results in the end."""
+"""Runs: the requests of an evaluation, those still without a reply, and the results."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.models import reply as replies
 from wmspec.eval.models import results
-from wmspec.eval.models.journal import Journal, Replies, same
-from wmspec.eval.models.limits import Limits, Meter, Pace
+from wmspec.eval.models.journal import Journal, Replies, require_same_settings
+from wmspec.eval.models.limits import Limits, Meter, RateLimiter
 from wmspec.eval.models.model import Model, Reply
 from wmspec.eval.models.prompt import Prompt
 from wmspec.eval.models.question import Question, Selection, questions
 from wmspec.eval.models.request import Ablation, Ask
 from wmspec.eval.models.results import Counts
 
-#: Told of every reply: how many are right so far, of how many, and what they cost.
+#: Called after every reply with the number of right replies, the number of replies, and the cost.
 Progress = Callable[[int, int, float], None]
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What determines the requests, whichever of them are sent: two runs with the same settings share their replies."""
+    """The settings that determine the requests; two runs with equal settings share their replies."""
 
     model: str
     prompt_name: str
@@ -42,7 +42,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Run:
-    """Which questions are asked how often: every circular permutation of the options, and so many samples of each."""
+    """The questions of a run, with every circular permutation of the options if `permute`, and `samples` of each."""
 
     dataset: DatasetReader
     settings: Settings
@@ -51,8 +51,8 @@ class Run:
     samples: int = 1
     limits: Limits = field(default_factory=Limits)
 
-    def asked(self) -> dict[str, Any]:
-        """The settings as JSON values, with the digest of the dataset's manifest. No secret is among them."""
+    def settings_record(self) -> dict[str, Any]:
+        """The settings as JSON values, with the digest of the dataset's manifest. Contains no secret."""
         settings = self.settings
         return {
             "dataset": files.digest(self.dataset.folder / files.MANIFEST),
@@ -66,17 +66,17 @@ class Run:
         }
 
     def chosen(self) -> list[Question]:
-        """The questions, without their pictures. Raises WmsError if the dataset lacks what is wanted of it."""
+        """Return the questions, without pictures. Raises WmsError if the dataset lacks a task or engine."""
         return list(questions(self.dataset, self.selection.ids(self.dataset), pictures=False))
 
     def first(self) -> Ask | None:
-        """The first asking, with pictures, None if there is none."""
+        """Return the first request, with pictures; None if there is none."""
         for question in questions(self.dataset, self.selection.ids(self.dataset)[:1]):
             return next(self.asks(question))
         return None
 
     def asks(self, question: Question) -> Iterator[Ask]:
-        """All askings of a question."""
+        """Yield all requests of a question."""
         turns = len(question.options) if self.permute and question.options else 1
         for permutation in range(turns):
             for sample in range(self.samples):
@@ -84,48 +84,47 @@ class Run:
 
 
 @dataclass(frozen=True)
-class Ended:
-    """How a run ended: the counts of all results, and how many askings have no reply because a limit was reached.
-
-    `error` is why the first request failed; empty if none did.
-    """
+class RunResult:
+    """The end of a run: the counts of all results, and the number of requests left out because of a limit."""
 
     counts: Counts
     missing: int
     error: str = ""
 
 
-def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> Ended:
-    """Ask what has no reply yet and write results to `output`; what was kept of a run that was killed is taken up.
+def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> RunResult:
+    """Send the requests without a reply and write results to `output`, resuming an interrupted run.
 
-    Raises WmsError if nothing more can come of it; the replies are kept then, and the same run goes on with them.
+    Raises WmsError if the run cannot go on. Replies are kept, and the same run resumes from them.
     """
     results.check_free(output)
-    asked, chosen = run.asked(), run.chosen()
-    with Journal(output.with_suffix(".journal.jsonl"), asked) as journal:
-        have = _before(output, asked) | journal.replies
+    settings_record, chosen = run.settings_record(), run.chosen()
+    with Journal(output.with_suffix(".journal.jsonl"), settings_record) as journal:
+        have = _existing_replies(output, settings_record) | journal.replies
         _ask(run, model, chosen, have, journal, progress)
-        wanted = {ask.key for question in chosen for ask in run.asks(question)}
+        requested = {ask.key for question in chosen for ask in run.asks(question)}
         rows = list(_rows(run, have))
-        missing = sum(key not in have for key in wanted)
-        results.write(output, rows, _about(run, asked, rows, missing))
+        missing = sum(key not in have for key in requested)
+        results.write(output, rows, _about(run, settings_record, rows, missing))
         journal.discard()
-    return Ended(results.counts(rows), missing, next((row["error"] for row in rows if row["status"] == "error"), ""))
+    return RunResult(
+        results.counts(rows), missing, next((row["error"] for row in rows if row["status"] == "error"), "")
+    )
 
 
-def _before(output: Path, asked: dict[str, Any]) -> Replies:
-    """The replies that are in results already."""
+def _existing_replies(output: Path, settings_record: dict[str, Any]) -> Replies:
+    """Return the replies in existing results."""
     if not output.exists():
         return {}
     rows, about = results.read(output)
-    same(about.get("asked"), asked, output)
-    return results.known(rows)
+    require_same_settings(about.get("asked"), settings_record, output)
+    return results.replies_of(rows)
 
 
 def _ask(run: Run, model: Model, chosen: list[Question], have: Replies, journal: Journal, progress: Progress) -> None:
-    """Ask all that has no reply, several at a time; `have` gains the replies."""
+    """Send all requests without a reply, several at a time; replies are added to `have`."""
     meter = Meter(run.limits, spent=sum(reply.cost or 0.0 for reply in have.values()))
-    pace = Pace(run.limits.a_minute)
+    pace = RateLimiter(run.limits.a_minute)
     right = total = 0
 
     def one(ask: Ask) -> Reply:
@@ -146,7 +145,7 @@ def _ask(run: Run, model: Model, chosen: list[Question], have: Replies, journal:
     flying: dict[Future[Reply], Ask] = {}
     pool = ThreadPoolExecutor(model.asks, thread_name_prefix="ask")
     try:
-        for ask in _open(run, chosen, have):
+        for ask in _pending_asks(run, chosen, have):
             while len(flying) >= model.asks or (flying and not meter.may_send()):
                 settle(wait(flying, return_when=FIRST_COMPLETED).done)
             if not meter.may_send():
@@ -156,22 +155,22 @@ def _ask(run: Run, model: Model, chosen: list[Question], have: Replies, journal:
         while flying:
             settle(wait(flying, return_when=FIRST_COMPLETED).done)
     except Exception:
-        wait(flying)  # what is on its way is paid for
-        _rescue(flying, journal)
+        wait(flying)  # pending requests are already paid for
+        _save_arrived(flying, journal)
         raise
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
 
 
-def _rescue(flying: dict[Future[Reply], Ask], journal: Journal) -> None:
-    """Keep the replies that came while another went wrong."""
+def _save_arrived(flying: dict[Future[Reply], Ask], journal: Journal) -> None:
+    """Save the replies that arrived while another request failed."""
     for future, ask in flying.items():
         if future.exception() is None:
             journal.keep(ask.key, future.result())
 
 
-def _open(run: Run, chosen: list[Question], have: Replies) -> Iterator[Ask]:
-    """The askings without a reply, in order; the pictures of few questions in memory at a time."""
+def _pending_asks(run: Run, chosen: list[Question], have: Replies) -> Iterator[Ask]:
+    """Yield the requests without a reply, in order; the pictures of few questions are in memory at a time."""
 
     def wanting(question: Question) -> list[Ask]:
         return [ask for ask in run.asks(question) if ask.key not in have or have[ask.key].outcome == "error"]
@@ -182,7 +181,7 @@ def _open(run: Run, chosen: list[Question], have: Replies) -> Iterator[Ask]:
 
 
 def _rows(run: Run, have: Replies) -> Iterator[results.Row]:
-    """The rows of all replies, whatever asked for them, in the dataset's order, then by permutation and sample."""
+    """Yield the rows of all replies in dataset order, then by permutation and sample."""
     turns: dict[str, list[tuple[int, int]]] = {}
     for id, permutation, sample in have:
         turns.setdefault(id, []).append((permutation, sample))
@@ -194,21 +193,21 @@ def _rows(run: Run, have: Replies) -> Iterator[results.Row]:
             yield results.row(ask, have[ask.key], settings.model, settings.prompt_name)
 
 
-def _about(run: Run, asked: dict[str, Any], rows: list[results.Row], missing: int) -> dict[str, Any]:
-    """What is said beside the results."""
+def _about(run: Run, settings_record: dict[str, Any], rows: list[results.Row], missing: int) -> dict[str, Any]:
+    """Return the content of the settings file."""
     counted = results.counts(rows)
     manifest = run.dataset.manifest
     template = run.settings.prompt.model_dump(mode="json")
     return {
         "format": 1,
-        "asked": asked,
+        "asked": settings_record,
         "template": template,
         "permute": run.permute,
         "samples": run.samples,
         "dataset": {key: manifest[key] for key in ("rows", "engines", "seed", "size", "consensus", "versions")},
         "model_versions": sorted({row["model_version"] for row in rows if row["model_version"]}),
-        "versions": {"wmspec": __version__, "python": platform.python_version()} | _installed(),
-        "parser": replies.VERSION,
+        "versions": {"wmspec": __version__, "python": platform.python_version()} | _installed_versions(),
+        "parser": replies.PARSER_VERSION,
         "replies": counted.replies,
         "right": counted.right,
         "status": counted.status,
@@ -217,7 +216,7 @@ def _about(run: Run, asked: dict[str, Any], rows: list[results.Row], missing: in
     }
 
 
-def _installed() -> dict[str, str]:
+def _installed_versions() -> dict[str, str]:
     from importlib.metadata import PackageNotFoundError, version
 
     versions = {}

@@ -1,4 +1,4 @@
-"""Models behind an OpenAI-compatible server: the `openai` client, which tries again what may pass."""
+"""Models behind an OpenAI-compatible server, by the `openai` client, which retries transient errors."""
 
 from __future__ import annotations
 
@@ -11,22 +11,21 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.eval.models.model import Lost, Reply, kept
+from wmspec.eval.models.model import FatalModelError, Reply, storable
 from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
 
-#: Where the key of a server is, and the server itself if none is named.
-KEY, ADDRESS = "OPENAI_API_KEY", "OPENAI_BASE_URL"
+#: Environment variables with the key of a server, and with the server if none is named.
+KEY_VARIABLE, ADDRESS_VARIABLE = "OPENAI_API_KEY", "OPENAI_BASE_URL"
 _OPENAI = "https://api.openai.com/v1"
-#: What is read of an answer of the server, in bytes: many times what a reply of `LONGEST` characters takes.
-LARGEST = 4 << 20
+#: Maximum size of a response (bytes), far above a reply of `LONGEST` characters.
+MAX_RESPONSE_BYTES = 4 << 20
 
 
 @dataclass(frozen=True)
 class Server:
-    """How a server is reached.
+    """The connection to a server.
 
-    Its address, the seconds that it may take, how often a request is tried again, and what a million tokens cost, sent
-    and received.
+    Its address, timeout (s), number of retries, and the prices of a million tokens, sent and received.
     """
 
     address: str
@@ -36,21 +35,23 @@ class Server:
 
 
 def address(base_url: str | None) -> str:
-    """The address of the server meant. Raises WmsError for one that holds a key, or that is none."""
-    url = base_url or os.environ.get(ADDRESS) or _OPENAI
+    """Return the address of the server. Raises WmsError for one that contains a key, or is invalid."""
+    url = base_url or os.environ.get(ADDRESS_VARIABLE) or _OPENAI
     parts = urlsplit(url)
     if parts.scheme not in {"http", "https"} or not parts.hostname:
         raise WmsError("--base-url: expected an address such as http://localhost:8000/v1")
     if parts.username or parts.password or parts.query or parts.fragment:
-        raise WmsError(f"--base-url: an address without user, key or question mark; the key belongs into {KEY}")
+        raise WmsError(
+            f"--base-url: an address without user, key or question mark; the key belongs into {KEY_VARIABLE}"
+        )
     return url.rstrip("/")
 
 
 class ServerModel:
-    """A model of a server. `parameters` go into every request as they are."""
+    """A model of a server. `parameters` are part of every request."""
 
     def __init__(self, name: str, server: Server, parameters: dict[str, Any], asks: int) -> None:
-        """Raises WmsError if the client or the key is missing."""
+        """Create the client. Raises WmsError if the client package or the key is missing."""
         try:
             import openai
         except ImportError:
@@ -58,9 +59,11 @@ class ServerModel:
         self.identity = f"{server.address} {name}"
         self.asks = asks
         self._name, self._server, self._parameters = name, server, parameters
-        self._key = os.environ.get(KEY, "")
+        self._key = os.environ.get(KEY_VARIABLE, "")
         if not self._key and server.address == _OPENAI:
-            raise WmsError(f"the key is missing: set {KEY} in the environment, or name another server with --base-url")
+            raise WmsError(
+                f"the key is missing: set {KEY_VARIABLE} in the environment, or name another server with --base-url"
+            )
         self._client = openai.OpenAI(
             api_key=self._key or "none",
             base_url=server.address,
@@ -70,7 +73,7 @@ class ServerModel:
         )
 
     def reply(self, ask: Ask) -> Reply:
-        """The server's reply, or the error that remained when all tries were used up. Raises Lost as Model says."""
+        """Return the server's reply, or the error after all retries. Raises Lost if no request can succeed."""
         import openai
 
         messages, began = _messages(ask.request), time.monotonic()
@@ -80,25 +83,27 @@ class ServerModel:
             )
             reply = self._read(done)
         except (openai.AuthenticationError, openai.PermissionDeniedError, openai.NotFoundError) as error:
-            raise Lost(f"{self._server.address} refuses `{self._name}`: {self._hidden(str(error))}") from None
+            raise FatalModelError(
+                f"{self._server.address} refuses `{self._name}`: {self._hidden(str(error))}"
+            ) from None
         except openai.OpenAIError as error:
             reply = Reply(outcome="error", error=self._hidden(_cause(error)))
         except (ValueError, TypeError, LookupError, AttributeError) as error:
-            reply = Reply(outcome="error", error=self._hidden(f"not an answer of a chat: {error}"))
+            reply = Reply(outcome="error", error=self._hidden(f"not a chat completion: {error}"))
         return replace(reply, seconds=round(time.monotonic() - began, 3))
 
     def _read(self, done: Any) -> Reply:
-        """What the server answered. Raises ValueError and the like for what is no chat completion."""
+        """Return the reply in a response. Raises ValueError and others if it is no chat completion."""
         if not done.choices:
-            return Reply(outcome="error", error="the server answered without a choice")
+            return Reply(outcome="error", error="the response has no choices")
         chosen = done.choices[0]
         text = chosen.message.content
         withheld = chosen.finish_reason == "content_filter" or getattr(chosen.message, "refusal", None)
         version = "/".join(str(part) for part in (done.model, getattr(done, "system_fingerprint", None)) if part)
         return Reply(
-            text=self._hidden(kept(text if isinstance(text, str) else "")),
+            text=self._hidden(storable(text if isinstance(text, str) else "")),
             outcome="refused" if withheld else "ok",
-            model_version=self._hidden(kept(version)[:200]) or None,
+            model_version=self._hidden(storable(version)[:200]) or None,
             **self._usage(done.usage),
         )
 
@@ -116,7 +121,7 @@ class ServerModel:
         }
 
     def _hidden(self, text: str) -> str:
-        """A text without the key, should a server repeat it."""
+        """Return a text with the key removed, in case a server echoes it."""
         return text.replace(self._key, "[key]") if self._key else text
 
 
@@ -128,11 +133,11 @@ def _cause(error: BaseException) -> str:
     message = f"{type(error).__name__}: {error}"
     if error.__cause__ is not None and str(error.__cause__) not in message:
         message += f" ({error.__cause__})"
-    return kept(message)[:2000]
+    return storable(message)[:2000]
 
 
 def _client(openai: Any) -> Any:
-    """A client that reads at most `LARGEST` bytes of an answer."""
+    """Return a client that reads at most `MAX_RESPONSE_BYTES` bytes of a response."""
     import httpx2
 
     class Bounded(httpx2.SyncByteStream):  # type: ignore[misc]
@@ -143,8 +148,8 @@ def _client(openai: Any) -> Any:
             total = 0
             for chunk in self._stream:
                 total += len(chunk)
-                if total > LARGEST:
-                    raise httpx2.DecodingError(f"an answer of more than {LARGEST:,} bytes")
+                if total > MAX_RESPONSE_BYTES:
+                    raise httpx2.DecodingError(f"an answer of more than {MAX_RESPONSE_BYTES:,} bytes")
                 yield chunk
 
         def close(self) -> None:
@@ -152,7 +157,7 @@ def _client(openai: Any) -> Any:
 
     class Transport(httpx2.HTTPTransport):  # type: ignore[misc]
         def handle_request(self, request: Any) -> Any:
-            # Compressed, little could become much.
+            # Refuse compression, which could hide a huge response.
             request.headers["Accept-Encoding"] = "identity"
             response = super().handle_request(request)
             response.stream = Bounded(response.stream)

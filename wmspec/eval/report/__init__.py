@@ -1,1 +1,1 @@
-"""Results of models and people, as one page, figures, tables and JSON."""
+"""Reports on results of models and people: a page, figures, tables and JSON."""

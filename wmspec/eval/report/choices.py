@@ -1,4 +1,4 @@
-"""How systems choose: by the place of an option, otherwise when options are permuted, and which wrong outcome."""
+"""Choices of systems: by option position, under permutation of options, and among wrong outcomes."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from wmspec.eval.report.intervals import Estimate, estimate, means, ratio, resampled
+from wmspec.eval.report.intervals import Estimate, estimate, mean_estimates, ratio, resample_sums
 from wmspec.eval.report.replies import Replies
-from wmspec.runtime.questions.model import FORESEEN
+from wmspec.runtime.questions.model import HYPOTHETICAL
 
-#: What a counterfactual may change, beside several at once. A change is written as its kind and what it changed.
-BOTH, OTHER = "both", "other"
+#: Labels for changes of several kinds, and for other kinds. A change is written as its kind and its object.
+SEVERAL_KINDS, OTHER_KIND = "both", "other"
 
 
 @dataclass(frozen=True)
 class Position:
-    """Of questions with `options` options, those whose true one is shown at `place` (from 0).
+    """Accuracy of questions with `options` options whose true one is shown at `place` (from 0).
 
-    The accuracy there, and how often the option at that place is chosen.
+    `chosen` is the share of choices of that position.
     """
 
     system: str
@@ -32,7 +32,7 @@ class Position:
 
 @dataclass(frozen=True)
 class Flips:
-    """Of questions that were asked with their options in several orders, how often two orders got different answers.
+    """The share of pairs of option orders with different answers, over questions asked in several orders.
 
     `always` is the share of questions that are right in all orders.
     """
@@ -45,11 +45,10 @@ class Flips:
 
 
 @dataclass(frozen=True)
-class Mistaken:
-    """Of wrong answers to a task of prediction, which share chose an outcome in which `changed` was otherwise.
+class Mistakes:
+    """The share of wrong answers to a prediction task that chose an outcome with `changed` altered.
 
-    `offered` is the share of such outcomes among the wrong options of the same questions: what carelessness would
-    choose.
+    `offered` is the share of such outcomes among the wrong options of the same questions, as expected from guessing.
     """
 
     task: str
@@ -61,22 +60,22 @@ class Mistaken:
 
 
 def positions(replies: Replies) -> tuple[Position, ...]:
-    """Accuracy and choices by place, for each number of options and system."""
-    table = _shown(replies)
+    """Return accuracy and choices by position, for each number of options and system."""
+    table = _shown_places(replies)
     return tuple(p for count, of_one in table.groupby("options") for p in _positions(int(str(count)), of_one))
 
 
-def _shown(replies: Replies) -> pd.DataFrame:
-    """Replies to questions with options, with the places as shown of the true option and of the one chosen (-1:
+def _shown_places(replies: Replies) -> pd.DataFrame:
+    """Return replies to questions with options, with the positions as shown of the true and chosen option.
 
-    none).
+    The chosen position is -1 if there is none.
     """
     table = replies.table[(replies.table["options"] > 0) & replies.table["answer"].notna()]
-    return pd.concat([_placed(of_one) for _, of_one in table.groupby("options")]) if len(table) else table
+    return pd.concat([_positions_of(of_one) for _, of_one in table.groupby("options")]) if len(table) else table
 
 
-def _placed(table: pd.DataFrame) -> pd.DataFrame:
-    """Of replies to questions with equally many options."""
+def _positions_of(table: pd.DataFrame) -> pd.DataFrame:
+    """Return positions for replies to questions with equally many options."""
     order = np.stack([np.asarray(o, dtype=int) for o in table["order"]])
     true, chosen = (order == table[c].fillna(-1).to_numpy(dtype=int)[:, None] for c in ("answer", "parsed"))
     return table.assign(true=true.argmax(1), chosen=np.where(chosen.any(1), chosen.argmax(1), -1))
@@ -87,7 +86,7 @@ def _positions(options: int, table: pd.DataFrame) -> Iterator[Position]:
     right = cells.sum().unstack(["system", "true"], fill_value=0).sort_index(axis=1)
     count = cells.size().unstack(["system", "true"], fill_value=0).sort_index(axis=1)
     parts = right.to_numpy(dtype=float), count.to_numpy(dtype=float)
-    drawn = ratio(*resampled(parts, ("place", options)))
+    drawn = ratio(*resample_sums(parts, ("place", options)))
     value = ratio(parts[0].sum(0), parts[1].sum(0))
     chosen = table[table["chosen"] >= 0].groupby("system")["chosen"].value_counts(normalize=True).to_dict()
     systems, places = (right.columns.get_level_values(level) for level in ("system", "true"))
@@ -100,8 +99,8 @@ def _positions(options: int, table: pd.DataFrame) -> Iterator[Position]:
 
 
 def flips(replies: Replies) -> tuple[Flips, ...]:
-    """For each task and system that was asked in several orders, and for all tasks together ("")."""
-    table = _shown(replies)
+    """Return the flips of each task and system with several orders, and of all tasks together ('')."""
+    table = _shown_places(replies)
     key = ["id", "system", "sample"]
     several = table[table.groupby(key)["permutation"].transform("nunique") > 1]
     if several.empty:
@@ -110,7 +109,7 @@ def flips(replies: Replies) -> tuple[Flips, ...]:
         task=("task", "first"), cluster=("cluster", "first"), orders=("right", "size"), accuracy=("right", "mean"),
         always=("right", "min"),
     )  # fmt: skip
-    # Two replies without an answer are not the same one: `groupby` leaves them out.
+    # Two unparsed replies do not count as equal: `groupby` drops NaN.
     alike = several.groupby([*key, "parsed"]).size()
     same = (alike * (alike - 1) / 2).groupby(level=[0, 1, 2]).sum().reindex(whole.index, fill_value=0)
     whole["flips"] = 1 - same / (whole["orders"] * (whole["orders"] - 1) / 2)
@@ -122,30 +121,32 @@ def flips(replies: Replies) -> tuple[Flips, ...]:
 
 
 def _flips(task: str, system: str, pairs: pd.DataFrame) -> Flips:
-    (estimate,), _ = means(pairs[["flips"]].to_numpy(), pairs["cluster"], ("flips", task))
+    (estimate,), _ = mean_estimates(pairs[["flips"]].to_numpy(), pairs["cluster"], ("flips", task))
     return Flips(task, system, estimate, float(pairs["accuracy"].mean()), float(pairs["always"].mean()))
 
 
 # ---------------------------------------------------------------- counterfactuals
 
 
-def mistaken(replies: Replies) -> tuple[Mistaken, ...]:
-    """For each task whose wrong options are counterfactuals, and each system that chose some. Needs the dataset."""
+def mistakes(replies: Replies) -> tuple[Mistakes, ...]:
+    """Return the mistakes of each system in tasks with counterfactual options. Requires the dataset."""
     if replies.questions is None:
         return ()
     known = replies.questions.table
-    foresees = known["kinds"].map(lambda kinds: not FORESEEN.isdisjoint(kinds))
+    foresees = known["kinds"].map(lambda kinds: not HYPOTHETICAL.isdisjoint(kinds))
     table = replies.table[replies.table["id"].isin(known.index[foresees]) & (replies.table["right"] == 0)]
     table = table[table["parsed"].notna()]
-    changed = {str(name): tuple(map(change, changes)) for name, changes in known["changes"].items()}
+    changed = {str(name): tuple(map(kind_of_change, changes)) for name, changes in known["changes"].items()}
     return tuple(
         m
         for (task, system), of_one in table.groupby(["task", "system"], sort=True)
-        for m in _mistaken(str(task), str(system), of_one, changed)
+        for m in _task_mistakes(str(task), str(system), of_one, changed)
     )
 
 
-def _mistaken(task: str, system: str, wrong: pd.DataFrame, changed: dict[str, tuple[str, ...]]) -> Iterator[Mistaken]:
+def _task_mistakes(
+    task: str, system: str, wrong: pd.DataFrame, changed: dict[str, tuple[str, ...]]
+) -> Iterator[Mistakes]:
     chosen: dict[str, float] = {}
     offered: dict[str, float] = {}
     for name, place in zip(wrong["id"], wrong["parsed"], strict=True):
@@ -155,15 +156,15 @@ def _mistaken(task: str, system: str, wrong: pd.DataFrame, changed: dict[str, tu
         kind = changed[name][int(place)]
         chosen[kind] = chosen.get(kind, 0) + 1
     for kind in sorted(offered):
-        yield Mistaken(task, system, kind, chosen.get(kind, 0) / len(wrong), offered[kind] / len(wrong), len(wrong))
+        yield Mistakes(task, system, kind, chosen.get(kind, 0) / len(wrong), offered[kind] / len(wrong), len(wrong))
 
 
-def change(changes: str | None) -> str:
-    """What an `option_change` says was changed: an action, a state, both, something other; "" for the truth.
+def kind_of_change(changes: str | None) -> str:
+    """Return the kind of an `option_change`: an action, a state, both, other; '' for the truth.
 
-    An action left out or added and another order of actions are changes of actions.
+    Actions omitted, added or reordered are changes of actions.
     """
     kinds = {part.split()[0] for part in (changes or "").split("; ") if part.strip()}
     names = {"action": "action", "without": "action", "order": "action", "add": "action", "state": "state"}
-    labels = {names.get(kind, OTHER) for kind in kinds}
-    return BOTH if len(labels) > 1 else next(iter(labels), "")
+    labels = {names.get(kind, OTHER_KIND) for kind in kinds}
+    return SEVERAL_KINDS if len(labels) > 1 else next(iter(labels), "")

@@ -1,8 +1,8 @@
-"""s-RE, the standardized relative entanglement of the paper: does accuracy hang on what the question is not about?
+"""s-RE, the standardized relative entanglement of the paper: dependence of accuracy on irrelevant factors.
 
-Of a factor with N levels, p_i the accuracy at level i and p̄ the mean of the p_i, it is the mean of |1 − p_i / p̄|
-(Gao et al., 2025, section 5). Even a system that does not look at the factor has some, by chance: so it is told beside
-what it is when the levels are shuffled over the instances.
+For a factor with N levels, p_i the accuracy at level i and p̄ the mean of the p_i, it is the mean of |1 − p_i / p̄|
+(Gao et al., 2025, section 5). A system that ignores the factor has a positive value by chance. Therefore the value with
+shuffled levels is reported as well.
 """
 
 from __future__ import annotations
@@ -15,18 +15,17 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from wmspec.eval.report.intervals import Floats, ratio, rng
+from wmspec.eval.report.intervals import Floats, ratio, seeded_generator
 from wmspec.eval.report.questions import Questions
 from wmspec.eval.report.replies import Replies
 from wmspec.lang.check.tables.vocabulary import WORDS
 
-#: How often levels are shuffled; how many levels a factor may have, and how many questions each must have.
-SHUFFLES, MOST_LEVELS, LEAST_QUESTIONS = 300, 12, 5
-#: Stimulus differences are not the same if they are this much of their mean apart; answers go with a factor from this
-#: V on.
-LEAST_STEP, LEAST_ASSOCIATION = 0.1, 0.3
+#: Number of shuffles; maximum number of levels of a factor; minimum number of questions at each level.
+SHUFFLES, MAX_LEVELS, MIN_QUESTIONS = 300, 12, 5
+#: Relative difference from which stimulus differences are distinct; Cramér's V from which answers depend on a factor.
+MIN_STEP, MIN_ASSOCIATION = 0.1, 0.3
 
-#: The paper's five dimensions, each with the words by which names of factors tell it where their values do not.
+#: The paper's five dimensions, with the words in factor names that identify them if values do not.
 DIMENSIONS: dict[str, frozenset[str]] = {
     "colour": frozenset(["color", "colors", "colour", "colours", "tone", "shade", "hue", "warm", "cold"]),
     "shape": frozenset(["shape", "shapes", "form", "forms", "kind"]),
@@ -78,12 +77,11 @@ DIMENSIONS: dict[str, frozenset[str]] = {
 
 
 @dataclass(frozen=True)
-class Entangled:
-    """s-RE of a task by one factor: `value`, and when shuffled its `mean` and the `bound` that 95 % stay below.
+class Entanglement:
+    """s-RE of a task by one factor: `value`, and with shuffled levels its `mean` and 95 % quantile `bound`.
 
-    `p` is how often shuffling yields as much. `dimension` is the one of the paper's five that the factor is of, or "".
-    If it is `asked`, the answer or the stimulus difference hangs on it: it is what the question is about, and
-    accuracy may hang on it.
+    `p` is the share of shuffles with at least this value. `dimension` is one of the paper's five, or ''. If `asked`,
+    the answer or the stimulus difference depends on the factor; then accuracy may depend on it too.
     """
 
     task: str
@@ -100,24 +98,24 @@ class Entangled:
     p: float
 
 
-def entanglement(replies: Replies) -> tuple[Entangled, ...]:
-    """For each task, question, factor or nuisance with a few levels, and system. Needs the dataset."""
+def entanglement(replies: Replies) -> tuple[Entanglement, ...]:
+    """Return s-RE for each task, question, factor or nuisance with few levels, and system. Requires the dataset."""
     if replies.questions is None:
         return ()
-    asked = replies.asked
+    asked = replies.main_questions
     parts = asked.groupby(["task", "question_name"], sort=True)
     return tuple(e for (task, name), of_one in parts for e in _question(replies, str(task), str(name), of_one))
 
 
-def _question(replies: Replies, task: str, name: str, asked: pd.DataFrame) -> Iterator[Entangled]:
+def _question(replies: Replies, task: str, name: str, asked: pd.DataFrame) -> Iterator[Entanglement]:
     assert replies.questions is not None
     varied = replies.questions.varied[task].loc[asked.index]
     scores = replies.scores.loc[asked.index].to_numpy()
     for factor in varied.columns:
         codes, levels = pd.factorize(varied[factor].astype(str), sort=True)
-        if 2 <= len(levels) <= MOST_LEVELS and np.bincount(codes).min() >= LEAST_QUESTIONS:
-            facet = dimension(factor, varied[factor])
-            about = _asked(replies.questions, task, factor, asked.index)
+        if 2 <= len(levels) <= MAX_LEVELS and np.bincount(codes).min() >= MIN_QUESTIONS:
+            facet = paper_dimension(factor, varied[factor])
+            about = _depends_on_factor(replies.questions, task, factor, asked.index)
             yield from _factor(replies, (task, name, factor, facet, about), codes, scores, asked["index"].to_numpy())
 
 
@@ -127,51 +125,51 @@ def _factor(
     codes: NDArray[np.intp],
     scores: Floats,
     instance: NDArray[np.int64],
-) -> Iterator[Entangled]:
-    value = spread(codes, scores)
-    shuffled = _shuffled(codes, scores, instance, key)
+) -> Iterator[Entanglement]:
+    value = relative_entanglement(codes, scores)
+    shuffled = _shuffled_entanglement(codes, scores, instance, key)
     for j, system in enumerate(replies.systems):
         drawn = shuffled[:, j][~np.isnan(shuffled[:, j])]
         if np.isnan(value[j]) or not len(drawn):
             continue
         as_much = (1 + int((drawn >= value[j] - 1e-12).sum())) / (1 + len(drawn))
         asked = int((~np.isnan(scores[:, j])).sum())
-        yield Entangled(
+        yield Entanglement(
             *key, system, int(codes.max()) + 1, asked,
             float(value[j]), float(drawn.mean()), float(np.quantile(drawn, 0.95)), as_much,
         )  # fmt: skip
 
 
-def _asked(questions: Questions, task: str, factor: str, ids: pd.Index[str]) -> bool:
-    """Whether the answer or the difference is another where the factor alone is.
+def _depends_on_factor(questions: Questions, task: str, factor: str, ids: pd.Index[str]) -> bool:
+    """Whether the answer or the difference changes with this factor alone.
 
-    Where no two such questions were asked, whether answers go with the factor's levels.
+    Without such pairs of questions, whether answers are associated with the factor's levels.
     """
     if factor not in questions.groups[task]:
-        return False  # a nuisance
+        return False  # nuisances have no groups
     known = questions.table.loc[ids]
     strong = known["difference"].abs()
     alone = pd.DataFrame({"truth": known["truth"], "strength": strong}).groupby(
         [questions.groups[task].loc[ids, factor].astype(str), known["question"], known["engine"]]
     )
     apart = alone["strength"].max() - alone["strength"].min()
-    if (alone["truth"].nunique() > 1).any() or (apart > LEAST_STEP * strong.abs().mean()).any():
+    if (alone["truth"].nunique() > 1).any() or (apart > MIN_STEP * strong.abs().mean()).any():
         return True
     if (alone.size() > 1).any() or known["truth"].nunique() < 2:
         return False
-    return _association(known["truth"], questions.varied[task].loc[ids, factor].astype(str)) > LEAST_ASSOCIATION
+    return _association(known["truth"], questions.varied[task].loc[ids, factor].astype(str)) > MIN_ASSOCIATION
 
 
 def _association(first: pd.Series[str], second: pd.Series[str]) -> float:
-    """Cramér's V of two lists of words."""
+    """Return Cramér's V of two text columns."""
     from scipy.stats.contingency import association
 
     table = pd.crosstab(first, second).to_numpy()
     return float(association(table)) if min(table.shape) > 1 else 0.0
 
 
-def spread(codes: NDArray[np.intp], scores: Floats) -> Floats:
-    """s-RE of scores (n, m) by levels (n,): (m,), NaN where a level was not asked or nothing is right."""
+def relative_entanglement(codes: NDArray[np.intp], scores: Floats) -> Floats:
+    """Return s-RE of scores (n, m) by levels (n,): (m,), NaN if a level has no scores or nothing is right."""
     at = np.zeros((int(codes.max()) + 1, len(codes)))
     at[codes, np.arange(len(codes))] = 1
     p = ratio(at @ np.nan_to_num(scores), at @ (~np.isnan(scores)).astype(float))
@@ -180,15 +178,17 @@ def spread(codes: NDArray[np.intp], scores: Floats) -> Floats:
     return ratio(off, middle)
 
 
-def _shuffled(codes: NDArray[np.intp], scores: Floats, instance: NDArray[np.int64], key: object) -> Floats:
-    """s-RE (SHUFFLES, m) with levels dealt out anew: the rows of an instance, of several engines, keep one level."""
+def _shuffled_entanglement(codes: NDArray[np.intp], scores: Floats, instance: NDArray[np.int64], key: object) -> Floats:
+    """Return s-RE (SHUFFLES, m) with shuffled levels; the rows of an instance in several engines keep one level."""
     _, first, which = np.unique(instance, return_index=True, return_inverse=True)
-    generator = rng("shuffle", *np.atleast_1d(np.asarray(key, dtype=str)))
-    return np.stack([spread(generator.permutation(codes[first])[which], scores) for _ in range(SHUFFLES)])
+    generator = seeded_generator("shuffle", *np.atleast_1d(np.asarray(key, dtype=str)))
+    return np.stack(
+        [relative_entanglement(generator.permutation(codes[first])[which], scores) for _ in range(SHUFFLES)]
+    )
 
 
-def dimension(factor: str, values: pd.Series[str]) -> str:
-    """Which of the paper's five dimensions a factor is of: by its values, else by the words of its name; "" of none."""
+def paper_dimension(factor: str, values: pd.Series[str]) -> str:
+    """Return the paper's dimension of a factor, by its values or else by the words of its name; '' if none."""
     levels = {str(v) for v in values.unique()}
     for name, words in (("colour", "color"), ("shape", "shape"), ("material", "material")):
         if levels <= set(WORDS[words]):

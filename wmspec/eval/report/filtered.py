@@ -1,8 +1,8 @@
-"""Perception-filtered prediction: does a system foresee better what it has seen rightly?
+"""Perception-filtered prediction: accuracy of predictions given correct perception.
 
-In tasks of prediction, questions about what is seen are asked of the same episode (does anything move, which colour,
-which shape is it?). Accuracy is taken on all predictions, and on those of whose episode all such questions were
-answered rightly: by the system itself, and, as the paper does, by all models.
+Prediction tasks have companion questions about the same episode (does anything move, which colour, which shape is it?).
+Accuracy is taken over all predictions, and over those of episodes whose companion questions were all answered
+correctly. The latter is judged by the system's own answers and, as in the paper, by those of all models.
 """
 
 from __future__ import annotations
@@ -15,18 +15,18 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from wmspec.eval.report.intervals import Estimate, Floats, estimate, ratio, resampled, sums
+from wmspec.eval.report.intervals import Estimate, Floats, cluster_sums, estimate, ratio, resample_sums
 from wmspec.eval.report.replies import Replies
 
-#: Whose perception a prediction is filtered by.
-ITS_OWN, EVERYONES = "its own", "all models'"
+#: The system whose perception filters the predictions.
+OWN_PERCEPTION, ALL_MODELS = "its own", "all models'"
 
 
 @dataclass(frozen=True)
-class Filtered:
-    """A system's accuracy on all predictions of a task, on those perceived rightly `by`, and the gain Δ to these.
+class FilteredAccuracy:
+    """A system's accuracy on all predictions of a task, on those perceived correctly `by`, and the gain Δ.
 
-    `kept` is the share of predictions that are left.
+    `kept` is the share of predictions that remain.
     """
 
     task: str
@@ -38,31 +38,31 @@ class Filtered:
     kept: float
 
 
-def filtered(replies: Replies) -> tuple[Filtered, ...]:
-    """For each task of prediction with queries, and each system that answered them. Needs the dataset."""
+def filtered_accuracies(replies: Replies) -> tuple[FilteredAccuracy, ...]:
+    """Return the result of each prediction task with companion questions and each system. Requires the dataset."""
     if replies.questions is None or not replies.about["query"].any():
         return ()
     queried = sorted(replies.about.loc[replies.about["query"], "task"].unique())
     return tuple(f for task in queried for f in _task(replies, task))
 
 
-def _task(replies: Replies, task: str) -> Iterator[Filtered]:
+def _task(replies: Replies, task: str) -> Iterator[FilteredAccuracy]:
     about = replies.about[replies.about["task"] == task]
     predictions = about[~about["query"]]
-    seen = _seen(replies, about).reindex(_episode(predictions)).reset_index(drop=True)
+    seen = _perceived(replies, about).reindex(_episode(predictions)).reset_index(drop=True)
     scores = replies.scores.loc[predictions.index].reset_index(drop=True)
     everyone = seen[list(replies.models)].min(axis=1, skipna=False) if replies.models else pd.Series(np.nan, seen.index)
     cluster = predictions["cluster"].to_numpy()
     for system in replies.systems:
-        for by, perceived in ((ITS_OWN, seen[system]), (EVERYONES, everyone)):
-            told = scores[system].notna() & perceived.notna()
-            if told.any():
+        for by, perceived in ((OWN_PERCEPTION, seen[system]), (ALL_MODELS, everyone)):
+            valid = scores[system].notna() & perceived.notna()
+            if valid.any():
                 key = (task, system, by)
-                yield _filtered(
+                yield _filtered_accuracy(
                     key,
-                    scores[system][told].to_numpy(dtype=float),
-                    np.asarray(perceived[told], dtype=np.float64),
-                    cluster[told.to_numpy()],
+                    scores[system][valid].to_numpy(dtype=float),
+                    np.asarray(perceived[valid], dtype=np.float64),
+                    cluster[valid.to_numpy()],
                 )
 
 
@@ -70,23 +70,25 @@ def _episode(about: pd.DataFrame) -> pd.Series[str]:
     return about["index"].astype(str) + "/" + about["engine"]
 
 
-def _seen(replies: Replies, about: pd.DataFrame) -> pd.DataFrame:
-    """Of every episode, for each system: 1 if it answered all queries rightly, 0 if not, NaN if one was not asked."""
+def _perceived(replies: Replies, about: pd.DataFrame) -> pd.DataFrame:
+    """Return, for each episode and system: 1 if all companion questions are right, 0 if not, NaN if one is missing."""
     queries = about[about["query"]]
     right = (replies.scores.loc[queries.index] >= 1).where(replies.scores.loc[queries.index].notna()).astype(float)
     return right.groupby(_episode(queries)).min()
 
 
-def _filtered(key: tuple[str, str, str], right: Floats, seen: Floats, cluster: NDArray[Any]) -> Filtered:
+def _filtered_accuracy(
+    key: tuple[str, str, str], right: Floats, seen: Floats, cluster: NDArray[Any]
+) -> FilteredAccuracy:
     values = np.stack([right, np.ones_like(right), right * seen, seen], axis=1)
-    parts, _ = sums(values, cluster)
-    drawn = resampled((parts,), key)[0]
+    parts, _ = cluster_sums(values, cluster)
+    drawn = resample_sums((parts,), key)[0]
     whole, those = ratio(drawn[:, 0], drawn[:, 1]), ratio(drawn[:, 2], drawn[:, 3])
     total = parts.sum(0)
     everything, perceived = float(total[0] / total[1]), float(ratio(total[2], total[3]))
     count, kept, clusters = int(total[1]), int(total[3]), len(parts)
     clusters_kept = int((parts[:, 3] > 0).sum())
-    return Filtered(
+    return FilteredAccuracy(
         *key,
         estimate(everything, whole, count, clusters),
         estimate(perceived, those, kept, clusters_kept),

@@ -1,4 +1,4 @@
-"""What a report tells as tables: long ones for programs (CSV), wide ones for papers (LaTeX)."""
+"""Tables of a report: long ones for programs (CSV), wide ones for papers (LaTeX)."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ import pandas as pd
 from wmspec.eval.report.report import Report
 from wmspec.eval.report.tables import Table
 
-#: How LaTeX writes a gain.
+#: The gain in LaTeX.
 DELTA = r"$\Delta$"
 
 
-def long(report: Report) -> dict[str, pd.DataFrame]:
-    """Every analysis that has something to tell, by name, a row for each number told. Estimates become four columns."""
+def long_tables(report: Report) -> dict[str, pd.DataFrame]:
+    """Return every non-empty analysis by name, one row a number. Estimates become four columns."""
     parts: dict[str, Iterable[Any]] = {
         "replies": report.accounts,
         "comparisons": report.comparisons,
@@ -52,7 +52,7 @@ def _accuracies(table: Table) -> Iterable[dict[str, Any]]:
 
 
 def _flat(row: dict[str, Any]) -> dict[str, Any]:
-    """A row in which estimates are columns, `gain`, `gain low`, ...; sequences are left to the JSON."""
+    """Return a row with estimates as columns `gain`, `gain low`, ...; sequences are left to the JSON."""
     flat: dict[str, Any] = {}
     for key, value in row.items():
         if isinstance(value, dict) and "value" in value:
@@ -63,66 +63,67 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
     return flat
 
 
-def wide(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
-    """Tables as a paper prints them, by name, each with its caption; numbers are written out, in percent."""
-    made = {t.kind: (f"Accuracy (%) in tasks of {t.kind}.", accuracy(t)) for t in report.tables}
+def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
+    """Return tables as in a paper, by name, each with its caption; numbers are formatted in percent."""
+    made = {t.kind: (f"Accuracy (%) in tasks of {t.kind}.", accuracy_table(t)) for t in report.tables}
     if report.pairs:
         made["pairs"] = (
             "Pair accuracy (%): of two instances that differ in one factor and in their answers, both are right.",
-            _crossed(((p.task, p.system, percent(p.both.value)) for p in report.pairs), report.systems),
+            _pivot(((p.task, p.system, format_percent(p.both.value)) for p in report.pairs), report.systems),
         )
     if report.filtered:
-        rows = ((f"{f.task}, perceived by {f.by}", f.system, _signed(f.gain.value)) for f in report.filtered)
+        rows = ((f"{f.task}, perceived by {f.by}", f.system, _signed_points(f.gain.value)) for f in report.filtered)
         made["filtered"] = (
             f"Gain {DELTA} (points) in prediction where the episode was perceived rightly.",
-            _crossed(rows, report.systems),
+            _pivot(rows, report.systems),
         )
     if report.entanglement:
         cells = (
-            (f"{e.task}: {e.factor}", e.system, f"{percent(e.value)} ({percent(e.mean)})") for e in report.entanglement
+            (f"{e.task}: {e.factor}", e.system, f"{format_percent(e.value)} ({format_percent(e.mean)})")
+            for e in report.entanglement
         )
         made["entanglement"] = (
             "s-RE (%) by task and factor, in brackets when the levels are shuffled.",
-            _crossed(cells, report.systems),
+            _pivot(cells, report.systems),
         )
     thresholds = [(f"{c.task}: {c.quantity}", c.system, _threshold(c.threshold, c.low, c.high)) for c in report.curves]
     if any(cell for *_, cell in thresholds):
-        made["thresholds"] = ("Thresholds, with 95 % intervals.", _crossed(thresholds, report.systems))
+        made["thresholds"] = ("Thresholds, with 95 % intervals.", _pivot(thresholds, report.systems))
     return made
 
 
-def accuracy(table: Table) -> pd.DataFrame:
-    """The table of accuracies in percent as it is printed: a row for each system, then chance; averages right."""
+def accuracy_table(table: Table) -> pd.DataFrame:
+    """Return the table of accuracies in percent: a row for each system, then chance; averages on the right."""
     heads = [("average", "", d) for d in ("all", *table.dimensions)]
     heads += [(c.dimension, c.letters, c.task) for c in table.columns]
     rows = {}
     for line in (*table.lines, table.chance):
         averages = [line.dimensions[d].value if d in line.dimensions else float("nan") for d in table.dimensions]
         values = [line.average.value, *averages, *(line.tasks[c.task].value for c in table.columns)]
-        rows[line.system] = [percent(value) for value in values]
+        rows[line.system] = [format_percent(value) for value in values]
     return pd.DataFrame.from_dict(rows, orient="index", columns=pd.MultiIndex.from_tuples(heads))
 
 
-def _crossed(cells: Iterable[tuple[str, str, str]], systems: tuple[str, ...]) -> pd.DataFrame:
+def _pivot(cells: Iterable[tuple[str, str, str]], systems: tuple[str, ...]) -> pd.DataFrame:
     table = pd.DataFrame(list(cells), columns=["", "system", "value"])
     crossed = table.pivot_table(index="", columns="system", values="value", aggfunc="first").fillna("")
     return crossed.reindex(columns=[s for s in systems if s in crossed.columns])
 
 
-def latex(caption: str, frame: pd.DataFrame) -> str:
-    """A table in LaTeX, for the packages booktabs and multirow; what LaTeX would read as a command is escaped."""
-    escaped = frame.rename(index=_escaped, columns=_escaped).map(_escaped)
+def latex_table(caption: str, frame: pd.DataFrame) -> str:
+    """Return a table in LaTeX, for the packages booktabs and multirow; special characters are escaped."""
+    escaped = frame.rename(index=_escape_latex, columns=_escape_latex).map(_escape_latex)
     escaped.index.name = None
     escaped.columns.names = [None] * escaped.columns.nlevels
     written: str = escaped.to_latex(escape=False, caption=caption.replace("%", r"\%"), multicolumn_format="c")
     return written
 
 
-def _escaped(text: str) -> str:
+def _escape_latex(text: str) -> str:
     return text.translate(_LATEX).replace(" · ", r" $\cdot$ ")
 
 
-#: What LaTeX would read otherwise: whoever named a model must not write the paper.
+#: Special characters of LaTeX, escaped because names of models are untrusted.
 _LATEX = str.maketrans(
     {c: f"\\{c}" for c in "_%&#${}"}
     | {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "–": "--", "−": "$-$"}
@@ -132,12 +133,12 @@ _LATEX = str.maketrans(
 # ---------------------------------------------------------------- numbers
 
 
-def percent(share: float | None) -> str:
-    """A share in percent with a decimal; a dash for none."""
+def format_percent(share: float | None) -> str:
+    """Return a share in percent with one decimal; a dash for None."""
     return "–" if share is None or math.isnan(share) else f"{100 * share:.1f}"
 
 
-def _signed(share: float) -> str:
+def _signed_points(share: float) -> str:
     return "–" if math.isnan(share) else f"{100 * share:+.1f}".replace("-", "−")
 
 

@@ -1,9 +1,9 @@
-"""Items: how difficult each question is, which labels are suspect, and a short form that stands for the whole.
+"""Item analysis: difficulty of questions, suspect labels, and a short form of the dataset.
 
 Difficulty is fitted by a two-parameter item-response model with guessing, c + (1 − c) σ(a (θ − b)), by its maximum a
-posteriori with scipy (θ ~ N(0, 1), b ~ N(0, 2), log a ~ N(0, 0.5)). With the few systems that there are, θ and b are
-recovered, a is not: it is not told. The short form is a stratified sample: questions in the order of their tasks and of
-their difficulty, cut into pieces of equal weight, and the middle one of each.
+posteriori with scipy (θ ~ N(0, 1), b ~ N(0, 2), log a ~ N(0, 0.5)). With few systems, θ and b are identifiable, a is
+not and therefore not reported. The short form is a stratified sample: questions are ordered by task and difficulty and
+cut into strata of equal weight, and the middle one of each is taken.
 """
 
 from __future__ import annotations
@@ -14,23 +14,23 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from wmspec.eval.report.intervals import Floats, rng
+from wmspec.eval.report.intervals import Floats, seeded_generator
 from wmspec.eval.report.replies import BASELINES, PEOPLE, Replies
 from wmspec.eval.report.tables import Column
 
-#: So many systems an item-response fit needs; so many suspects are named; the sizes of short forms that are tried.
-LEAST_SYSTEMS, SUSPECTS, SIZES = 5, 30, (10, 20, 50, 100, 200, 500)
-#: A short form is good enough if it misses the whole score by no more than this, as a root mean square.
+#: Minimum number of systems for a fit; maximum number of suspects; candidate sizes of the short form.
+MIN_SYSTEMS, MAX_SUSPECTS, FORM_SIZES = 5, 30, (10, 20, 50, 100, 200, 500)
+#: Maximum error of the short form's score (root mean square).
 TOLERANCE = 0.025
-#: How often short forms are drawn to tell their error.
-TRIES = 50
+#: Number of random short forms for the error estimate.
+FORM_DRAWS = 50
 
 
 @dataclass(frozen=True)
 class Item:
-    """A question: how difficult it is (b, in standard deviations of ability), and its accuracy over systems.
+    """A question: its difficulty b (in standard deviations of ability), and its accuracy over systems.
 
-    `rest` is the correlation of who is right on it with who is right on the rest (None if all or none are).
+    `rest` is the item-rest correlation (None if all or no answers are right).
     """
 
     id: str
@@ -53,8 +53,8 @@ class Ability:
 class Form:
     """A short form of `size` questions.
 
-    How far its score is off the whole one (root mean square over systems, each of them left out where difficulty is
-    told, and over draws), and how far that of questions drawn at random is.
+    `error` is the difference between its score and the whole one (root mean square over draws and systems, each
+    excluded from the difficulty estimate). `at_random` is that of random questions.
     """
 
     size: int
@@ -64,9 +64,9 @@ class Form:
 
 @dataclass(frozen=True)
 class Items:
-    """What is known of the items: those that all systems answered.
+    """The item analysis, over the questions that all systems answered.
 
-    `short` are the ids of the short form, each with how often it counts.
+    `short` has the ids of the short form, each with its weight.
     """
 
     items: tuple[Item, ...]
@@ -76,24 +76,24 @@ class Items:
 
     @property
     def suspects(self) -> tuple[Item, ...]:
-        """Items that better systems get wrong more often, worst first: their labels are worth a look, no more."""
+        """Items that better systems get wrong more often, worst first: their labels deserve a check."""
         negative = [item for item in self.items if item.rest is not None and item.rest < 0]
-        return tuple(sorted(negative, key=lambda item: (item.rest, item.id))[:SUSPECTS])
+        return tuple(sorted(negative, key=lambda item: (item.rest, item.id))[:MAX_SUSPECTS])
 
 
 def items(replies: Replies) -> Items | None:
-    """None if fewer than LEAST_SYSTEMS systems, baselines not counted, answered the same questions."""
+    """Return the analysis; None if fewer than LEAST_SYSTEMS systems, except baselines, answered the same questions."""
     systems = [s for s in replies.systems if s not in BASELINES and s != PEOPLE]
-    scores = replies.scores.loc[replies.asked.index, systems]
+    scores = replies.scores.loc[replies.main_questions.index, systems]
     scores = scores.loc[:, scores.notna().mean() > 0.5].dropna() if systems else scores
-    if scores.shape[1] < LEAST_SYSTEMS or len(scores) < 2:
+    if scores.shape[1] < MIN_SYSTEMS or len(scores) < 2:
         return None
-    about = replies.asked.loc[scores.index]
+    about = replies.main_questions.loc[scores.index]
     answers = scores.to_numpy()
     options = about["options"].to_numpy(dtype=float)
     guess = np.where(options > 0, 1 / np.maximum(options, 1), 0.0)
-    ability, difficulty = response(answers, guess)
-    rest = item_rest(answers)
+    ability, difficulty = fit_item_response(answers, guess)
+    rest = item_rest_correlation(answers)
     text = replies.questions.table["text"] if replies.questions else pd.Series("", scores.index)
     made = tuple(
         Item(
@@ -118,30 +118,32 @@ def items(replies: Replies) -> Items | None:
 # ---------------------------------------------------------------- item response
 
 
-def response(answers: Floats, guess: Floats) -> tuple[Floats, Floats]:
-    """Ability (m,) and difficulty (n,) from answers (n, m) and the chance of guessing each item (n,).
+def fit_item_response(answers: Floats, guess: Floats) -> tuple[Floats, Floats]:
+    """Return ability (m,) and difficulty (n,) from answers (n, m) and the chance of guessing each item (n,).
 
-    Items with the same answers and chance have the same difficulty, so each kind is fitted once.
+    Items with equal answers and chance have equal difficulty, so each kind is fitted once.
     """
     from scipy.optimize import minimize
 
     kinds, which, count = np.unique(np.column_stack([answers, guess]), axis=0, return_inverse=True, return_counts=True)
     y, c, weight = kinds[:, :-1], kinds[:, -1:], count[:, None].astype(float)
-    start = np.concatenate([_standard(answers.mean(0)), np.zeros(2 * len(kinds))])
-    solution = minimize(_surprise, start, (y, c, weight), "L-BFGS-B", jac=True, options={"maxiter": 200, "maxcor": 20})
+    start = np.concatenate([_standardize(answers.mean(0)), np.zeros(2 * len(kinds))])
+    solution = minimize(
+        _negative_log_posterior, start, (y, c, weight), "L-BFGS-B", jac=True, options={"maxiter": 200, "maxcor": 20}
+    )
     systems = answers.shape[1]
     return solution.x[:systems], solution.x[systems : systems + len(kinds)][which.ravel()]
 
 
-def _standard(share: Floats) -> Floats:
+def _standardize(share: Floats) -> Floats:
     from scipy.special import logit
 
     ability = logit(np.clip(share, 0.01, 0.99))
     return np.asarray((ability - ability.mean()) / max(float(ability.std()), 1e-6))
 
 
-def _surprise(q: Floats, y: Floats, c: Floats, weight: Floats) -> tuple[float, Floats]:
-    """The negative log posterior of θ (m), b (k), log a (k), and its gradient.
+def _negative_log_posterior(q: Floats, y: Floats, c: Floats, weight: Floats) -> tuple[float, Floats]:
+    """Return the negative log posterior of θ (m), b (k), log a (k), and its gradient.
 
     `y` is (k, m), `c` and `weight` (k, 1).
     """
@@ -164,20 +166,20 @@ def _surprise(q: Floats, y: Floats, c: Floats, weight: Floats) -> tuple[float, F
     return float(prior - likely), -slope
 
 
-def item_rest(answers: Floats) -> Floats:
-    """The correlation (n,) of every item's answers (n, m) with the sums of the others', NaN where there is none."""
+def item_rest_correlation(answers: Floats) -> Floats:
+    """Return the correlation (n,) of every item's answers (n, m) with the sums of the others, NaN if undefined."""
     rest = answers.sum(0) - answers
     x, y = (v - v.mean(1, keepdims=True) for v in (answers, rest))
     below = np.sqrt((x**2).sum(1) * (y**2).sum(1))
     return np.asarray(np.divide((x * y).sum(1), below, out=np.full(len(answers), np.nan), where=below > 1e-12))
 
 
-# ---------------------------------------------------------------- a short form
+# ---------------------------------------------------------------- short form
 
 
 def _weights(replies: Replies, scores: pd.DataFrame) -> Floats:
-    """What every item counts in the mean of the tables' averages: of each kind, dimension and task as much."""
-    about = replies.asked.loc[scores.index]
+    """Return the weight of every item in the mean of the tables' averages: equal for kinds, dimensions and tasks."""
+    about = replies.main_questions.loc[scores.index]
     task = about["task"]
     kind = about["dimension"].str.split(".").str[0]
     whole = (
@@ -192,31 +194,31 @@ def _weights(replies: Replies, scores: pd.DataFrame) -> Floats:
 
 
 def _short(answers: Floats, weights: Floats, task: NDArray[np.str_]) -> tuple[tuple[Form, ...], NDArray[np.intp]]:
-    """The errors of short forms, and the items of the smallest that is good enough, or of the largest."""
+    """Return the errors of short forms, and the items of the smallest within tolerance, or of the largest."""
     whole = weights @ answers
     order = [np.lexsort((-np.delete(answers, j, axis=1).mean(1), task)) for j in range(answers.shape[1])]
     forms = []
-    for size in (s for s in SIZES if s < len(answers) / 2):
-        random = rng("short form", size, len(answers))
+    for size in (s for s in FORM_SIZES if s < len(answers) / 2):
+        random = seeded_generator("short form", size, len(answers))
         missed = [
-            answers[sample(order[j], weights, size, random.random(size)), j].mean() - whole[j]
+            answers[stratified_sample(order[j], weights, size, random.random(size)), j].mean() - whole[j]
             for j in range(answers.shape[1])
-            for _ in range(TRIES)
+            for _ in range(FORM_DRAWS)
         ]
-        drawn = answers[random.choice(len(answers), (TRIES, size), p=weights)].mean(1) - whole
+        drawn = answers[random.choice(len(answers), (FORM_DRAWS, size), p=weights)].mean(1) - whole
         forms.append(Form(size, _rms(np.array(missed)), _rms(drawn)))
     if not forms:
         return (), np.empty(0, np.intp)
     size = next((f.size for f in forms if f.error <= TOLERANCE), forms[-1].size)
-    return tuple(forms), sample(np.lexsort((-answers.mean(1), task)), weights, size, np.full(size, 0.5))
+    return tuple(forms), stratified_sample(np.lexsort((-answers.mean(1), task)), weights, size, np.full(size, 0.5))
 
 
 def _rms(gaps: Floats) -> float:
     return float(np.sqrt(np.mean(gaps**2)))
 
 
-def sample(order: NDArray[np.intp], weights: Floats, size: int, where: Floats) -> NDArray[np.intp]:
-    """Of items in an order, one from each of `size` pieces of equal weight: the one at a share `where` of the piece."""
+def stratified_sample(order: NDArray[np.intp], weights: Floats, size: int, where: Floats) -> NDArray[np.intp]:
+    """Return one item from each of `size` strata of equal weight: the one at fraction `where` of the stratum."""
     reached = np.cumsum(weights[order])
-    wanted = (np.arange(size) + where) / size * reached[-1]
-    return np.asarray(order[np.minimum(np.searchsorted(reached, wanted), len(order) - 1)])
+    targets = (np.arange(size) + where) / size * reached[-1]
+    return np.asarray(order[np.minimum(np.searchsorted(reached, targets), len(order) - 1)])

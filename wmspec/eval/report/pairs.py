@@ -1,7 +1,7 @@
-"""Pair accuracy: two instances that differ in one factor and have different answers count only if both are right.
+"""Pair accuracy: two instances that differ in one factor and in their answers count only if both are right.
 
-What answers one of two without looking at what differs fails the other; see IntPhys 2 (Bordes et al., 2025) and MVP
-(Krojer et al., 2025).
+A system that answers one of two without regard to the difference fails the other; see IntPhys 2 (Bordes et al., 2025)
+and MVP (Krojer et al., 2025).
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from wmspec.eval.report.intervals import Estimate, Floats, estimate, ratio, resampled
+from wmspec.eval.report.intervals import Estimate, Floats, estimate, ratio, resample_sums
 from wmspec.eval.report.replies import Replies
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Of a task's pairs, `both` is the share of which both are right, `single` the accuracy on the questions in them.
+    """`both` is the share of a task's pairs with two right answers, `single` the accuracy on their questions.
 
-    `chance` is what guessing yields.
+    `chance` is the pair accuracy of guessing.
     """
 
     task: str
@@ -30,10 +30,10 @@ class Pair:
 
 
 def pairs(replies: Replies) -> tuple[Pair, ...]:
-    """For each task with pairs, and each system that answered some. Needs the dataset."""
+    """Return the pair accuracy of each task with pairs, and each system. Requires the dataset."""
     if replies.questions is None:
         return ()
-    return tuple(p for task in sorted(replies.asked["task"].unique()) for p in _task(replies, task))
+    return tuple(p for task in sorted(replies.main_questions["task"].unique()) for p in _task(replies, task))
 
 
 def _task(replies: Replies, task: str) -> list[Pair]:
@@ -46,7 +46,7 @@ def _task(replies: Replies, task: str) -> list[Pair]:
     guess = _pairs(1 / table[["options"]].to_numpy(dtype=float), table).sum() / max(
         1.0, _pairs(np.ones((len(table), 1)), table).sum()
     )
-    drawn = ratio(*resampled((right, count), ("pairs", task)))
+    drawn = ratio(*resample_sums((right, count), ("pairs", task)))
     value = ratio(right.sum(0), count.sum(0))
     return [
         Pair(
@@ -62,16 +62,16 @@ def _task(replies: Replies, task: str) -> list[Pair]:
 
 
 def _members(replies: Replies, task: str) -> pd.DataFrame:
-    """Every question in every control group in which answers differ: `id`, `options`, `truth` and `group`."""
+    """Return every question in every control group with differing answers: `id`, `options`, `truth` and `group`."""
     assert replies.questions is not None
-    asked = replies.asked[replies.asked["task"] == task]
-    known = replies.questions.table.loc[asked.index]
+    main_questions = replies.main_questions[replies.main_questions["task"] == task]
+    known = replies.questions.table.loc[main_questions.index]
     same = "/" + known["question"].astype(str) + "/" + known["engine"]
-    keys = replies.questions.groups[task].loc[asked.index]
+    keys = replies.questions.groups[task].loc[main_questions.index]
     parts = [
         pd.DataFrame({
-            "id": asked.index,
-            "options": asked["options"].to_numpy(),
+            "id": main_questions.index,
+            "options": main_questions["options"].to_numpy(),
             "truth": known["truth"].to_numpy(),
             "group": factor + "/" + keys[factor].astype(str) + same,
         })
@@ -83,7 +83,7 @@ def _members(replies: Replies, task: str) -> pd.DataFrame:
 
 
 def _pairs(values: Floats, table: pd.DataFrame) -> Floats:
-    """In each group, the sum over pairs with different truths of the products of their values: (groups, systems)."""
+    """Return, for each group, the sum over pairs with different truths of the products of values: (groups, systems)."""
     frame = pd.DataFrame(values)
     group, truth = table["group"].to_numpy(), table["truth"].to_numpy()
     whole = frame.groupby(group).sum() ** 2

@@ -1,4 +1,4 @@
-"""What a dataset says of its questions, as far as a report asks: everything but the pictures."""
+"""The questions of a dataset as needed by a report: everything but pictures."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import pandas as pd
 
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.rows import Row
-from wmspec.runtime.questions.model import FORESEEN
+from wmspec.runtime.questions.model import HYPOTHETICAL
 
-_WANTED = (
+_COLUMNS = (
     "id", "task", "dimension", "index", "question", "question_name", "engine", "text", "option_text", "option_kind",
     "option_name", "option_change", "answer", "answer_value", "difference",
 )  # fmt: skip
@@ -23,14 +23,13 @@ _WANTED = (
 class Questions:
     """The questions of a dataset.
 
-    `table` has a row for each, by its id: `task`, `index`, `question`, `engine`, `text`, `options` (how many), `kinds`,
+    `table` has a row for each, by id: `task`, `index`, `question`, `engine`, `text`, `options` (number), `kinds`,
     `names` and `changes` of the options (tuples), `truth`, `query`, and `quantity`, `unit` and `difference` of the
-    stimulus. `truth` is equal for two questions of a control group exactly if they have the same answer; empty where
-    that cannot be told. A `query` is a question of a task of prediction that asks for what is seen, beside one that
-    asks for what comes.
+    stimulus. `truth` is equal for two questions of a control group exactly if they have the same answer; empty if
+    unknown. A `query` is a companion question of a prediction task, about visible facts.
 
-    `varied` has the factors' and nuisances' values of a task's questions, `groups` the keys of their control groups:
-    tables by id, with a column for each factor.
+    `varied` has the factor and nuisance values of a task's questions, `groups` the keys of their control groups: tables
+    by id, with a column for each factor.
     """
 
     table: pd.DataFrame
@@ -39,25 +38,25 @@ class Questions:
 
     @classmethod
     def read(cls, folder: Path) -> Questions:
-        """Raises WmsError if there is no finished dataset in the folder, or if a file of it cannot be read."""
+        """Read a dataset. Raises WmsError if the folder holds no finished dataset, or a file cannot be read."""
         dataset = DatasetReader.open(folder)
         rows = {task: _rows(dataset, task) for task in dataset.tasks}
         return cls(
             _table([row for of_task in rows.values() for row in of_task]),
-            {task: _prefixed(of_task, "factor", "nuisance") for task, of_task in rows.items() if of_task},
-            {task: _prefixed(of_task, "group") for task, of_task in rows.items() if of_task},
+            {task: _columns_with_prefix(of_task, "factor", "nuisance") for task, of_task in rows.items() if of_task},
+            {task: _columns_with_prefix(of_task, "group") for task, of_task in rows.items() if of_task},
         )
 
 
 def _rows(dataset: DatasetReader, task: str) -> list[Row]:
     varied = ("factor.", "group.", "nuisance.")
-    columns = [c for c in dataset.columns(task) if c in _WANTED or c.startswith(varied)]
+    columns = [c for c in dataset.columns(task) if c in _COLUMNS or c.startswith(varied)]
     return list(dataset.rows(task, columns))
 
 
 def _table(rows: list[Row]) -> pd.DataFrame:
     table = pd.DataFrame([_question(row) for row in rows]).set_index("id")
-    foresees = table["kinds"].map(lambda kinds: not FORESEEN.isdisjoint(kinds))
+    foresees = table["kinds"].map(lambda kinds: not HYPOTHETICAL.isdisjoint(kinds))
     predicts = table["dimension"].str.split(".").str[0] == "prediction"
     table["query"] = predicts & foresees.groupby(table["task"]).transform("any") & ~foresees
     return table
@@ -81,15 +80,15 @@ def _question(row: Row) -> dict[str, Any]:
 
 
 def _truth(row: Row) -> str:
-    """What tells true answers apart: the words; of a picture, what really was what its counterfactuals changed."""
+    """Return the key of the true answer: the words, or the actual value of what a picture's counterfactuals changed."""
     if row["option_text"] is not None:
         return str(row["answer_value"])
     was = {c.split(" -> ")[0] for c in row["option_change"] or () if c and " -> " in c}
     return "; ".join(sorted(was))
 
 
-def _prefixed(rows: list[Row], *sorts: str) -> pd.DataFrame:
-    """The columns of some sorts by name, without those that are missing everywhere; lists become words."""
+def _columns_with_prefix(rows: list[Row], *sorts: str) -> pd.DataFrame:
+    """Return the columns with some prefixes, without those that are empty everywhere; lists become text."""
     names = [key for key in rows[0] if key.split(".", 1)[0] in sorts and "." in key]
     values = {name.split(".", 1)[1]: [_level(row[name]) for row in rows] for name in names}
     return pd.DataFrame(values, index=pd.Index([row["id"] for row in rows], name="id"), dtype=object)

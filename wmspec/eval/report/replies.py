@@ -1,4 +1,4 @@
-"""Reading results: every reply, whose it is, and to which question; people's answers joined to one by majority."""
+"""Replies from result files, joined with their questions; people's answers are merged by majority."""
 
 from __future__ import annotations
 
@@ -13,36 +13,35 @@ import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import plain
+from wmspec.core.safe_io import regular_file
 from wmspec.eval.models.agreement import majority
-from wmspec.eval.models.results import checked
+from wmspec.eval.models.results import validated
 from wmspec.eval.report.questions import Questions
 
-#: What a row of results has at least; `docs/evaluate.md` says what each column holds.
+#: Required columns of results; `docs/evaluate.md` describes them.
 COLUMNS = (
     "id", "task", "dimension", "question_name", "engine", "index", "group", "model", "prompt", "ablation",
     "permutation", "sample", "order", "answer", "parsed", "right", "status", "cost", "tokens_in", "tokens_out",
 )  # fmt: skip
-#: What identifies a reply.
+#: Columns that identify a reply.
 KEY = ["id", "model", "prompt", "ablation", "permutation", "sample"]
-#: How a person's name begins as a model, and what all of them together are called.
-RATER, PEOPLE = "human:", "people"
-#: What answers without looking, or knows: they check the pipeline, and say nothing about the questions.
+#: Prefix of a person's name, and the name of all people together.
+RATER_PREFIX, PEOPLE = "human:", "people"
+#: Systems that check the pipeline and say nothing about the questions.
 BASELINES = ("random", "blind", "options-only", "oracle")
-#: Of fewer control groups no interval can be drawn: their instances are taken to be independent instead.
-LEAST_GROUPS = 5
+#: Minimum number of control groups for an interval over groups; below it instances are treated as independent.
+MIN_GROUPS = 5
 
 
 @dataclass(frozen=True)
 class Replies:
-    """All replies that can be judged.
+    """All scored replies.
 
-    `table` has a row for each, its columns those of the results and: `system`, who answered; `cluster`, what is
-    resampled together; `right`, 1 or 0; `skipped`, whether the reply has no answer in it (it is wrong then);
-    `options`, how many there were; `query`, whether it asks for what is seen in a task of prediction.
-    `failed` counts, by system, the requests that never got a reply: they are left out. `raters` has each person's
-    replies. `narrow` names the tasks with so few control groups that intervals are of these very groups, over
-    instances.
+    `table` has a row for each, with the columns of results and: `system`; `cluster`, the unit of resampling; `right`, 1
+    or 0; `skipped`, whether the reply has no answer (and counts as wrong); `options`, their number; `query`, whether it
+    is a companion question of a prediction task. `failed` counts the requests without a reply by system; they are
+    excluded. `raters` has each person's replies. `narrow` names the tasks with too few control groups, whose intervals
+    are over instances.
     """
 
     table: pd.DataFrame
@@ -53,25 +52,25 @@ class Replies:
 
     @cached_property
     def systems(self) -> tuple[str, ...]:
-        """Who answered, by name, people last."""
+        """The systems by name, people last."""
         return tuple(sorted(self.table["system"].unique(), key=lambda s: (s == PEOPLE, s)))
 
     @property
     def models(self) -> tuple[str, ...]:
-        """Who answered and is neither people nor a baseline."""
+        """The systems except people and baselines."""
         return tuple(s for s in self.systems if s != PEOPLE and s not in BASELINES)
 
     @cached_property
     def scores(self) -> pd.DataFrame:
-        """The share of right replies, NaN where there is none: a row for each question's id, a column for each system.
+        """The share of right replies by question id (rows) and system (columns), NaN if there are none.
 
-        Several permutations and samples of a question count as one question.
+        Permutations and samples of a question count as one question.
         """
         return self._scores(self.table)
 
     @cached_property
     def parsed_scores(self) -> pd.DataFrame:
-        """The same with replies left out that have no answer in them, as the paper does."""
+        """The scores without unparsed replies, as in the paper."""
         return self._scores(self.table[~self.table["skipped"]])
 
     def _scores(self, table: pd.DataFrame) -> pd.DataFrame:
@@ -80,13 +79,13 @@ class Replies:
 
     @cached_property
     def about(self) -> pd.DataFrame:
-        """What is known of every question that was asked, by id: `task`, `dimension`, `engine`, `cluster`, ..."""
+        """The attributes of every question, by id: `task`, `dimension`, `engine`, `cluster`, ..."""
         known = ["task", "dimension", "question_name", "engine", "index", "cluster", "options", "query"]
         return self.table.drop_duplicates("id").set_index("id")[known].sort_index()
 
     @property
-    def asked(self) -> pd.DataFrame:
-        """`about` without the queries: what the tables of results are about."""
+    def main_questions(self) -> pd.DataFrame:
+        """`about` without companion questions, as in the tables of results."""
         return self.about[~self.about["query"]]
 
 
@@ -97,15 +96,15 @@ def read(paths: Sequence[Path], dataset: Path | None) -> Replies:
     dataset.
     """
     table = pd.concat([_file(path) for path in _files(paths)], ignore_index=True)
-    table = _once(table)
+    table = _unique_replies(table)
     questions = Questions.read(dataset) if dataset else None
     if questions is not None:
-        _belong(table, questions, dataset)
+        _check_dataset(table, questions, dataset)
     return replies(table, questions)
 
 
 def replies(table: pd.DataFrame, questions: Questions | None = None) -> Replies:
-    """Replies from rows of results (`COLUMNS`)."""
+    """Return replies from rows of results (`COLUMNS`)."""
     table = table.assign(
         system=_systems(table),
         cluster=_clusters(table),
@@ -117,11 +116,11 @@ def replies(table: pd.DataFrame, questions: Questions | None = None) -> Replies:
     failed = table["status"] == "error"
     counted = table[failed].groupby("system").size()
     table = table[~failed]
-    rated = table["model"].str.startswith(RATER)
+    rated = table["model"].str.startswith(RATER_PREFIX)
     people = _majority(table[rated])
     whole = pd.concat([table[~rated], people], ignore_index=True).sort_values(["system", *KEY[:1], *KEY[4:]])
     failures = {str(k): int(n) for k, n in counted.items()}
-    return Replies(whole.reset_index(drop=True), failures, table[rated], tuple(_narrow(table)), questions)
+    return Replies(whole.reset_index(drop=True), failures, table[rated], tuple(_narrow_tasks(table)), questions)
 
 
 # ---------------------------------------------------------------- files
@@ -142,14 +141,14 @@ def _files(paths: Sequence[Path]) -> list[Path]:
 
 def _file(path: Path) -> pd.DataFrame:
     try:
-        file = pq.ParquetFile(plain(path))
+        file = pq.ParquetFile(regular_file(path))
         lacking = [name for name in COLUMNS if name not in file.schema_arrow.names]
         if lacking:
             raise WmsError(
                 f"{path} is no file of results: it lacks the columns {', '.join(lacking)}; "
                 "give what `wmspec evaluate` or `wmspec study collect` wrote (a dataset goes to --dataset)"
             )
-        table: pd.DataFrame = checked(file.read(list(COLUMNS)), path).to_pandas()
+        table: pd.DataFrame = validated(file.read(list(COLUMNS)), path).to_pandas()
         return table
     except FileNotFoundError:
         raise WmsError(f"{path} is not there; give a file or a folder that `wmspec evaluate` wrote") from None
@@ -160,8 +159,8 @@ def _file(path: Path) -> pd.DataFrame:
         ) from None
 
 
-def _once(table: pd.DataFrame) -> pd.DataFrame:
-    """Every reply once. The same file may be given twice; two replies to one request cannot both count."""
+def _unique_replies(table: pd.DataFrame) -> pd.DataFrame:
+    """Return every reply once. The same file may be given twice; two replies to one request are an error."""
     table = table.assign(said=table["parsed"].astype(str) + table["status"]).drop_duplicates([*KEY, "said"])
     twice = table[table.duplicated(KEY)]
     if len(twice):
@@ -174,7 +173,7 @@ def _once(table: pd.DataFrame) -> pd.DataFrame:
     return table.drop(columns="said")
 
 
-def _belong(table: pd.DataFrame, questions: Questions, dataset: Path | None) -> None:
+def _check_dataset(table: pd.DataFrame, questions: Questions, dataset: Path | None) -> None:
     strange = table.loc[~table["id"].isin(questions.table.index), "id"].unique()
     if len(strange):
         close = suggestion(str(strange[0]), map(str, questions.table.index[:1000]))
@@ -184,32 +183,32 @@ def _belong(table: pd.DataFrame, questions: Questions, dataset: Path | None) -> 
         )
 
 
-# ---------------------------------------------------------------- who
+# ---------------------------------------------------------------- systems
 
 
 def _clusters(table: pd.DataFrame) -> pd.Series[str]:
-    """The control group; the instance in tasks with fewer than LEAST_GROUPS of them (see `Replies.narrow`)."""
+    """Return the control group; the instance in tasks with fewer than LEAST_GROUPS (see `Replies.narrow`)."""
     instance = table["task"] + "/" + table["index"].astype(str)
-    return table["group"].where(~table["task"].isin(_narrow(table)), instance)
+    return table["group"].where(~table["task"].isin(_narrow_tasks(table)), instance)
 
 
-def _narrow(table: pd.DataFrame) -> list[str]:
+def _narrow_tasks(table: pd.DataFrame) -> list[str]:
     groups = table.groupby("task")["group"].nunique()
-    return sorted(map(str, groups.index[groups < LEAST_GROUPS]))
+    return sorted(map(str, groups.index[groups < MIN_GROUPS]))
 
 
 def _systems(table: pd.DataFrame) -> pd.Series[str]:
-    """The model's name, with its prompt and what was kept from it where that is not the same in all its replies."""
+    """Return the model's name, with its prompt and ablation where these differ between its replies."""
     name = table["model"].astype(str)
     several = table.groupby("model")["prompt"].transform("nunique") > 1
     name = name.where(~several, name + " · " + table["prompt"].astype(str))
     ablation = table["ablation"].fillna("").astype(str)
     name = name.where(ablation.isin(["", "none"]), name + " · " + ablation)
-    return name.where(~table["model"].str.startswith(RATER), PEOPLE)
+    return name.where(~table["model"].str.startswith(RATER_PREFIX), PEOPLE)
 
 
 def _majority(rated: pd.DataFrame) -> pd.DataFrame:
-    """One reply for each question: what most raters chose. Among equals a draw decides that hangs on the id alone."""
+    """Return one reply for each question: the choice of most raters. Ties are broken at random, seeded by the id."""
     if rated.empty:
         return rated
     chosen = [_vote(str(name), of_one) for name, of_one in rated.groupby("id", sort=True)]
@@ -217,6 +216,6 @@ def _majority(rated: pd.DataFrame) -> pd.DataFrame:
 
 
 def _vote(name: str, of_one: pd.DataFrame) -> int:
-    """The row of a rater who is of the majority."""
+    """Return the row of a rater in the majority."""
     outcome = of_one["parsed"].astype(str) + of_one["right"].astype(str)
     return int(outcome.index[outcome == majority(name, outcome)].min())

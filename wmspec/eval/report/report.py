@@ -1,4 +1,4 @@
-"""Every analysis of a set of results, one after the other."""
+"""All analyses of a set of results."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from wmspec.eval.report.choices import Flips, Mistaken, Position, flips, mistaken, positions
+from wmspec.eval.report.choices import Flips, Mistakes, Position, flips, mistakes, positions
 from wmspec.eval.report.compare import Comparison, comparisons
 from wmspec.eval.report.curves import Curve, curves
-from wmspec.eval.report.entanglement import Entangled, entanglement
-from wmspec.eval.report.filtered import Filtered, filtered
+from wmspec.eval.report.entanglement import Entanglement, entanglement
+from wmspec.eval.report.filtered import FilteredAccuracy, filtered_accuracies
 from wmspec.eval.report.items import Items, items
 from wmspec.eval.report.pairs import Pair, pairs
 from wmspec.eval.report.replies import PEOPLE, Replies, read
@@ -22,9 +22,9 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Account:
-    """What became of a system's requests: replies with an answer, without one, refused; requests that failed.
+    """The requests of a system: replies, unparsed, refused and failed ones, tokens and cost.
 
-    `cost` is in the currency of the prices given to `wmspec evaluate`, None where it is not known.
+    `cost` is in the currency of the prices given to `wmspec evaluate`, None if unknown.
     """
 
     system: str
@@ -40,9 +40,9 @@ class Account:
 
 @dataclass(frozen=True)
 class Report:
-    """Everything that a report tells.
+    """The content of a report.
 
-    `raters` is how many people answered, `dataset` the name of the dataset, if given. `narrow` are the tasks whose
+    `raters` is the number of people, `dataset` the name of the dataset, if given. `narrow` are the tasks whose
     intervals are over instances, because they have too few control groups.
     """
 
@@ -55,15 +55,15 @@ class Report:
     pairs: tuple[Pair, ...]
     flips: tuple[Flips, ...]
     positions: tuple[Position, ...]
-    mistaken: tuple[Mistaken, ...]
-    entanglement: tuple[Entangled, ...]
+    mistaken: tuple[Mistakes, ...]
+    entanglement: tuple[Entanglement, ...]
     curves: tuple[Curve, ...]
-    filtered: tuple[Filtered, ...]
+    filtered: tuple[FilteredAccuracy, ...]
     items: Items | None
 
     @property
     def systems(self) -> tuple[str, ...]:
-        """Who answered: the best on average first, people last."""
+        """The systems: best average first, people last."""
         best: dict[str, list[float]] = {}
         for table in self.tables:
             for line in table.lines:
@@ -72,15 +72,15 @@ class Report:
 
 
 def report(results: list[Path], dataset: Path | None, progress: Callable[[str, int], None]) -> Report:
-    """Read results and do every analysis that they and the dataset allow. `progress` is told of each that is done.
+    """Read results and run every analysis that they and the dataset permit. `progress` is called after each.
 
-    Raises WmsError if something cannot be read, or does not belong together.
+    Raises WmsError if a file cannot be read, or files do not match.
     """
     return analyse(read(results, dataset), dataset.resolve().name if dataset else "", progress)
 
 
 def analyse(replies: Replies, dataset: str, progress: Callable[[str, int], None]) -> Report:
-    """Every analysis of replies."""
+    """Return every analysis of replies."""
 
     def step(name: str, analysis: Callable[[Replies], T]) -> T:
         made = analysis(replies)
@@ -97,20 +97,20 @@ def analyse(replies: Replies, dataset: str, progress: Callable[[str, int], None]
         pairs=step("pairs", pairs),
         flips=step("flips", flips),
         positions=step("positions", positions),
-        mistaken=step("mistakes", mistaken),
+        mistaken=step("mistakes", mistakes),
         entanglement=step("entanglement", entanglement),
         curves=step("curves", curves),
-        filtered=step("filtered", filtered),
+        filtered=step("filtered", filtered_accuracies),
         items=step("items", items),
     )
 
 
-#: How many steps `progress` is told of.
+#: Number of calls of `progress`.
 STEPS = 11
 
 
 def accounts(replies: Replies) -> tuple[Account, ...]:
-    """What became of every system's requests."""
+    """Return the requests of every system."""
     systems = sorted({*replies.systems, *replies.failed})
     return tuple(_account(replies, system) for system in systems)
 

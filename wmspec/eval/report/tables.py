@@ -1,4 +1,4 @@
-"""The tables of perception and prediction: models as rows, tasks as columns, averages as the paper takes them."""
+"""Tables of perception and prediction: models as rows, tasks as columns, averages as in the paper."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ import numpy as np
 import pandas as pd
 
 from wmspec.core import wm_abench
-from wmspec.eval.report.intervals import Estimate, Floats, estimate, means
+from wmspec.eval.report.intervals import Estimate, Floats, estimate, mean_estimates
 from wmspec.eval.report.replies import PEOPLE, Replies
 
-#: What the row is called that says what guessing yields.
+#: The name of the row for guessing.
 CHANCE = "chance"
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table: a task, under its dimension; `letters` and `environment` as the paper heads it, if so."""
+    """A column of a table: a task and its dimension; `letters` and `environment` as in the paper's header."""
 
     task: str
     dimension: str
@@ -27,7 +27,7 @@ class Column:
 
     @classmethod
     def of(cls, task: str, dimension: str) -> Column:
-        """The column of a task by its name and its dimension, such as `perception.space.relation`."""
+        """Return the column of a task by its name and its dimension, such as `perception.space.relation`."""
         parts = [*dimension.split("."), "", ""]
         there = wm_abench.column(task)
         return cls(task, parts[1] or parts[0], there.letters if there else parts[2], there.environment if there else "")
@@ -35,9 +35,9 @@ class Column:
 
 @dataclass(frozen=True)
 class Line:
-    """A row of a table: of each task the accuracy, of each dimension and of the whole the average (0 to 1).
+    """A row of a table: accuracy of each task, average of each dimension and of the whole (0 to 1).
 
-    `parsed` is the average if replies without an answer are skipped instead of being wrong.
+    `parsed` is the average without unparsed replies, which otherwise count as wrong.
     """
 
     system: str
@@ -49,7 +49,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Table:
-    """Of all tasks of one kind (perception, prediction): the columns in order, a line for each system, and chance."""
+    """The tasks of one kind (perception, prediction): columns in order, a row for each system, and chance."""
 
     kind: str
     columns: tuple[Column, ...]
@@ -63,34 +63,37 @@ class Table:
 
 
 def tables(replies: Replies) -> tuple[Table, ...]:
-    """A table for each kind of task: perception, prediction, then others."""
-    kind = replies.asked["dimension"].str.split(".").str[0]
+    """Return a table for each kind of task: perception, prediction, then others."""
+    kind = replies.main_questions["dimension"].str.split(".").str[0]
     order = {"perception": 0, "prediction": 1}
     return tuple(_table(replies, k, kind == k) for k in sorted(kind.unique(), key=lambda k: (order.get(k, 2), k)))
 
 
 def average(values: Mapping[str, float], dimension: Mapping[str, str]) -> float:
-    """The paper's average: the mean over dimensions of the plain mean of their columns.
+    """Return the paper's average: the mean over dimensions of the mean of their columns.
 
-    `values` by column, NaN where there is none: such a column is left out, and a dimension that has no other.
+    `values` by column; NaN columns and dimensions without columns are skipped.
     """
     columns = pd.Series(values, dtype=float).dropna()
     return float(columns.groupby([dimension[c] for c in columns.index]).mean().mean()) if len(columns) else np.nan
 
 
 def _table(replies: Replies, kind: str, chosen: pd.Series[bool]) -> Table:
-    asked = replies.asked[chosen]
+    main_questions = replies.main_questions[chosen]
     columns = tuple(
-        sorted({Column.of(t, d) for t, d in zip(asked["task"], asked["dimension"], strict=True)}, key=_place)
+        sorted(
+            {Column.of(t, d) for t, d in zip(main_questions["task"], main_questions["dimension"], strict=True)},
+            key=_sort_key,
+        )
     )
     values: dict[str, tuple[Estimate, ...]] = {}
     draws: dict[str, Floats] = {}
     skipping: dict[str, Floats] = {}
     guessed: dict[str, float] = {}
     for column in columns:
-        of_task = asked[asked["task"] == column.task]
+        of_task = main_questions[main_questions["task"] == column.task]
         scores = replies.scores.loc[of_task.index].to_numpy()
-        values[column.task], draws[column.task] = means(scores, of_task["cluster"], column.task)
+        values[column.task], draws[column.task] = mean_estimates(scores, of_task["cluster"], column.task)
         parsed = replies.parsed_scores.reindex(of_task.index)
         skipping[column.task] = parsed.mean().to_numpy()
         guessed[column.task] = float((1 / of_task["options"].where(of_task["options"] > 0)).mean())
@@ -109,8 +112,8 @@ def _table(replies: Replies, kind: str, chosen: pd.Series[bool]) -> Table:
     return Table(kind, columns, tuple(lines), _line(CHANCE, columns, chance, {}, guessed))
 
 
-def _place(column: Column) -> tuple[int, str, str, str]:
-    """Where a column stands: in the paper's order, those that it lacks after them, dimension by dimension."""
+def _sort_key(column: Column) -> tuple[int, str, str, str]:
+    """Sort key of a column: the paper's order, then other columns by dimension."""
     there = wm_abench.column(column.task)
     known = {"space": 0, "time": 1, "vision": 2, "motion": 3, "quantity": 4}
     known |= {"mechanistic": 0, "transitivity": 1, "compositionality": 2}
@@ -125,18 +128,18 @@ def _line(
     draws: dict[str, Floats],
     skipping: dict[str, float],
 ) -> Line:
-    """A row, with its averages. Only columns that have a value are averaged, in draws as in values."""
+    """Return a row with its averages over columns that have a value, for the estimate and its draws."""
     dimension = {c.task: c.dimension for c in columns if not np.isnan(values[c.task].value)}
     point = {t: values[t].value for t in dimension}
     by_dimension = {
-        d: _averaged({t: v for t, v in point.items() if dimension[t] == d}, dimension, values, draws)
+        d: _average_estimate({t: v for t, v in point.items() if dimension[t] == d}, dimension, values, draws)
         for d in dict.fromkeys(dimension.values())
     }
-    whole = _averaged(point, dimension, values, draws)
+    whole = _average_estimate(point, dimension, values, draws)
     return Line(system, values, by_dimension, whole, average({t: skipping[t] for t in dimension}, dimension))
 
 
-def _averaged(
+def _average_estimate(
     point: dict[str, float], dimension: dict[str, str], values: dict[str, Estimate], draws: dict[str, Floats]
 ) -> Estimate:
     questions = sum(values[t].questions for t in point)

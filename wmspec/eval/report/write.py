@@ -1,4 +1,4 @@
-"""A report on disk: the page, the figures, the tables, and everything as JSON."""
+"""Writes a report: page, figures, tables and JSON."""
 
 from __future__ import annotations
 
@@ -9,40 +9,41 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.safe_io import make_folders
-from wmspec.dataset.build.files import explained
-from wmspec.eval.report.figures.all import figures
-from wmspec.eval.report.frames import latex, long, wide
+from wmspec.dataset.build.files import with_remedies
+from wmspec.eval.report.figures.sections import figures
+from wmspec.eval.report.frames import latex_table, long_tables, wide_tables
 from wmspec.eval.report.page import page
 from wmspec.eval.report.report import Report
 
 
 def write(report: Report, folder: Path) -> Path:
-    """Write everything to a folder, and return the page's path. Raises WmsError if it cannot be written."""
-    drawn, printed = figures(report), wide(report)
+    """Write a report to a folder and return the page's path. Raises WmsError if it cannot be written."""
+    drawn, printed = figures(report), wide_tables(report)
     content = {"report.json": text(report), "report.html": page(report, drawn, printed)}
     content |= {f"figures/{f.name}.svg": f.svg for section in drawn.values() for f in section}
     content |= {
-        f"tables/{name}.csv": frame.to_csv(index=False, lineterminator="\n") for name, frame in long(report).items()
+        f"tables/{name}.csv": frame.to_csv(index=False, lineterminator="\n")
+        for name, frame in long_tables(report).items()
     }
-    content |= {f"tables/{name}.tex": latex(caption, frame) for name, (caption, frame) in printed.items()}
+    content |= {f"tables/{name}.tex": latex_table(caption, frame) for name, (caption, frame) in printed.items()}
     if "thresholds" in printed:
         content["tables/thresholds.csv"] = printed["thresholds"][1].to_csv(lineterminator="\n")
     for name, written in content.items():
         path = folder / name
-        with explained(path):
+        with with_remedies(path):
             make_folders(path.parent)
             path.write_text(written, encoding="utf-8")
     return folder / "report.html"
 
 
 def text(report: Report) -> str:
-    """The report as JSON; what has no value is null."""
-    return json.dumps(_plain(asdict(report)), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    """Return the report as JSON; missing values are null."""
+    return json.dumps(_json_values(asdict(report)), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def _plain(value: Any) -> Any:
+def _json_values(value: Any) -> Any:
     if isinstance(value, dict):
-        return {key: _plain(each) for key, each in value.items()}
+        return {key: _json_values(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
+        return [_json_values(each) for each in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

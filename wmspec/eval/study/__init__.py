@@ -1,1 +1,1 @@
-"""People as raters: a study of a dataset's questions, its page, its server, and what came of it."""
+"""Studies with people: page, server, and results."""

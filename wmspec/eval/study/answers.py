@@ -1,4 +1,4 @@
-"""People's answers as they come in: from the page, and in the files that it gives when there is no server."""
+"""People's answers, from the server or from the files that the page saves without one."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import plain
+from wmspec.core.safe_io import regular_file
 from wmspec.eval.models.reply import LETTERS
 from wmspec.eval.study.model import Item, Study
 
-#: The largest file of answers that is read, in bytes.
-LARGEST = 16 << 20
+#: Maximum size of a file of answers (bytes).
+MAX_FILE_BYTES = 16 << 20
 _DAY = 86_400.0
 
 Seconds = Annotated[float, Field(ge=0, le=_DAY, allow_inf_nan=False)]
@@ -25,15 +25,15 @@ class _Model(BaseModel):
 
 
 class Person(_Model):
-    """Who takes part: a name for the visit that nobody can guess, and the name in the link, if there is one."""
+    """A participant: a random session id, and the name in the link, if any."""
 
     session: str = Field(pattern=r"^[0-9a-f]{32}$")
     rater: str = Field(default="", pattern=r"^[A-Za-z0-9._-]{0,64}$")
 
 
 class Answer(_Model):
-    """An answer: to which step, the letter chosen or the number given, the seconds that it took, and for how many of
-    them the page was not seen.
+    """An answer: its step, the chosen letter or number, its time (s), and the time during which the page was hidden
+    (s).
     """
 
     step: int = Field(ge=0, le=100_000)
@@ -42,12 +42,12 @@ class Answer(_Model):
     away: Seconds = 0.0
 
     def fits(self, item: Item) -> bool:
-        """Whether it is an answer to this item: one of its letters, or a number."""
+        """Whether this is a valid answer to the item: one of its letters, or a number."""
         return self.text in LETTERS[: len(item.options)] if item.options else self.text not in LETTERS
 
 
 class Visit(Person):
-    """One person's answers, as a file."""
+    """One participant's answers, as a file."""
 
     study: str
     slot: int
@@ -56,22 +56,24 @@ class Visit(Person):
 
 
 def read(path: Path, study: Study) -> Visit:
-    """A file of answers that the page gave. Raises WmsError if it is none, or of another study."""
+    """Read a file of answers. Raises WmsError if it is invalid, or belongs to another study."""
     try:
-        if plain(path).stat().st_size > LARGEST:
-            raise WmsError(f"more than {LARGEST >> 20} MiB: no file of answers is as large", FilePlace(str(path)))
+        if regular_file(path).stat().st_size > MAX_FILE_BYTES:
+            raise WmsError(
+                f"more than {MAX_FILE_BYTES >> 20} MiB: too large for a file of answers", FilePlace(str(path))
+            )
         visit = Visit.model_validate_json(path.read_bytes())
     except OSError as error:
         raise WmsError(f"cannot be read: {error.strerror}", FilePlace(str(path))) from None
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(map(str, first["loc"]))
-        message = f"no file of answers{f' ({where})' if where else ''}"
+        message = f"not a file of answers{f' ({where})' if where else ''}"
         raise WmsError(message, FilePlace(str(path)), "the page of a study gives them at its end") from None
     if visit.study != study.fingerprint:
         raise WmsError("answers to another study", FilePlace(str(path)), "give the folder of the study that was shown")
     steps = [(answer, study.step(visit.slot, answer.step)) for answer in visit.answers]
     wrong = [answer.step for answer, shown in steps if shown is None or not answer.fits(shown[0])]
     if wrong:
-        raise WmsError(f"the answer of step {wrong[0]} is none of its options", FilePlace(str(path)))
+        raise WmsError(f"the answer of step {wrong[0]} is not one of its options", FilePlace(str(path)))
     return visit

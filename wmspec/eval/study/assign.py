@@ -1,4 +1,4 @@
-"""Who is shown what: pure functions of the questions and a seed."""
+"""Assignment of questions to participants: pure functions of questions and seed."""
 
 from __future__ import annotations
 
@@ -10,29 +10,32 @@ from wmspec.eval.study.model import Item, Step
 
 
 def slots(items: Sequence[Item], raters: int, most: int, every: int, seed: int) -> tuple[tuple[Step, ...], ...]:
-    """The steps of every person.
+    """Return the steps of every participant.
 
-    In each of `raters` rounds all questions are dealt out, to as few people as can answer at most `most` each; their
-    numbers of questions differ by no more than one. A person answers task after task, so that the rules are read once;
-    tasks, and questions within them, come in another order in every round. Practice comes before a task's questions and
-    a check of attention once among `every` questions (0: never).
+    In each of `raters` rounds, all questions are divided evenly among as few participants as can answer at most `most`
+    each. A participant answers task after task, so that instructions are read once. The order of tasks, and of
+    questions within them, differs between rounds. Practice comes before a task's questions, and an attention check once
+    among `every` questions (0: never).
     """
-    asked = [i for i, item in enumerate(items) if item.kind == "question"]
-    people = -(-len(asked) // most)
+    question_indices = [i for i, item in enumerate(items) if item.kind == "question"]
+    people = -(-len(question_indices) // most)
     made = []
     for round_ in range(raters):
-        turned = _turned(items, round_)
-        order = sorted(asked, key=lambda i: (bits(seed, "task", round_, items[i].task), bits(seed, "item", round_, i)))
+        turned = _rotations(items, round_)
+        order = sorted(
+            question_indices, key=lambda i: (bits(seed, "task", round_, items[i].task), bits(seed, "item", round_, i))
+        )
         for person in range(people):
             share = order[len(order) * person // people : len(order) * (person + 1) // people]
             made.append(tuple(_steps(items, share, turned, every, (seed, round_, person))))
     return tuple(made)
 
 
-def _turned(items: Sequence[Item], round_: int) -> dict[int, int]:
-    """By how many places each item's options are moved on in a round.
+def _rotations(items: Sequence[Item], round_: int) -> dict[int, int]:
+    """Return the rotation of each item's options in a round.
 
-    The truth takes every place equally often among a task's questions of as many options, and another in every round.
+    The truth takes every position equally often among a task's questions with equally many options, and another one in
+    every round.
     """
     counted: dict[tuple[str, int], int] = {}
     turned = {}
@@ -49,8 +52,10 @@ def _turned(items: Sequence[Item], round_: int) -> dict[int, int]:
 def _steps(
     items: Sequence[Item], share: Sequence[int], turned: dict[int, int], every: int, key: tuple[int, ...]
 ) -> Iterator[Step]:
-    practice = {task: list(its) for task, its in groupby(_of(items, "practice"), key=lambda i: items[i].task)}
-    checks, task = iter(_of(items, "check")), ""
+    practice = {
+        task: list(its) for task, its in groupby(_indices_of_kind(items, "practice"), key=lambda i: items[i].task)
+    }
+    checks, task = iter(_indices_of_kind(items, "check")), ""
     for answered, i in enumerate(share):
         if items[i].task != task:
             task = items[i].task
@@ -61,5 +66,6 @@ def _steps(
         yield Step(item=i, permutation=turned[i])
 
 
-def _of(items: Sequence[Item], kind: str) -> list[int]:
+def _indices_of_kind(items: Sequence[Item], kind: str) -> list[int]:
+    """Return the indices of the items of a kind."""
     return [i for i, item in enumerate(items) if item.kind == kind]

@@ -1,4 +1,4 @@
-"""What people answered as a file of results like a model's, and how well each of them and all together did."""
+"""Collects people's answers as results, and computes the performance and agreement of raters."""
 
 from __future__ import annotations
 
@@ -21,18 +21,20 @@ from wmspec.eval.models.request import Ask
 from wmspec.eval.study import answers, store
 from wmspec.eval.study.answers import Visit
 from wmspec.eval.study.model import Item, Study, load
-from wmspec.eval.study.store import Store
+from wmspec.eval.study.store import AnswerStore
 
-#: How a person's name begins as a model, and what the prompt is called.
-RATER, PROMPT = "human:", "study"
-#: Nobody has looked at pictures in less, in seconds.
-HASTY = 1.0
+#: Prefix of a person's name in the column `model`, and the name of the prompt.
+RATER_PREFIX, PROMPT = "human:", "study"
+#: Time below which an answer is too fast to be based on the pictures (s).
+MIN_SECONDS = 1.0
 
 
 @dataclass(frozen=True)
 class Rater:
-    """How one person did: steps answered, of how many; checks of attention passed, of how many; questions right, of how
-    many; the median of the seconds, the share of answers that came within HASTY, and the seconds spent elsewhere.
+    """The performance of one person.
+
+    `answered` of `steps`, `checks_passed` of the attention `checks`, `right` of `questions`. `seconds` is the median
+    time of an answer, `hasty` the share below HASTY, `away` the time with the page hidden (s).
     """
 
     rater: str
@@ -52,7 +54,7 @@ class Rater:
 
 @dataclass(frozen=True)
 class Agreement:
-    """Of a task's questions with options, or of all: raters' choices, Fleiss' κ, and the share that most got right."""
+    """Raters' choices on a task's questions with options (or on all), Fleiss' κ, and the accuracy of the majority."""
 
     task: str
     questions: int
@@ -62,8 +64,8 @@ class Agreement:
 
 
 @dataclass(frozen=True)
-class Collected:
-    """What came of a study; `missing` are the replies that its design still wants."""
+class StudyResult:
+    """The result of a study; `missing` is the number of replies that its design still lacks."""
 
     raters: tuple[Rater, ...]
     agreement: tuple[Agreement, ...]
@@ -71,11 +73,11 @@ class Collected:
     missing: int
 
 
-def collect(folder: Path, files: Sequence[Path], output: Path, least_checks: float = 0.0) -> Collected:
-    """Write the results of a study: of its server's file, and of the pages' files. The first answer to a step stands.
+def collect(folder: Path, files: Sequence[Path], output: Path, least_checks: float = 0.0) -> StudyResult:
+    """Write the results of a study, from its server's file and from saved files. The first answer to a step counts.
 
-    Who passed a smaller share of the checks of attention than `least_checks` is told of, and left out. Raises WmsError
-    if a file is not of this study, or if `output` holds something that is no results.
+    Raters who passed a smaller share of attention checks than `least_checks` are reported and excluded. Raises WmsError
+    if a file belongs to another study, or if `output` holds anything but results.
     """
     study = load(folder)
     if output.exists():
@@ -83,25 +85,25 @@ def collect(folder: Path, files: Sequence[Path], output: Path, least_checks: flo
     visits = _visits(study, folder, files)
     if not any(visit.answers for visit in visits):
         raise WmsError(f"{folder} has no answers yet; give the files that its page gave, or `wmspec study serve` it")
-    named = _named(visits)
+    named = _visits_by_name(visits)
     raters = tuple(_rater(study, visit, name, least_checks) for name, visit in named.items())
     rows = [row for rater in raters if rater.counted for row in _rows(study, named[rater.rater], rater.rater)]
     places = {item.id: place for place, item in enumerate(study.items)}
     rows.sort(key=lambda row: (places[row["id"]], row["model"]))
-    wanted = sum(item.kind == "question" for item in study.items) * study.raters
+    expected = sum(item.kind == "question" for item in study.items) * study.raters
     enough = sum(min(count, study.raters) for count in Counter(row["id"] for row in rows).values())
-    collected = Collected(raters, tuple(_agreement(rows)), len(rows), wanted - enough)
+    collected = StudyResult(raters, tuple(_agreement(rows)), len(rows), expected - enough)
     results.write(output, rows, _about(study, rows, collected))
     return collected
 
 
 def _visits(study: Study, folder: Path, files: Sequence[Path]) -> list[Visit]:
-    """The visits of all sources, one for each session."""
-    served = folder / store.FILE
+    """Return the visits of all sources, one for each session."""
+    served = folder / store.ANSWERS_FILE
     all_visits: list[Visit] = []
     if served.exists():
         try:
-            opened = Store(served, study)
+            opened = AnswerStore(served, study)
             all_visits += opened.visits()
             opened.close()
         except (sqlite3.Error, ValueError) as error:
@@ -118,15 +120,15 @@ def _visits(study: Study, folder: Path, files: Sequence[Path]) -> list[Visit]:
     return list(visits.values())
 
 
-def _named(visits: Iterable[Visit]) -> dict[str, Visit]:
-    """Visits by the rater's name: that of the link, else the beginning of the session's; no two are the same."""
+def _visits_by_name(visits: Iterable[Visit]) -> dict[str, Visit]:
+    """Return visits by the rater's name: that of the link, else a unique prefix of the session id."""
     visits = sorted((visit for visit in visits if visit.answers), key=lambda visit: visit.session)
     count = Counter(visit.rater for visit in visits)
     long = {visit.session: f"{visit.rater}-{visit.session[:8]}".strip("-") for visit in visits}
     return {visit.rater if visit.rater and count[visit.rater] == 1 else long[visit.session]: visit for visit in visits}
 
 
-def _shown(study: Study, visit: Visit) -> Iterable[tuple[answers.Answer, Item, int]]:
+def _answered_items(study: Study, visit: Visit) -> Iterable[tuple[answers.Answer, Item, int]]:
     for answer in visit.answers:
         shown = study.step(visit.slot, answer.step)
         if shown is not None:
@@ -135,7 +137,7 @@ def _shown(study: Study, visit: Visit) -> Iterable[tuple[answers.Answer, Item, i
 
 def _rater(study: Study, visit: Visit, name: str, least_checks: float) -> Rater:
     by_kind = defaultdict(list)
-    for answer, item, permutation in _shown(study, visit):
+    for answer, item, permutation in _answered_items(study, visit):
         by_kind[item.kind].append((answer, item, permutation))
     passed = sum(item.is_right(answer.text, permutation) for answer, item, permutation in by_kind["check"])
     seconds = [answer.seconds for answer, _, _ in by_kind["question"]]
@@ -151,21 +153,21 @@ def _rater(study: Study, visit: Visit, name: str, least_checks: float) -> Rater:
         right=sum(row["right"] for row in rows),
         questions=len(rows),
         seconds=median(seconds) if seconds else None,
-        hasty=sum(s < HASTY for s in seconds) / len(seconds) if seconds else 0.0,
+        hasty=sum(s < MIN_SECONDS for s in seconds) / len(seconds) if seconds else 0.0,
         away=sum(answer.away for answer in visit.answers),
         counted=passed >= least_checks * len(by_kind["check"]),
     )
 
 
 def _rows(study: Study, visit: Visit, name: str) -> list[results.Row]:
-    """The rows of one person's answers, scored as all results are."""
-    template = prompt.load("default")  # letters for all options, as the page has them
+    """Return the scored rows of one person's answers."""
+    template = prompt.load("default")  # letters for all options, as on the page
     made = []
-    for answer, item, permutation in _shown(study, visit):
+    for answer, item, permutation in _answered_items(study, visit):
         if item.kind == "question":
             text = answer.text if item.options else f"{answer.text} {item.shown_unit}".rstrip()
             reply = Reply(text=text, seconds=answer.seconds)
-            row = results.row(Ask(item.question(), template, permutation), reply, f"{RATER}{name}", PROMPT)
+            row = results.row(Ask(item.question(), template, permutation), reply, f"{RATER_PREFIX}{name}", PROMPT)
             made.append(row | {"prompt_hash": study.fingerprint})
     return made
 
@@ -188,15 +190,15 @@ def _agreement(rows: Sequence[results.Row]) -> Iterable[Agreement]:
         )
 
 
-def _about(study: Study, rows: Sequence[results.Row], collected: Collected) -> dict[str, Any]:
-    """What is said beside the results."""
+def _about(study: Study, rows: Sequence[results.Row], collected: StudyResult) -> dict[str, Any]:
+    """Return the content of the settings file."""
     counted = results.counts(rows)
     return {
         "format": 1,
         "asked": {"dataset": study.dataset, "study": study.fingerprint, "seed": study.seed, "prompt": PROMPT},
         "dataset": {"name": study.title},
         "versions": {"wmspec": __version__},
-        "parser": replies.VERSION,
+        "parser": replies.PARSER_VERSION,
         "replies": counted.replies,
         "right": counted.right,
         "status": counted.status,

@@ -1,4 +1,4 @@
-"""Making a study of a dataset: questions are chosen, pictures are written, and people are given their shares."""
+"""Creates a study of a dataset: selects questions, writes pictures, and assigns participants."""
 
 from __future__ import annotations
 
@@ -9,23 +9,25 @@ from pathlib import Path
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.rng import bits
-from wmspec.core.safe_io import make_folders, picture
+from wmspec.core.safe_io import load_image, make_folders
 from wmspec.dataset.build import files
-from wmspec.dataset.build.files import explained
+from wmspec.dataset.build.files import with_remedies
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.models.question import Question, questions
 from wmspec.eval.study import page, store
 from wmspec.eval.study.assign import slots
-from wmspec.eval.study.model import FILE, PAGE, Item, Kind, Study, load, save
+from wmspec.eval.study.model import PAGE_FOLDER, STUDY_FILE, Item, Kind, Study, load, save
 
-#: What an attentive person chooses when told to.
-_WORDS = ("apple", "boat", "candle", "door", "feather", "garden", "hammer", "island")
+#: Words for attention checks.
+_CHECK_WORDS = ("apple", "boat", "candle", "door", "feather", "garden", "hammer", "island")
 
 
 @dataclass(frozen=True)
-class Options:
-    """What is asked of whom: questions of each task, raters of each question, questions of each person, practice of
-    each task, a check of attention among so many questions (0: none), and of which tasks and engines (all without).
+class StudyOptions:
+    """The design of a study.
+
+    Questions of each task, raters of each question, questions of each participant, practice of each task, questions for
+    each attention check (0: none); and tasks and engines (all if empty).
     """
 
     per_task: int = 50
@@ -38,17 +40,17 @@ class Options:
     engines: tuple[str, ...] = ()
 
 
-def make(dataset: DatasetReader, options: Options, folder: Path) -> Study:
-    """Write a study into a folder; texts that are there already are kept.
+def make(dataset: DatasetReader, options: StudyOptions, folder: Path) -> Study:
+    """Write a study to a folder; existing texts are kept.
 
-    Raises WmsError if the dataset lacks what is wanted of it, or if the folder has answers to another study.
+    Raises WmsError if the dataset lacks a task or engine, or if the folder has answers to another study.
     """
     dataset.intact()
-    pictures = folder / PAGE / "pictures"
-    chosen = dict(_chosen(dataset, options))
+    pictures = folder / PAGE_FOLDER / "pictures"
+    chosen = dict(_chosen_questions(dataset, options))
     if "question" not in chosen.values():
         raise WmsError("the dataset has no questions for a study; `wmspec view` shows what it has")
-    with explained(folder):
+    with with_remedies(folder):
         make_folders(pictures)
         items = [_item(question, chosen[question.id], pictures) for question in questions(dataset, chosen)]
     items += _checks(options)
@@ -60,20 +62,20 @@ def make(dataset: DatasetReader, options: Options, folder: Path) -> Study:
         items=tuple(items),
         slots=slots(items, options.raters, options.per_person, options.check_every, options.seed),
     )
-    if (folder / store.FILE).exists() and (not (folder / FILE).exists() or load(folder) != study):
+    if (folder / store.ANSWERS_FILE).exists() and (not (folder / STUDY_FILE).exists() or load(folder) != study):
         raise WmsError(f"{folder} has answers to another study; choose another folder with -o")
     save(study, folder)
     page.write(study, folder)
     return study
 
 
-def _chosen(dataset: DatasetReader, options: Options) -> Iterator[tuple[str, Kind]]:
-    """The ids of the questions, and what each is for. What serves for practice is not asked again.
+def _chosen_questions(dataset: DatasetReader, options: StudyOptions) -> Iterator[tuple[str, Kind]]:
+    """Yield the ids of the questions, and the purpose of each. Practice questions are not repeated.
 
-    Instances come in a drawn order, with all their questions, each as one engine shows it, which take turns.
+    Instances come in random order, with all their questions, each in one engine; engines alternate.
     """
-    for kind, wanted, known in (("task", options.tasks, dataset.tasks), ("engine", options.engines, dataset.engines)):
-        if lacking := sorted(set(wanted) - set(known)):
+    for kind, expected, known in (("task", options.tasks, dataset.tasks), ("engine", options.engines, dataset.engines)):
+        if lacking := sorted(set(expected) - set(known)):
             raise WmsError(f"the dataset has no {kind} `{lacking[0]}`, but {', '.join(known)}")
     for task in options.tasks or dataset.tasks:
         ids: dict[tuple[int, int], dict[str, str]] = {}
@@ -82,13 +84,13 @@ def _chosen(dataset: DatasetReader, options: Options) -> Iterator[tuple[str, Kin
                 ids.setdefault((row["index"], row["question"]), {})[row["engine"]] = row["id"]
         drawn = sorted(ids, key=lambda each: (bits(options.seed, "study", task, each[0]), each))
         turn = {index: i for i, index in enumerate(dict.fromkeys(index for index, _ in drawn))}
-        shown = [_turn(ids[each], turn[each[0]]) for each in drawn]
+        shown = [_pick_engine(ids[each], turn[each[0]]) for each in drawn]
         practice = min(options.practice, len(shown) - 1)
         yield from ((id, "practice") for id in shown[:practice])
         yield from ((id, "question") for id in shown[practice : practice + options.per_task])
 
 
-def _turn(by_engine: dict[str, str], turn: int) -> str:
+def _pick_engine(by_engine: dict[str, str], turn: int) -> str:
     engines = sorted(by_engine)
     return by_engine[engines[turn % len(engines)]]
 
@@ -99,9 +101,9 @@ def _item(question: Question, kind: Kind, pictures: Path) -> Item:
         kind=kind,
         task=question.task,
         text=question.text,
-        context=tuple(_put(png, pictures) for png in question.context),
+        context=tuple(_write_picture(png, pictures) for png in question.context),
         words=tuple(word for word in question.options if word is not None),
-        pictures=tuple(_put(png, pictures) for png in question.pictures),
+        pictures=tuple(_write_picture(png, pictures) for png in question.pictures),
         answer=question.answer,
         number=None if question.options else question.number,
         unit="" if question.options else question.unit,
@@ -114,19 +116,19 @@ def _item(question: Question, kind: Kind, pictures: Path) -> Item:
     )
 
 
-def _put(png: bytes, folder: Path) -> str:
-    """Write a picture under a name that tells nothing of it."""
-    picture(png, "PNG")
+def _write_picture(png: bytes, folder: Path) -> str:
+    """Write a picture under a name that reveals nothing about it."""
+    load_image(png, "PNG")
     name = f"{hashlib.sha256(png).hexdigest()[:20]}.png"
     if not (folder / name).exists():
         (folder / name).write_bytes(png)
     return name
 
 
-def _checks(options: Options) -> Iterator[Item]:
-    """As many checks of attention as a person can meet."""
+def _checks(options: StudyOptions) -> Iterator[Item]:
+    """Yield as many attention checks as a participant can meet."""
     for number in range(-(-options.per_person // options.check_every) if options.check_every else 0):
-        words = sorted(_WORDS, key=lambda word: bits(options.seed, "check", number, word))[:4]
+        words = sorted(_CHECK_WORDS, key=lambda word: bits(options.seed, "check", number, word))[:4]
         answer = bits(options.seed, "check", number) % 4
         text = f"This one only checks that questions are read: please choose “{words[answer]}”."
         yield Item(id=f"check/{number}", kind="check", task="", text=text, words=tuple(words), answer=answer)

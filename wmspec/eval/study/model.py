@@ -1,4 +1,4 @@
-"""A study: which questions, and what each person is shown in which order. It is a file, and never changes."""
+"""Studies: the questions, and each participant's steps in order. A study is an immutable file."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import read_plain
-from wmspec.dataset.build.files import explained
-from wmspec.dataset.build.words import READABLE
+from wmspec.core.safe_io import read_bytes
+from wmspec.dataset.build.files import with_remedies
+from wmspec.dataset.build.format_units import DISPLAY_UNITS
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.reply import LETTERS
 
-#: The study's file, the page's folder, and the folder of the texts that may be replaced.
-FILE, PAGE, TEXTS = "study.json", "page", "texts"
+#: The study's file, the page's folder, and the folder of editable texts.
+STUDY_FILE, PAGE_FOLDER, TEXTS_FOLDER = "study.json", "page", "texts"
 
 Kind = Literal["question", "practice", "check"]
 
@@ -27,9 +27,9 @@ class _Model(BaseModel):
 
 
 class Item(_Model):
-    """Something to be answered: a dataset's question with the names of its pictures, or a check of attention.
+    """A question of a dataset with the names of its pictures, or an attention check.
 
-    `answer` is the place of the true option among `words` or `pictures`, None for an open question.
+    `answer` is the position of the true option among `words` or `pictures`, None for an open question.
     """
 
     id: str
@@ -51,16 +51,16 @@ class Item(_Model):
 
     @property
     def options(self) -> tuple[str, ...]:
-        """The words or pictures to choose from; none if the question is open."""
+        """The words or pictures to choose from; empty if the question is open."""
         return self.words or self.pictures
 
     @property
     def shown_unit(self) -> str:
-        """The unit that people are asked for, such as cm for metres."""
-        return READABLE.get(self.unit, (self.unit, 1.0))[0]
+        """The unit shown to people, such as cm for metres."""
+        return DISPLAY_UNITS.get(self.unit, (self.unit, 1.0))[0]
 
     def order(self, permutation: int) -> tuple[int, ...]:
-        """The places of the options as they are shown."""
+        """Return the indices of the options as shown."""
         count = len(self.options)
         return tuple((place + permutation) % count for place in range(count))
 
@@ -70,7 +70,7 @@ class Item(_Model):
         return self.answer is not None and text in LETTERS and order.index(self.answer) == LETTERS.index(text)
 
     def question(self) -> Question:
-        """The question as results know it, without pictures."""
+        """Return the question for results, without pictures."""
         options: tuple[str | None, ...] = self.words or (None,) * len(self.pictures)
         return Question(
             self.id, self.task, self.dimension, self.name, self.engine, self.index, self.block, self.text, (), options,
@@ -79,14 +79,14 @@ class Item(_Model):
 
 
 class Step(_Model):
-    """What one person is shown at a time: which item, and by how many places its options are moved on."""
+    """One step of a participant: an item, and the rotation of its options."""
 
     item: int
     permutation: int = 0
 
 
 class Study(_Model):
-    """A study. `slots` has the steps of each person; every question is in `raters` of them, once in each."""
+    """A study. `slots` has the steps of each participant; every question occurs in `raters` of them, once each."""
 
     format: Literal[1] = 1
     title: str
@@ -98,18 +98,18 @@ class Study(_Model):
 
     @property
     def fingerprint(self) -> str:
-        """Twelve hex digits that depend on everything in the study."""
+        """Twelve hex digits that identify the content of the study."""
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:12]
 
     def step(self, slot: int, step: int) -> tuple[Item, int] | None:
-        """The item of a person's step and its permutation, None if there is no such step."""
+        """Return the item of a participant's step and its permutation, None if there is no such step."""
         if not (0 <= slot < len(self.slots) and 0 <= step < len(self.slots[slot])):
             return None
         shown = self.slots[slot][step]
         return self.items[shown.item], shown.permutation
 
     def public(self) -> dict[str, Any]:
-        """What the page may know: of truths, only those of the practice."""
+        """Return the data of the page; true answers only for practice."""
         return {
             "study": self.fingerprint,
             "title": self.title,
@@ -125,18 +125,18 @@ def _public(item: Item) -> dict[str, Any]:
 
 
 def _truth(item: Item) -> list[float] | None:
-    """The true number of an open question and how far off is right, in the unit shown."""
+    """Return the true number of an open question and its tolerance, in the unit shown."""
     if item.number is None:
         return None
-    scale = READABLE.get(item.unit, ("", 1.0))[1]
+    scale = DISPLAY_UNITS.get(item.unit, ("", 1.0))[1]
     return [item.number * scale, (item.within or 0.0) * scale]
 
 
 def load(folder: Path) -> Study:
-    """The study in a folder. Raises WmsError if there is none, or if its file is damaged."""
-    path = folder / FILE
+    """Load the study in a folder. Raises WmsError if there is none, or if its file is damaged."""
+    path = folder / STUDY_FILE
     try:
-        return Study.model_validate_json(read_plain(path))
+        return Study.model_validate_json(read_bytes(path))
     except OSError:
         raise WmsError(f"{folder} holds no study; make one with `wmspec study make DATASET -o {folder}`") from None
     except ValidationError:
@@ -147,8 +147,8 @@ def load(folder: Path) -> Study:
 
 def save(study: Study, folder: Path) -> None:
     """Write a study's file. Raises WmsError if it cannot be written."""
-    path = folder / FILE
-    with explained(path):
+    path = folder / STUDY_FILE
+    with with_remedies(path):
         part = path.with_suffix(".part")
         part.write_text(study.model_dump_json(exclude_defaults=True) + "\n", encoding="utf-8")
         part.replace(path)

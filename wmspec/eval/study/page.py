@@ -1,4 +1,4 @@
-"""The study's page: written once to be put anywhere, and made anew when it is served."""
+"""The page of a study: written as a static file, and rendered again by the server."""
 
 from __future__ import annotations
 
@@ -9,42 +9,42 @@ from pathlib import Path
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.resources import resource
-from wmspec.core.safe_io import plain
-from wmspec.dataset.build.files import explained
+from wmspec.core.safe_io import regular_file
+from wmspec.dataset.build.files import with_remedies
 from wmspec.dataset.build.webpage import webpage
-from wmspec.eval.study.model import PAGE, TEXTS, Item, Study
+from wmspec.eval.study.model import PAGE_FOLDER, TEXTS_FOLDER, Item, Study
 
-#: The longest text that is read, in bytes.
-_LONGEST = 64 << 10
+#: Maximum size of a text (bytes).
+_MAX_TEXT_BYTES = 64 << 10
 
 
 def write(study: Study, folder: Path) -> None:
-    """Write the texts that are not there yet, and the page. Raises WmsError if they cannot be written."""
-    with explained(folder):
-        (folder / TEXTS).mkdir(exist_ok=True)
+    """Write missing texts, and the page. Raises WmsError if they cannot be written."""
+    with with_remedies(folder):
+        (folder / TEXTS_FOLDER).mkdir(exist_ok=True)
         for name, text in _texts(study):
-            place = folder / TEXTS / f"{name}.txt"
+            place = folder / TEXTS_FOLDER / f"{name}.txt"
             if not place.exists():
                 place.write_text(text, encoding="utf-8")
-        (folder / PAGE / "index.html").write_text(html(study, folder, served=False), encoding="utf-8")
+        (folder / PAGE_FOLDER / "index.html").write_text(html(study, folder, served=False), encoding="utf-8")
 
 
 def html(study: Study, folder: Path, served: bool) -> str:
-    """The page, which sends answers to the server that it came from or, if not `served`, gives them as a file.
+    """Return the page, which sends answers to its server or, if not `served`, saves them as a file.
 
     Raises WmsError if one of its texts cannot be read.
     """
-    texts = {name: _read(folder / TEXTS / f"{name}.txt") for name, _ in _texts(study)}
+    texts = {name: _read(folder / TEXTS_FOLDER / f"{name}.txt") for name, _ in _texts(study)}
     return webpage("wmspec.eval.study", data=study.public() | {"served": served, "texts": texts})
 
 
-def unfinished(folder: Path) -> list[Path]:
-    """The texts in which there still is something in brackets for the maker of a study to say."""
-    return [path for path in sorted((folder / TEXTS).glob("*.txt")) if re.search(r"\[[^\]]{20,}\]", _read(path))]
+def unfinished_texts(folder: Path) -> list[Path]:
+    """Return the texts that still contain bracketed placeholders."""
+    return [path for path in sorted((folder / TEXTS_FOLDER).glob("*.txt")) if re.search(r"\[[^\]]{20,}\]", _read(path))]
 
 
 def _texts(study: Study) -> Iterator[tuple[str, str]]:
-    """The names of the texts, and what they say if nobody says otherwise."""
+    """Yield the names and default contents of the texts."""
     for name in ("consent", "instructions"):
         yield name, resource(f"eval/study/texts/{name}.txt").read_text(encoding="utf-8")
     firsts = {item.task: item for item in reversed(study.items) if item.kind != "check"}
@@ -55,7 +55,7 @@ def _texts(study: Study) -> Iterator[tuple[str, str]]:
 
 
 def _instructions(item: Item) -> str:
-    """What is done in a task, as its first question has it."""
+    """Return the default instructions of a task, from its first question."""
     shown = len(item.context)
     looks = f"{shown} pictures of a scene" if shown > 1 else "a picture of a scene" if shown else "a question"
     if item.pictures:
@@ -70,9 +70,9 @@ def _instructions(item: Item) -> str:
 
 def _read(path: Path) -> str:
     try:
-        text = plain(path).read_bytes()[: _LONGEST + 1]
-        if len(text) > _LONGEST:
-            raise WmsError(f"longer than {_LONGEST >> 10} KiB", FilePlace(str(path)), "shorten it")
+        text = regular_file(path).read_bytes()[: _MAX_TEXT_BYTES + 1]
+        if len(text) > _MAX_TEXT_BYTES:
+            raise WmsError(f"longer than {_MAX_TEXT_BYTES >> 10} KiB", FilePlace(str(path)), "shorten it")
         return text.decode("utf-8")
     except OSError:
         raise WmsError("is missing", FilePlace(str(path)), "`wmspec study make` writes it again") from None

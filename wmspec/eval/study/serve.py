@@ -1,4 +1,4 @@
-"""A small server for a study: its page, its pictures, and two things to say to it: that one begins, and an answer."""
+"""A small server for a study: its page and pictures, and two requests: begin, and answer."""
 
 from __future__ import annotations
 
@@ -20,41 +20,39 @@ from wmspec.core.crash import tell
 from wmspec.core.diagnostics import WmsError
 from wmspec.eval.study import page, store
 from wmspec.eval.study.answers import Answer, Person
-from wmspec.eval.study.model import PAGE, Study, load
-from wmspec.eval.study.store import Full, Place, Store
+from wmspec.eval.study.model import PAGE_FOLDER, Study, load
+from wmspec.eval.study.store import AnswerStore, Progress, StudyFull
 
-#: The longest request that is read, in bytes; and how long a silent connection stays open, in seconds.
-LARGEST, PATIENCE = 4096, 60.0
+#: Maximum size of a request (bytes), and timeout of a silent connection (s).
+MAX_REQUEST_BYTES, CONNECTION_TIMEOUT = 4096, 60.0
 
 
-class Server(ThreadingHTTPServer):
-    """A study on an address; `serve_forever` runs it."""
+class StudyServer(ThreadingHTTPServer):
+    """The server of a study; `serve_forever` runs it."""
 
     daemon_threads = True
 
     def __init__(self, folder: Path, host: str, port: int) -> None:
-        """Raises WmsError if there is no study, or if the address cannot be had."""
+        """Open the study and listen. Raises WmsError if there is no study, or if the address is unavailable."""
         self.study: Study = load(folder)
         self.page = page.html(self.study, folder, served=True).encode()
         shown = {name for item in self.study.items for name in (*item.context, *item.pictures)}
-        self.pictures = {f"/pictures/{name}": folder / PAGE / "pictures" / Path(name).name for name in shown}
-        self.store = Store(folder / store.FILE, self.study)
+        self.pictures = {f"/pictures/{name}": folder / PAGE_FOLDER / "pictures" / Path(name).name for name in shown}
+        self.store = AnswerStore(folder / store.ANSWERS_FILE, self.study)
         self.is_local = _is_loopback(host)
         try:
             super().__init__((host, port), partial(_Handler))
         except OSError as error:
             self.store.close()
-            raise WmsError(
-                f"{host}:{port} cannot be listened on: {error.strerror or error}; try another --port"
-            ) from None
+            raise WmsError(f"{host}:{port} is not available: {error.strerror or error}; try another --port") from None
 
     @property
     def url(self) -> str:
-        """Where the page is."""
+        """The URL of the page."""
         return f"http://{self.server_address[0]!s}:{self.server_address[1]}/"
 
     def handle_error(self, request: Any, client_address: Any) -> None:  # noqa: ARG002  as the base class has it
-        """A visitor who is gone is no error."""
+        """Ignore connections that visitors closed."""
         error = sys.exception()
         if error is not None and not isinstance(error, OSError):
             tell(error)
@@ -75,15 +73,15 @@ def _is_loopback(host: str) -> bool:
 class _Handler(BaseHTTPRequestHandler):
     """One connection."""
 
-    server: Server
+    server: StudyServer
     server_version, sys_version = "wmspec", ""
     protocol_version = "HTTP/1.1"
-    timeout = PATIENCE
+    timeout = CONNECTION_TIMEOUT
 
     def do_GET(self) -> None:
-        """The page, or a picture of it: nothing else on the disk can be named."""
+        """Send the page, or one of its pictures; no other file is accessible."""
         path = self.path.partition("?")[0]
-        if not self._is_meant():
+        if not self._has_own_host():
             return
         if path == "/":
             self._send(HTTPStatus.OK, self.server.page, "text/html; charset=utf-8")
@@ -91,32 +89,32 @@ class _Handler(BaseHTTPRequestHandler):
             try:
                 content = self.server.pictures[path].read_bytes()
             except OSError:
-                self._tell(HTTPStatus.NOT_FOUND, "not here")
+                self._refuse(HTTPStatus.NOT_FOUND, "not here")
                 return
             self._send(HTTPStatus.OK, content, "image/png", "public, max-age=86400")
         else:
-            self._tell(HTTPStatus.NOT_FOUND, "not here")
+            self._refuse(HTTPStatus.NOT_FOUND, "not here")
 
     def do_POST(self) -> None:
-        """Somebody begins (or comes back), or answers."""
+        """Begin or resume a visit, or accept an answer."""
         body = self._body()
         if body is None:
             return
         try:
-            place = self._done(body)
+            place = self._handle(body)
         except (ValidationError, ValueError):
-            self._tell(HTTPStatus.BAD_REQUEST, "not understood")
+            self._refuse(HTTPStatus.BAD_REQUEST, "not understood")
         except sqlite3.Error:
-            self._tell(HTTPStatus.SERVICE_UNAVAILABLE, "cannot be kept now")
-        except Full:
-            self._tell(HTTPStatus.GONE, "all questions have been answered")
+            self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, "cannot be kept now")
+        except StudyFull:
+            self._refuse(HTTPStatus.GONE, "all questions have been answered")
         else:
             if place is None:
-                self._tell(HTTPStatus.CONFLICT, "no such visit or question")
+                self._refuse(HTTPStatus.CONFLICT, "no such visit or question")
             else:
                 self._json(HTTPStatus.OK, asdict(place))
 
-    def _done(self, body: bytes) -> Place | None:
+    def _handle(self, body: bytes) -> Progress | None:
         match self.path.split("/"):
             case ["", "visits"]:
                 return self.server.store.begin(Person.model_validate_json(body))
@@ -124,32 +122,32 @@ class _Handler(BaseHTTPRequestHandler):
                 return self.server.store.keep(session, Answer.model_validate_json(body))
         return None
 
-    def _is_meant(self) -> bool:
-        """Whether the request names an address of ours: pages of others cannot reach a local server by a name."""
+    def _has_own_host(self) -> bool:
+        """Whether the request names the server's own address; prevents DNS rebinding by other sites."""
         name = re.sub(r":\d+$", "", self.headers.get("Host", "")).strip("[]")
         if not self.server.is_local or _is_loopback(name):
             return True
-        self._tell(HTTPStatus.MISDIRECTED_REQUEST, "call it by its address")
+        self._refuse(HTTPStatus.MISDIRECTED_REQUEST, "call it by its address")
         return False
 
     def _body(self) -> bytes | None:
-        """The request's JSON, None if it is refused. Pages of others cannot send this type without being allowed to."""
-        if not self._is_meant():
+        """Return the request's JSON, None if refused. Other sites cannot send this content type without permission."""
+        if not self._has_own_host():
             return None
         if self.headers.get_content_type() != "application/json":
-            self._tell(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "JSON is expected")
+            self._refuse(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "JSON is expected")
             return None
         length = self.headers.get("Content-Length", "")
         if not re.fullmatch(r"\d{1,9}", length, re.ASCII):
-            self._tell(HTTPStatus.LENGTH_REQUIRED, "a length is expected")
+            self._refuse(HTTPStatus.LENGTH_REQUIRED, "a length is expected")
             return None
-        if int(length) > LARGEST:
-            self._tell(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "too long")
+        if int(length) > MAX_REQUEST_BYTES:
+            self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "too long")
             return None
         return self.rfile.read(int(length))
 
-    def _tell(self, status: HTTPStatus, why: str) -> None:
-        self.close_connection = True  # what it still sends is not read
+    def _refuse(self, status: HTTPStatus, why: str) -> None:
+        self.close_connection = True  # the rest of the request is not read
         self._json(status, {"error": why})
 
     def _json(self, status: HTTPStatus, value: dict[str, Any]) -> None:
@@ -171,4 +169,4 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Nothing is logged: who visits when is nobody's business but the file of answers."""
+        """Log nothing, to protect the privacy of visitors."""

@@ -1,4 +1,4 @@
-"""The answers of a study that is served: an SQLite file that has an answer once and for good, or not at all."""
+"""The answers of a served study: an SQLite file with durable, atomic writes."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from wmspec.eval.study.answers import Answer, Person, Visit
 from wmspec.eval.study.model import Study
 
 #: Its name in the study's folder.
-FILE = "answers.sqlite"
-#: More visits than anybody has: a flood must not fill the disk.
-MOST_VISITS = 20_000
+ANSWERS_FILE = "answers.sqlite"
+#: Maximum number of visits, so that a flood cannot fill the disk.
+MAX_VISITS = 20_000
 
 _TABLES = """
 create table if not exists study (fingerprint text primary key);
@@ -33,26 +33,26 @@ create table if not exists answer (
 
 
 @dataclass(frozen=True)
-class Place:
-    """How far a visit is: its share, the steps that are answered, and the code that tells that it is over."""
+class Progress:
+    """The progress of a visit: its slot, the answered steps, and the completion code."""
 
     slot: int
     done: tuple[int, ...]
     code: str | None
 
 
-class Full(Exception):
-    """Nobody else is wanted."""
+class StudyFull(Exception):
+    """All slots are taken."""
 
 
-class Store:
-    """The file, open. Any thread may use it."""
+class AnswerStore:
+    """The open file; thread-safe."""
 
     def __init__(self, path: Path, study: Study) -> None:
-        """Open the file, or begin one. Raises WmsError if it is of another study, or cannot be written."""
+        """Open or create the file. Raises WmsError if it belongs to another study, or cannot be written."""
         self._study, self._lock = study, threading.Lock()
         try:
-            # Waits for another process; a commit is on the disk before it returns.
+            # Wait for other processes; a commit is durable when it returns.
             self._file = sqlite3.connect(path, timeout=30, isolation_level=None, check_same_thread=False)
             self._file.execute("pragma synchronous=full")
             with self._write():
@@ -63,14 +63,14 @@ class Store:
                     self._file.execute("insert into study values (?)", [study.fingerprint])
         except sqlite3.Error as error:
             raise WmsError(
-                f"cannot be opened ({error})", FilePlace(str(path)), "move it away, answers begin anew"
+                f"cannot be opened ({error})", FilePlace(str(path)), "move it away to start a new file"
             ) from None
         if known and known != [study.fingerprint]:
             raise WmsError("answers to another study", FilePlace(str(path)), "serve the folder that it was made in")
 
     @contextmanager
     def _write(self) -> Iterator[None]:
-        """All of it or nothing, and nobody else meanwhile."""
+        """Run an exclusive transaction."""
         with self._lock:
             self._file.execute("begin immediate")
             try:
@@ -85,18 +85,21 @@ class Store:
         with self._lock:
             self._file.close()
 
-    def begin(self, person: Person) -> Place:
-        """Give a person a share of the questions, or the one that they have. Raises Full if all has been answered."""
+    def begin(self, person: Person) -> Progress:
+        """Return a participant's progress, with a new slot on the first visit.
+
+        Raises Full if all slots are finished.
+        """
         with self._write():
             if self._slot(person.session) is None:
-                values = [person.session, person.rater, self._free(), secrets.token_hex(4).upper()]
+                values = [person.session, person.rater, self._free_slot(), secrets.token_hex(4).upper()]
                 self._file.execute("insert into visit values (?, ?, ?, ?, datetime('now'))", values)
-            return self._place(person.session)
+            return self._progress(person.session)
 
-    def keep(self, session: str, answer: Answer) -> Place | None:
-        """Keep an answer; when this returns, it outlasts a kill and a power cut. The first to a step stands.
+    def keep(self, session: str, answer: Answer) -> Progress | None:
+        """Save an answer durably; the first one to a step counts.
 
-        None if there is no such visit or step, or if it is no answer to it.
+        Returns None if there is no such visit or step, or if the answer is invalid.
         """
         with self._write():
             slot = self._slot(session)
@@ -107,10 +110,10 @@ class Store:
                 "insert into answer values (?, ?, ?, ?, ?, datetime('now')) on conflict do nothing",
                 [session, answer.step, answer.text, answer.seconds, answer.away],
             )
-            return self._place(session)
+            return self._progress(session)
 
     def visits(self) -> list[Visit]:
-        """All visits with their answers, in the order in which they began."""
+        """Return all visits with their answers, in order of their beginning."""
         with self._lock:
             answers: dict[str, list[Answer]] = {}
             for session, step, text, seconds, away in self._file.execute(
@@ -134,8 +137,8 @@ class Store:
         row = self._file.execute("select slot from visit where session = ?", [session]).fetchone()
         return None if row is None else int(row[0])
 
-    def _free(self) -> int:
-        """The share that fewest have taken, of those that nobody has finished. Raises Full if there is none."""
+    def _free_slot(self) -> int:
+        """Return the least taken of the unfinished slots. Raises Full if there is none."""
         taken: dict[int, int] = dict.fromkeys(range(len(self._study.slots)), 0)
         for slot, count in self._file.execute(
             "select slot, (select count(*) from answer where answer.session = visit.session) from visit"
@@ -144,12 +147,12 @@ class Store:
                 taken.pop(slot, None)
             elif slot in taken:
                 taken[slot] += 1
-        if not taken or self._file.execute("select count(*) from visit").fetchone()[0] >= MOST_VISITS:
-            raise Full
+        if not taken or self._file.execute("select count(*) from visit").fetchone()[0] >= MAX_VISITS:
+            raise StudyFull
         return min(taken, key=lambda slot: (taken[slot], slot))
 
-    def _place(self, session: str) -> Place:
+    def _progress(self, session: str) -> Progress:
         slot, code = self._file.execute("select slot, code from visit where session = ?", [session]).fetchone()
         done = self._file.execute("select step from answer where session = ? order by step", [session]).fetchall()
         whole = len(done) == len(self._study.slots[slot])
-        return Place(slot, tuple(step for (step,) in done), code if whole else None)
+        return Progress(slot, tuple(step for (step,) in done), code if whole else None)

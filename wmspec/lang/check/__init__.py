@@ -1,1 +1,1 @@
-"""From syntax trees to a checked, typed `TaskSpec`."""
+"""Checker: syntax trees to a checked, typed `TaskSpec`."""

@@ -1,1 +1,3 @@
-"""Assets: files of several links and joints (URDF), put in the place of the object that names them."""
+"""Asset importers: URDF, MJCF and USD files with several links and joints, expanded in place of the object that names
+them.
+"""

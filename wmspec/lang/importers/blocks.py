@@ -1,4 +1,4 @@
-"""The links and joints of an asset as objects and joints of the language, and what the spec says of them instead."""
+"""Converts links and joints of an asset to objects and joints of the language, with the spec's overrides."""
 
 from __future__ import annotations
 
@@ -8,62 +8,64 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 from wmspec.core.diagnostics import Diagnostic
-from wmspec.lang.check.tables.property_schema import LOOKS
+from wmspec.lang.check.tables.property_schema import APPEARANCE
 from wmspec.lang.importers import model
-from wmspec.lang.importers.model import MOST_FAULTS, Form, Joint, Link, MeshFile, Refused, Shape
-from wmspec.lang.importers.tree import Placed, Tree
-from wmspec.lang.importers.turns import angles, clean
+from wmspec.lang.importers.model import MAX_FAULTS, Form, Joint, Link, MeshFile, RejectedAsset, Shape
+from wmspec.lang.importers.tree import LinkTree, PlacedLink
+from wmspec.lang.importers.turns import angles, without_rounding
 from wmspec.lang.importers.write import Writer
 from wmspec.lang.parse import syntax as s
-from wmspec.sim.shapes import word
+from wmspec.sim.shapes import shape_word
 
-#: What a spec may say of a link and of a joint of an asset, instead of its file.
+#: Properties of links, and of joints, that a spec may override.
 OF_LINK = (
-    *LOOKS, "mass", "density", "friction", "restitution", "damping", "spin_damping", "collision", "fixed", "velocity",
-    "spin", "passes",
+    *APPEARANCE, "mass", "density", "friction", "restitution", "damping", "spin_damping", "collision", "fixed",
+    "velocity", "spin", "passes",
 )  # fmt: skip
 OF_JOINT = ("low", "high", "start", "target", "stiffness", "damping", "pace", "strength", "touching")
-#: What holds for every link where the whole says it, besides looks.
+#: Properties of the whole asset that apply to every link, beyond its appearance.
 _COMMON = ("density", "friction", "restitution", "damping")
-#: The units of what sizes of shapes are, if not lengths or points.
+#: Units of shape parameters other than lengths and points.
 _SIZES = {"number": None, "angle": "rad"}
 _UNITS = {"density": "kg/m^3", "damping": "Hz", "spin_damping": "Hz"}
 
 Overrides = Mapping[str, tuple[s.Property, ...]]
 
 
-def plain(name: str) -> str:
-    """A name of the file as one of the language: what a name cannot have in it becomes `_`."""
+def to_identifier(name: str) -> str:
+    """Return a name of the file as an identifier: other characters become `_`."""
     made = re.sub(r"\W", "_", name, flags=re.ASCII)
     return made if not made[:1].isdigit() else f"_{made}"
 
 
-def mattering(of: Tree | Refused, overrides: Overrides, whole: Collection[str]) -> tuple[Diagnostic, ...]:
-    """The first mistakes that matter, with what a spec says of links and of the `whole`, each once."""
-    mistakes = dict.fromkeys(of.diagnostics if isinstance(of, Refused) else ())
-    for link in of.links if isinstance(of, Refused) else (placed.link for placed in of.links):
-        own = {p.name.id for p in overrides.get(plain(link.name), ())}
+def relevant_errors(
+    of: LinkTree | RejectedAsset, overrides: Overrides, whole: Collection[str]
+) -> tuple[Diagnostic, ...]:
+    """Return the first relevant errors, each once, given the spec's overrides of links and of the `whole`."""
+    mistakes = dict.fromkeys(of.diagnostics if isinstance(of, RejectedAsset) else ())
+    for link in of.links if isinstance(of, RejectedAsset) else (placed.link for placed in of.links):
+        own = {p.name.id for p in overrides.get(to_identifier(link.name), ())}
         conditional = (c for shape in link.shapes for c in (*shape.look.conditional, *shape.conditional))
         mistakes |= {c.diagnostic: None for c in conditional if not {*own, *whole}.intersection(c.unless)}
-    return tuple(mistakes)[:MOST_FAULTS]
+    return tuple(mistakes)[:MAX_FAULTS]
 
 
 @dataclass(frozen=True)
 class Blocks:
-    """Makes the blocks of an asset; `base` is the object that names it, `overrides` what it says of its links."""
+    """Converts an asset; `base` is the object that names it, `overrides` are the spec's properties of its links."""
 
     base: s.Block
-    tree: Tree
+    tree: LinkTree
     overrides: Overrides
     write: Writer
 
     def name(self, of: str) -> str:
-        """What the block of a link or joint is called."""
+        """Return the block name of a link or joint."""
         first = self.tree.links[0].link.name
-        return self.base.name.id if of == first else f"{self.base.name.id}_{plain(of)}"
+        return self.base.name.id if of == first else f"{self.base.name.id}_{to_identifier(of)}"
 
     def all(self) -> tuple[s.Block, ...]:
-        """The base, the other links, the joints."""
+        """Return the base, the other links, and the joints."""
         first, *others = self.tree.links
         return self._base(first.link), *(self._link(p) for p in others), *(self._joint(j) for j in self.tree.joints)
 
@@ -72,75 +74,79 @@ class Blocks:
         stands = (self.tree.held or link.fixed) and "fixed" not in here
         held: dict[str, s.Expr] = {"fixed": self.write.truth(True)} if stands else {}
         own = tuple(p for p in self.base.properties if p.name.id not in ("file", "collision"))
-        properties = _instead((*own, *self.write.properties(held | self._by_file(link))), self._of(link))
-        made = (*properties, *self.write.properties(self._matter(link, properties)))
+        properties = _with_overrides(
+            (*own, *self.write.properties(held | self._from_file(link))), self._overrides_of(link)
+        )
+        made = (*properties, *self.write.properties(self._mass_properties(link, properties)))
         return replace(self.base, properties=made, parts=self._parts(link, properties))
 
-    def _link(self, placed: Placed) -> s.Block:
+    def _link(self, placed: PlacedLink) -> s.Block:
         link, base = placed.link, self.base.name.id
         yaw, pitch, roll = angles(placed.pose.orientation)
-        at = self.write.numbers(clean(placed.pose.position), "m")
+        at = self.write.numbers(without_rounding(placed.pose.position), "m")
         turns = {"yaw": yaw, "pitch": pitch, "roll": roll}
         where = {"at": at, **{name: self.write.number(angle, "rad") for name, angle in turns.items()}}
         if link.fixed:
             where["fixed"] = self.write.truth(True)
         whole = {p.name.id for p in self.base.properties}
-        common = ("present", *_COMMON, *(look for look in LOOKS if look in whole))
-        shared = self.write.properties({name: self.write.of(base, name) for name in common} | self._by_file(link))
-        properties = _instead((*self.write.properties(where), *shared), self._of(link))
-        made = (*properties, *self.write.properties(self._matter(link, properties)))
+        common = ("present", *_COMMON, *(look for look in APPEARANCE if look in whole))
+        shared = self.write.properties({name: self.write.of(base, name) for name in common} | self._from_file(link))
+        properties = _with_overrides((*self.write.properties(where), *shared), self._overrides_of(link))
+        made = (*properties, *self.write.properties(self._mass_properties(link, properties)))
         parts = self._parts(link, properties)
         name = s.Name(self.name(link.name), self.base.name.span)
         return s.Block("object", name, made, self.write.span, parts=parts, whole=base)
 
-    def _of(self, link: Link) -> tuple[s.Property, ...]:
-        """What the spec says of a link, but for what is of its parts."""
-        return tuple(p for p in self.overrides.get(plain(link.name), ()) if p.name.id != "collision")
+    def _overrides_of(self, link: Link) -> tuple[s.Property, ...]:
+        """Return the overrides of a link, without those that apply to its parts."""
+        return tuple(p for p in self.overrides.get(to_identifier(link.name), ()) if p.name.id != "collision")
 
     # ------------------------------------------------------------ what a link is made of
 
-    def _by_file(self, link: Link) -> dict[str, s.Expr]:
-        """What the file says of a link besides its mass, unless the spec says it of the whole."""
+    def _from_file(self, link: Link) -> dict[str, s.Expr]:
+        """Return the file's properties of a link except its mass, unless the spec sets them for the whole."""
         whole = {p.name.id for p in self.base.properties}
         values = {n: self.write.number(x, _UNITS.get(n)) for n, x in link.given.items()}
         if link.velocity is not None:
-            values["velocity"] = self.write.numbers(clean(link.velocity), "m/s")
+            values["velocity"] = self.write.numbers(without_rounding(link.velocity), "m/s")
         if link.spin is not None:
-            values["spin"] = self.write.numbers(clean(link.spin), "rad/s")
+            values["spin"] = self.write.numbers(without_rounding(link.spin), "rad/s")
         if link.passes:
             values["passes"] = self.write.names(self.name(other) for other in link.passes)
         return {n: made for n, made in values.items() if n not in whole}
 
-    def _matter(self, link: Link, properties: tuple[s.Property, ...]) -> dict[str, s.Expr]:
-        """Its mass with its centre and its moments, which go with the mass; nothing if the spec says its density."""
+    def _mass_properties(self, link: Link, properties: tuple[s.Property, ...]) -> dict[str, s.Expr]:
+        """Return mass, centre and moments; empty if the spec sets the density."""
         names = {p.name.id for p in properties}
-        if link.mass is None or "density" in {p.name.id for p in (*self.base.properties, *self._of(link))}:
+        if link.mass is None or "density" in {p.name.id for p in (*self.base.properties, *self._overrides_of(link))}:
             return {}
         values = {} if "mass" in names else {"mass": self.write.number(link.mass.mass, "kg")}
         own = self.write.of(self.name(link.name), "mass")
-        values["centre"] = self.write.numbers(clean(link.mass.center), "m")
+        values["centre"] = self.write.numbers(without_rounding(link.mass.center), "m")
         values["moments"] = self.write.times((float(m) / link.mass.mass for m in link.mass.moments), "m^2", own)
         values["axes"] = self.write.numbers(angles(link.mass.axes), "rad")
         return values
 
     def _parts(self, link: Link, properties: tuple[s.Property, ...]) -> tuple[s.Part, ...]:
         names = {p.name.id for p in properties}
-        looks = set(LOOKS) - names if not names.intersection(model.LOOKS) else set()
-        ways = (*self.overrides.get(plain(link.name), ()), *self.base.properties)
+        looks = set(APPEARANCE) - names if not names.intersection(model.OVERRIDING_PROPERTIES) else set()
+        ways = (*self.overrides.get(to_identifier(link.name), ()), *self.base.properties)
         touched = next((p.value for p in ways if p.name.id == "collision"), None)
-        spec = {p.name.id for p in (*self.base.properties, *self._of(link))}
+        spec = {p.name.id for p in (*self.base.properties, *self._overrides_of(link))}
         files = {*looks, *({"friction", "restitution"} - spec)}
         return tuple(self._part(i, shape, files, touched) for i, shape in enumerate(link.shapes))
 
     def _part(self, i: int, shape: Shape, files: Collection[str], touched: s.Expr | None) -> s.Part:
-        """A shape; `files` is what the file may say of it, `touched` is how the spec says that meshes are."""
+        """Return a shape as a part. `files` are the properties taken from the file, `touched` overrides the collision
+        mode of meshes.
+        """
         yaw, pitch, roll = angles(shape.pose.orientation)
         values = {
             **self._form(shape.form, touched),
-            "at": self.write.numbers(clean(shape.pose.position), "m"),
+            "at": self.write.numbers(without_rounding(shape.pose.position), "m"),
             **{n: self.write.number(a, "rad") for n, a in (("yaw", yaw), ("pitch", pitch), ("roll", roll)) if a},
         }
-        values |= {name: made for name, made in (self._look(shape) | self._rubs(shape)).items() if name in files}
+        values |= {name: made for name, made in (self._look(shape) | self._friction(shape)).items() if name in files}
         if not shape.solid:
             values["solid"] = self.write.truth(False)
         if not shape.drawn:
@@ -157,9 +163,13 @@ class Blocks:
             made["image"] = self.write.text(look.image)
         return made | ({"repeats": self.write.numbers(look.repeats)} if look.image and look.repeats else {})
 
-    def _rubs(self, shape: Shape) -> dict[str, s.Expr]:
+    def _friction(self, shape: Shape) -> dict[str, s.Expr]:
         names = ("friction", "restitution")
-        return {n: self.write.number(x) for n, x in zip(names, shape.rubs, strict=True)} if shape.rubs else {}
+        return (
+            {n: self.write.number(x) for n, x in zip(names, shape.friction_restitution, strict=True)}
+            if shape.friction_restitution
+            else {}
+        )
 
     def _form(self, form: Form, touched: s.Expr | None) -> dict[str, s.Expr]:
         if isinstance(form, MeshFile):
@@ -167,7 +177,7 @@ class Blocks:
             return {"file": self.write.text(form.file), "scale": self.write.numbers(form.scale), "collision": way}
         units = {name: _SIZES.get(own.kind, "m") for name, own in form.properties.items()}
         sizes = {name: self.write.value(size, units.get(name, "m")) for name, size in form.words.items()}
-        return {"shape": self.write.name(word(form)), **sizes}
+        return {"shape": self.write.name(shape_word(form)), **sizes}
 
     # ------------------------------------------------------------ joints
 
@@ -175,18 +185,18 @@ class Blocks:
         values: dict[str, s.Expr] = {"of": self.write.name(self.name(joint.child))}
         if joint.parent:
             values["to"] = self.write.name(self.name(joint.parent))
-        values["at"] = self.write.numbers(clean(joint.at), "m")
+        values["at"] = self.write.numbers(without_rounding(joint.at), "m")
         if joint.touching:
             values["touching"] = self.write.truth(True)
         if joint.kind in ("hinge", "slider"):
             values |= self._coordinate(joint)
-        properties = _instead(self.write.properties(values), self.overrides.get(plain(joint.name), ()))
+        properties = _with_overrides(self.write.properties(values), self.overrides.get(to_identifier(joint.name), ()))
         name = s.Name(self.name(joint.name), self.base.name.span)
         model = self.write.name(joint.kind)
         return s.Block("joint", name, properties, self.write.span, model, whole=self.base.name.id)
 
     def _coordinate(self, joint: Joint) -> dict[str, s.Expr]:
-        """Axis, limits, damping; it starts at 0, or at the limit that is nearest to it."""
+        """Return axis, limits and damping; the start is 0 or the nearest limit."""
         unit = "rad" if joint.kind == "hinge" else "m"
         low, high = (-math.inf if joint.low is None else joint.low), (math.inf if joint.high is None else joint.high)
         start = joint.start if joint.start is not None else max(low, min(high, 0.0))
@@ -195,10 +205,10 @@ class Blocks:
         drive = (joint.stiffness, joint.damping, joint.pace, joint.strength)
         plain_numbers = zip(("stiffness", "damping", "pace", "strength"), drive, strict=True)
         values |= {name: self.write.number(value) for name, value in plain_numbers if value}
-        return {"axis": self.write.numbers(clean(joint.axis)), **values}
+        return {"axis": self.write.numbers(without_rounding(joint.axis)), **values}
 
 
-def _instead(made: tuple[s.Property, ...], instead: tuple[s.Property, ...]) -> tuple[s.Property, ...]:
-    """Properties with what is said instead of them."""
+def _with_overrides(made: tuple[s.Property, ...], instead: tuple[s.Property, ...]) -> tuple[s.Property, ...]:
+    """Return properties with overrides applied."""
     names = {p.name.id for p in instead}
     return *(p for p in made if p.name.id not in names), *instead

@@ -1,4 +1,4 @@
-"""XML read within bounds: no entities, no document types, so many elements and no more; each knows its line."""
+"""Bounded XML reader: no DTDs, no entities, limited size; elements keep their lines."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from pathlib import Path
 from xml.parsers import expat
 
 from wmspec.core.diagnostics import suggestion
-from wmspec.core.limits import DEPTH, ELEMENTS, MARKUP
+from wmspec.core.limits import XML_BYTES, XML_DEPTH, XML_ELEMENTS
 from wmspec.core.places import FilePlace
-from wmspec.lang.importers.model import Broken, Faults
+from wmspec.lang.importers.model import Faults, UnreadableAsset
 
-#: No quantity of a thing that stands in a room is larger (SI).
-MOST = 1e6
+#: Maximum magnitude of any quantity (SI).
+MAX_MAGNITUDE = 1e6
 
 
 @dataclass
 class Element:
-    """An element: its tag, attributes and children, and where it is, such as `cabinet.urdf:12: joint hinge`."""
+    """An element: tag, attributes, children and location, such as `cabinet.urdf:12: joint hinge`."""
 
     tag: str
     attributes: dict[str, str]
@@ -29,23 +29,23 @@ class Element:
 
     @property
     def where(self) -> FilePlace:
-        """The file, the line, and what the element is called there."""
+        """File, line and name of the element."""
         name = self.attributes.get("name", "")
         return FilePlace(self.file, self.line, f"`{self.tag}{' ' + name[:60] if name else ''}`")
 
     def all(self, tag: str) -> list[Element]:
-        """The children of a tag."""
+        """Return the children with a tag."""
         return [child for child in self.children if child.tag == tag]
 
 
 class Reader:
-    """Reads elements and the numbers in their attributes; what is wrong with them goes to the faults."""
+    """Reads elements and their numeric attributes; errors are added to the faults."""
 
     def __init__(self, faults: Faults) -> None:
         self.faults = faults
 
     def known(self, e: Element, attributes: Collection[str], children: Collection[str] = ()) -> None:
-        """Complain about attributes and children that mean nothing here; those with a prefix are other programs'."""
+        """Report unsupported attributes and children; prefixed ones belong to other programs and are ignored."""
         for name in e.attributes:
             if name not in attributes and ":" not in name and name != "xmlns":
                 hint = suggestion(name, attributes) or "remove it"
@@ -56,20 +56,20 @@ class Reader:
                 self.faults.add(child.where, f"`{child.tag}` in `{e.tag}` is not supported", hint)
 
     def only(self, e: Element, tag: str) -> Element | None:
-        """The child of a tag, if there is one; complain about more."""
+        """Return the child with a tag, if any; report duplicates."""
         elements = e.all(tag)
         if len(elements) > 1:
             self.faults.add(elements[1].where, f"`{e.tag}` has more than one `{tag}`", "remove one")
         return elements[0] if elements else None
 
     def text(self, e: Element, name: str) -> str:
-        """An attribute that must be there."""
+        """Return a required attribute."""
         if not e.attributes.get(name):
             self.faults.add(e.where, f"it needs `{name}`", f'write {name}="..."')
         return e.attributes.get(name, "")
 
     def number(self, e: Element, name: str, default: float | None = None, *, above: float = -math.inf) -> float:
-        """A number, which must be there unless it has a default."""
+        """Return a number, required unless it has a default."""
         if name not in e.attributes and default is not None:
             return default
         (value,) = self.numbers(e, name, 1, above=above)
@@ -78,7 +78,7 @@ class Reader:
     def numbers(
         self, e: Element, name: str, count: int, default: tuple[float, ...] | None = None, *, above: float = -math.inf
     ) -> tuple[float, ...]:
-        """So many numbers; what is wrong is reported, and ones are given for it."""
+        """Return `count` numbers; errors are reported and replaced by ones."""
         if name not in e.attributes and default is not None:
             return default
         try:
@@ -89,8 +89,8 @@ class Reader:
         if name in e.attributes and len(values) != count:
             what = "a number" if count == 1 else f"{count} numbers"
             self.faults.add(e.where, f'{name}="{shown}" is not {what}', "correct it")
-        elif any(not math.isfinite(x) or abs(x) > MOST for x in values):
-            self.faults.add(e.where, f'{name}="{shown}" is out of all proportion', "use SI units: m, kg, rad")
+        elif any(not math.isfinite(x) or abs(x) > MAX_MAGNITUDE for x in values):
+            self.faults.add(e.where, f'{name}="{shown}" is implausibly large', "use SI units: m, kg, rad")
         elif any(x <= above for x in values):
             self.faults.add(e.where, f'{name}="{shown}" must be more than {above:g}', "correct it")
         else:
@@ -98,7 +98,7 @@ class Reader:
         return (1.0,) * count
 
     def scale(self, e: Element) -> tuple[float, ...]:
-        """The scale of a mesh along each of its axes; below 0 it is mirrored."""
+        """Return the scale of a mesh along each axis; negative values mirror it."""
         factors = self.numbers(e, "scale", 3, (1.0, 1.0, 1.0))
         if 0 in factors:
             self.faults.add(e.where, "its scale is 0", "make it other than 0")
@@ -106,20 +106,20 @@ class Reader:
         return factors
 
 
-def read(path: Path, shown: str, faults: Faults) -> Element:
-    """The root element of a file. Raises Broken, with the fault taken note of, if it is no XML or too large."""
+def read_xml(path: Path, shown: str, faults: Faults) -> Element:
+    """Return the root element of a file. Raises Broken, after adding the fault, if it is no XML or too large."""
     try:
         with path.open("rb") as file:
-            content = file.read(MARKUP.most + 1)
+            content = file.read(XML_BYTES.most + 1)
     except OSError as error:
         raise faults.stop(FilePlace(shown), f"cannot be read: {error.strerror}", "make it readable") from None
-    if len(content) > MARKUP.most:
-        raise faults.stop(FilePlace(shown), MARKUP.sentence, MARKUP.help)
+    if len(content) > XML_BYTES.most:
+        raise faults.stop(FilePlace(shown), XML_BYTES.sentence, XML_BYTES.help)
     return _Builder(shown, faults).read(content)
 
 
 class _Builder:
-    """Builds the tree as the parser goes along."""
+    """Builds the element tree from parser events."""
 
     def __init__(self, shown: str, faults: Faults) -> None:
         self._shown = shown
@@ -135,24 +135,24 @@ class _Builder:
         top = self._open[0]
         try:
             self._parser.Parse(content, True)
-        except Broken:
+        except UnreadableAsset:
             raise
         except (expat.ExpatError, ValueError, LookupError) as error:
-            raise self._stop(f"is no XML: {error}", "mend it, or export it again") from None
+            raise self._stop(f"is no XML: {error}", "fix it, or export it again") from None
         return top.children[0]
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         self._count += 1
-        if self._count > ELEMENTS.most:
-            raise self._stop(ELEMENTS.sentence, ELEMENTS.help)
-        if len(self._open) > DEPTH.most:
-            raise self._stop(DEPTH.sentence, DEPTH.help)
+        if self._count > XML_ELEMENTS.most:
+            raise self._stop(XML_ELEMENTS.sentence, XML_ELEMENTS.help)
+        if len(self._open) > XML_DEPTH.most:
+            raise self._stop(XML_DEPTH.sentence, XML_DEPTH.help)
         made = Element(tag[:60], attributes, self._parser.CurrentLineNumber, self._shown)
         self._open[-1].children.append(made)
         self._open.append(made)
 
     def _doctype(self, *_: object) -> None:
-        raise self._stop("has a document type, in which entities could be declared", "remove the line `<!DOCTYPE`")
+        raise self._stop("has a DTD, which is not allowed", "remove the line `<!DOCTYPE`")
 
-    def _stop(self, message: str, help: str) -> Broken:
+    def _stop(self, message: str, help: str) -> UnreadableAsset:
         return self._faults.stop(FilePlace(self._shown, self._parser.CurrentLineNumber), message, help)

@@ -1,7 +1,7 @@
-"""MJCF, as https://mujoco.readthedocs.io/en/stable/XMLreference.html has it: bodies, geoms, joints, position actuators.
+"""Imports MJCF (https://mujoco.readthedocs.io/en/stable/XMLreference.html): bodies, geoms, joints, position actuators.
 
-Left out, since they are the spec's business or bear on nothing: options, visuals, sites, lights, cameras, sensors,
-keyframes, the ranges of controls. All else is refused by its name.
+Ignored, since the spec sets them or they have no effect: options, visuals, sites, lights, cameras, sensors, keyframes,
+control ranges. Everything else is rejected by name.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from dataclasses import replace
 import numpy as np
 
 from wmspec.lang.importers.markup import Element
-from wmspec.lang.importers.mjcf_defaults import Defaults, Find
+from wmspec.lang.importers.mjcf_defaults import Defaults, MeshResolver
 from wmspec.lang.importers.mjcf_geoms import Geoms
 from wmspec.lang.importers.mjcf_joints import Joints
-from wmspec.lang.importers.model import MOST_LINKS, MOST_SHAPES, Asset, Faults, Joint, Link
+from wmspec.lang.importers.model import MAX_LINKS, MAX_SHAPES, Asset, Faults, Joint, Link
 from wmspec.lang.importers.tree import WORLD
 from wmspec.lang.importers.turns import X
 from wmspec.sim.scene.model.transform import identity
@@ -25,13 +25,13 @@ _LEFT_OUT = ("option", "size", "visual", "statistic", "sensor", "keyframe", "cus
 _BODY = ("name", "childclass", "pos", "quat", "euler", "axisangle")
 
 
-def mjcf(root: Element, find: Find, faults: Faults) -> Asset:
-    """The asset in the root element of an MJCF. Raises Broken if it is none."""
+def mjcf(root: Element, find: MeshResolver, faults: Faults) -> Asset:
+    """Return the asset of an MJCF root element. Raises Broken if it is invalid."""
     return _Mjcf(root, find, faults).asset()
 
 
 class _Mjcf:
-    def __init__(self, root: Element, find: Find, faults: Faults) -> None:
+    def __init__(self, root: Element, find: MeshResolver, faults: Faults) -> None:
         self.root = root
         self.faults = faults
         self.read = Defaults(root, find, faults)
@@ -42,13 +42,13 @@ class _Mjcf:
         self.shapes = 0
 
     def asset(self) -> Asset:
-        """The bodies as links; the geoms of the world, if any, as a base that stands on it."""
+        """Return the bodies as links; geoms of the world become a base that stands on it."""
         self.read.known(self.root, ("model",), (*_READ, *_LEFT_OUT))
         worlds = self.root.all("worldbody")
         if not worlds:
             raise self.faults.stop(self.root.where, "has no `worldbody`", "is this the right file?")
         if len(worlds) > 1:
-            self.faults.add(worlds[1].where, "is said twice", "make it one")
+            self.faults.add(worlds[1].where, "occurs twice", "merge them")
         base = self._base(worlds[0])
         for body, parent, inherited in self._bodies(worlds[0], base):
             self._body(body, parent, inherited)
@@ -56,7 +56,7 @@ class _Mjcf:
         return Asset(self.links, self.by_name)
 
     def _base(self, world: Element) -> str:
-        """The link that bodies of the world are held by."""
+        """Return the link that holds the bodies of the world."""
         self.read.known(world, (), ("geom", "body", "light", "camera", "site"))
         self.links[WORLD] = Link(WORLD, world.where)
         link = self.geoms.link(world, "", "base")
@@ -68,7 +68,7 @@ class _Mjcf:
         return "base"
 
     def _bodies(self, world: Element, base: str) -> Iterator[tuple[Element, str, str]]:
-        """All bodies, each after its parent, with the parent's name and the class that holds there."""
+        """Yield all bodies, parents first, with the parent's name and the active defaults class."""
         waiting = [(body, base, "") for body in reversed(world.all("body"))]
         count = 0
         while waiting:
@@ -81,7 +81,7 @@ class _Mjcf:
             waiting += [(child, body.attributes["name"], inherited) for child in reversed(body.all("body"))]
 
     def _body(self, body: Element, parent: str, inherited: str) -> None:
-        """One body and what holds it."""
+        """Add one body and its joint."""
         left_out = ("light", "camera", "site")
         self.read.known(body, _BODY, ("geom", "joint", "freejoint", "inertial", "body", *left_out))
         name = body.attributes["name"]
@@ -90,11 +90,11 @@ class _Mjcf:
             return
         link = self.geoms.link(body, inherited, name)
         self.shapes += len(link.shapes)
-        if len(self.links) > MOST_LINKS or self.shapes > MOST_SHAPES:
-            what = f"has more than {MOST_LINKS} bodies or {MOST_SHAPES} geoms"
+        if len(self.links) > MAX_LINKS or self.shapes > MAX_SHAPES:
+            what = f"has more than {MAX_LINKS} bodies or {MAX_SHAPES} geoms"
             raise self.faults.stop(self.root.where, what, "make it simpler")
         if link.shapes and link.mass is None:
-            what = "nothing says what it weighs"
+            what = "it has no mass"
             self.faults.add(body.where, what, "give it an `inertial`, or one of its geoms a mass")
         self.links[name] = link
         joint = self.joints.of(body, parent, inherited)

@@ -1,4 +1,4 @@
-"""Elements of MJCF with the defaults of their classes, and the places and angles in them."""
+"""MJCF elements with the defaults of their classes; poses and angles."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 from wmspec.lang.importers.markup import Element, Reader
 from wmspec.lang.importers.model import Faults
 from wmspec.sim.scene.model import Array, Pose
-from wmspec.sim.scene.model.transform import multiply, turning
+from wmspec.sim.scene.model.transform import from_rotation_vector, multiply
 
-#: Where a mesh that is named in an element lies, seen from the spec; empty if it is nowhere, which was reported.
-Find = Callable[[Element, str], str]
+#: Resolves a mesh reference to a path relative to the spec; '' if it is missing, which is reported.
+MeshResolver = Callable[[Element, str], str]
 
 _TURNS = ("quat", "euler", "axisangle")
 _COMPILER = ("angle", "eulerseq", "autolimits", "meshdir", "texturedir", "assetdir", "inertiafromgeom", "coordinate")
@@ -22,7 +22,7 @@ _COMPILER = ("angle", "eulerseq", "autolimits", "meshdir", "texturedir", "assetd
 class Defaults(Reader):
     """Reads the elements of one file."""
 
-    def __init__(self, root: Element, find: Find, faults: Faults) -> None:
+    def __init__(self, root: Element, find: MeshResolver, faults: Faults) -> None:
         super().__init__(faults)
         self.find = find
         self.root = root
@@ -50,7 +50,7 @@ class Defaults(Reader):
             self.sequence = "xyz"
 
     def _class(self, e: Element, name: str, above: dict[str, dict[str, str]], depth: int) -> None:
-        """A class of defaults, which has those of the one around it too."""
+        """Add a class of defaults, which inherits those of the enclosing class."""
         own = {tag: dict(values) for tag, values in above.items()}
         for child in e.children:
             if child.tag != "default":
@@ -62,18 +62,18 @@ class Defaults(Reader):
             self._class(child, child.attributes.get("class", ""), own, depth + 1)
 
     def full(self, e: Element, inherited: str) -> Element:
-        """The element with what its class, or the one that holds here, says of what it leaves out."""
+        """Return the element completed by the defaults of its class or of the active one."""
         name = e.attributes.get("class", inherited)
         if name not in self._classes:
             self.faults.add(e.where, f"there is no class `{name[:60]}`", "correct it, or add a `default` for it")
         own = {k: v for k, v in e.attributes.items() if k != "class"}
         above = self._classes.get(name, {}).get(e.tag, {})
-        if {"fromto", *_TURNS} & own.keys():  # one way to say a turn goes before another
+        if {"fromto", *_TURNS} & own.keys():  # the element's own orientation replaces the default's
             above = {k: v for k, v in above.items() if k not in ("fromto", *_TURNS)}
         return Element(e.tag, {k: v for k, v in above.items() if k != "class"} | own, e.line, e.file, e.children)
 
     def named(self, tag: str, name: str) -> Element | None:
-        """The mesh or material of a name."""
+        """Return the mesh or material of a name."""
         candidates = (e for assets in self.root.all("asset") for e in assets.all(tag))
         for e in candidates:
             stem = e.attributes.get("file", "").rpartition("/")[2].rpartition(".")[0]
@@ -82,12 +82,12 @@ class Defaults(Reader):
         return None
 
     def place(self, e: Element) -> Pose:
-        """Where something is in what is around it."""
+        """Return the pose of an element relative to its parent."""
         position = np.array(self.numbers(e, "pos", 3, (0.0, 0.0, 0.0)))
         turns = [name for name in _TURNS if name in e.attributes]
         if len(turns) > 1:
             self.faults.add(e.where, f"`{turns[0]}` and `{turns[1]}` are both said", "keep one")
-        return Pose(position, getattr(self, f"_{turns[0]}")(e) if turns else turning(np.zeros(3)))
+        return Pose(position, getattr(self, f"_{turns[0]}")(e) if turns else from_rotation_vector(np.zeros(3)))
 
     def _quat(self, e: Element) -> Array:
         w, x, y, z = self.numbers(e, "quat", 4)
@@ -98,18 +98,18 @@ class Defaults(Reader):
         return self._about(e, np.array(axis), angle * self.angle)
 
     def _euler(self, e: Element) -> Array:
-        """Turns about axes that go with the thing (xyz), or stand still (XYZ), one after the other."""
-        made = turning(np.zeros(3))
+        """Return the quaternion of successive rotations about moving (xyz) or fixed (XYZ) axes."""
+        made = from_rotation_vector(np.zeros(3))
         for letter, angle in zip(self.sequence, self.numbers(e, "euler", 3), strict=True):
             turn = self._about(e, np.eye(3)["xyz".index(letter.lower())], angle * self.angle)
             made = multiply(made, turn) if letter.islower() else multiply(turn, made)
         return made
 
     def _about(self, e: Element, axis: Array, angle: float) -> Array:
-        """Turned about an axis, as a quaternion."""
+        """Return the quaternion of a rotation about an axis."""
         size = float(np.linalg.norm(axis))
         if size == 0:
             if angle != 0:
                 self.faults.add(e.where, "it is turned about an axis that is 0", "correct it")
-            return turning(np.zeros(3))
-        return turning(angle / size * axis)
+            return from_rotation_vector(np.zeros(3))
+        return from_rotation_vector(angle / size * axis)

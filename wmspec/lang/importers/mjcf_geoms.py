@@ -1,4 +1,4 @@
-"""The geoms of MJCF as shapes, and the masses of bodies by the rules of MuJoCo."""
+"""MJCF geoms as shapes, and masses of bodies by MuJoCo's rules."""
 
 from __future__ import annotations
 
@@ -8,7 +8,16 @@ import numpy as np
 
 from wmspec.lang.importers.markup import Element
 from wmspec.lang.importers.mjcf_defaults import Defaults
-from wmspec.lang.importers.model import LOOKS, Color, Form, Link, Look, MeshFile, Shape, conditional
+from wmspec.lang.importers.model import (
+    OVERRIDING_PROPERTIES,
+    Appearance,
+    Color,
+    Form,
+    Link,
+    MeshFile,
+    Shape,
+    conditional,
+)
 from wmspec.sim.scene.model import Inertia, Pose
 from wmspec.sim.scene.model.transform import multiply, quaternion
 from wmspec.sim.scene.physics.inertia import inertia, principal
@@ -20,19 +29,19 @@ _GEOM = (
     "material", "mesh", "contype", "conaffinity", "group", "condim",
 )  # fmt: skip
 _SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3}
-#: Geoms of the groups up to this are drawn by MuJoCo's viewer, the others are not.
+#: Highest geom group that MuJoCo's viewer draws by default.
 _DRAWN = 2
 
 
 class Geoms:
-    """Makes links of the geoms and the `inertial` of bodies."""
+    """Converts geoms and `inertial`s of bodies to links."""
 
     def __init__(self, read: Defaults) -> None:
         self.read = read
         self.faults = read.faults
 
     def link(self, body: Element, inherited: str, name: str) -> Link:
-        """A body with its geoms, its mass and its friction."""
+        """Return a body with its geoms, mass and friction."""
         geoms = [self.read.full(e, inherited) for e in body.all("geom")]
         made = [(e, shape) for e in geoms if (shape := self._shape(e)) is not None]
         frictions = {self._friction(e) for e, shape in made if shape.solid}
@@ -50,7 +59,7 @@ class Geoms:
         kind = e.attributes.get("type", "mesh" if "mesh" in e.attributes else "sphere")
         here = self.read.place(e)
         solid, drawn = self._touched(e), self.read.number(e, "group", 0.0) <= _DRAWN
-        look = self._look(e) if drawn else Look()
+        look = self._look(e) if drawn else Appearance()
         if kind == "mesh":
             file = self._mesh(e)
             return Shape(file, here, look, solid, drawn) if file else None
@@ -63,7 +72,7 @@ class Geoms:
         return Shape(_form(kind, sizes), here, look, solid, drawn)
 
     def _sized(self, e: Element, kind: str, here: Pose) -> tuple[Pose, tuple[float, ...]]:
-        """Its place and half sizes, maybe from the two ends of its middle line."""
+        """Return pose and half sizes, possibly from the end points of its axis."""
         given = len(e.attributes.get("size", "").split())
         if "fromto" in e.attributes:
             if kind not in ("capsule", "cylinder"):
@@ -72,14 +81,14 @@ class Geoms:
             here, half = self._between(e)
             radius = self.read.numbers(e, "size", max(1, given), above=0.0)[0]
             return here, (radius, half)
-        # MuJoCo lets more numbers stand than there are sizes
+        # MuJoCo ignores surplus numbers
         sizes = self.read.numbers(e, "size", max(_SIZES[kind], given))[: _SIZES[kind]]
         if any(x <= 0 for x in sizes):
             self.faults.add(e.where, "its size must be more than 0", "correct it")
         return here, sizes
 
     def _between(self, e: Element) -> tuple[Pose, float]:
-        """The frame half way between two points, its z axis from the second to the first, and half the distance."""
+        """Return the frame midway between two points, z axis from the second to the first, and half their distance."""
         ends = np.array(self.read.numbers(e, "fromto", 6)).reshape(2, 3)
         way = ends[0] - ends[1]
         size = float(np.linalg.norm(way))
@@ -104,7 +113,7 @@ class Geoms:
         return MeshFile(file, scale) if file else None
 
     def _touched(self, e: Element) -> bool:
-        """Whether it collides with what has MuJoCo's defaults."""
+        """Whether it collides with geoms that have MuJoCo's defaults."""
         bits = [int(self.read.number(e, name, 1.0)) for name in ("contype", "conaffinity")]
         if 0 < (bits[0] & 1) + (bits[1] & 1) < 2 or (any(bits) and not bits[0] & 1):
             what = "what collides with some things and not with others is not supported"
@@ -114,18 +123,18 @@ class Geoms:
         return any(bits)
 
     def _friction(self, e: Element) -> float:
-        """How it slides; torsion and rolling have no friction here unless they are said, which is refused."""
+        """Return the sliding friction; explicit torsional and rolling friction is rejected."""
         given = e.attributes.get("friction", "1").split()
         return self.read.numbers(e, "friction", max(1, len(given)), (1.0,))[0]
 
-    def _look(self, e: Element) -> Look:
-        """The colour of a geom, and what is wrong with it."""
-        with self.faults.apart() as faults:
+    def _look(self, e: Element) -> Appearance:
+        """Return the colour of a geom, with errors."""
+        with self.faults.separately() as faults:
             color = self._color(e)
-        return Look(color, conditional=conditional(faults, LOOKS))
+        return Appearance(color, conditional=conditional(faults, OVERRIDING_PROPERTIES))
 
     def _color(self, e: Element) -> Color | None:
-        """The colour of a geom: its own, its material's, or none."""
+        """Return the colour of a geom or of its material, or None."""
         source = e if "rgba" in e.attributes else self._material(e)
         if source is None:
             return None
@@ -137,7 +146,7 @@ class Geoms:
         return r, g, b
 
     def _material(self, e: Element) -> Element | None:
-        """The material that a geom names, if any."""
+        """Return the material of a geom, or None."""
         name = e.attributes.get("material")
         material = self.read.named("material", name) if name is not None else None
         if name is not None and material is None:
@@ -162,7 +171,7 @@ class Geoms:
         return Inertia(mass, here.position, multiply(here.orientation, axes), moments)
 
     def _summed(self, made: list[tuple[Element, Shape]]) -> Inertia | None:
-        """The mass of all geoms of a body, drawn or touched, by their masses or densities."""
+        """Return the mass of all geoms of a body, visual and collision, from their masses or densities."""
         if not made:
             return None
         parts: list[tuple[Solid, Pose, float]] = []
@@ -171,7 +180,7 @@ class Geoms:
             if isinstance(shape.form, MeshFile):
                 if mass == 0:
                     continue
-                what, help = "the mass of a mesh is not worked out", 'give its body an `inertial`, or the mesh mass="0"'
+                what, help = "the mass of a mesh is not computed", 'give its body an `inertial`, or the mesh mass="0"'
                 self.faults.add(e.where, what, help)
                 return None
             if mass < 0:
@@ -182,7 +191,7 @@ class Geoms:
 
 
 def _form(kind: str, sizes: tuple[float, ...]) -> Form:
-    """A geometry by its half sizes."""
+    """Return a shape by its half sizes."""
     match kind:
         case "box":
             return Box((sizes[0], sizes[1], sizes[2]))

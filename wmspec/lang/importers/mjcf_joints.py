@@ -1,4 +1,4 @@
-"""The joints of MJCF, and the position actuators that drive them."""
+"""MJCF joints, and the position actuators that drive them."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ _POSITION = ("name", "joint", "kp", "kv", "gear", "ctrlrange", "ctrllimited", "g
 
 
 class Joints:
-    """Makes a joint of what holds a body to its parent."""
+    """Creates the joint between a body and its parent."""
 
     def __init__(self, read: Defaults) -> None:
         self.read = read
         self.faults = read.faults
 
     def of(self, body: Element, parent: str, inherited: str) -> Joint:
-        """What holds a body: its joint, or none, and then it is fixed."""
+        """Return the joint of a body; a body without a joint is fixed."""
         name, here = body.attributes["name"], self.read.place(body)
         free = body.all("freejoint")
         joints = [*free, *(self.read.full(e, inherited) for e in body.all("joint"))]
@@ -91,7 +91,7 @@ class Joints:
         return low * unit, high * unit
 
     def drive(self, root: Element, joints: dict[str, Joint]) -> None:
-        """Give joints the drives that `position` actuators are."""
+        """Add the drives defined by `position` actuators."""
         for e in (e for actuators in root.all("actuator") for e in actuators.children):
             if e.tag != "position":
                 what = f"`{e.tag}` actuators are not supported"

@@ -1,4 +1,4 @@
-"""What an asset says, in whatever format: links with shapes, joints between them, and what is wrong with it.
+"""Format-independent model of assets: links with shapes, joints, and errors.
 
 Lengths in m, angles in rad, masses in kg.
 """
@@ -17,58 +17,58 @@ from wmspec.sim.shapes import Shape as Solid
 
 Color = tuple[float, float, float]
 
-#: What a spec says of looks goes before all that the file says of them.
-LOOKS = ("color", "material", "image")
+#: Properties of the spec that override the file's appearance.
+OVERRIDING_PROPERTIES = ("color", "material", "image")
 
-#: More than that is taken for a mistake, and would take long.
-MOST_LINKS, MOST_SHAPES, MOST_FAULTS = 500, 2000, 10
+#: Limits of an asset: larger ones are rejected as mistakes.
+MAX_LINKS, MAX_SHAPES, MAX_FAULTS = 500, 2000, 10
 
-#: The code of all that is wrong with an asset.
+#: Diagnostic code of errors in assets.
 ASSET = "WMS210"
 
 
 @dataclass(frozen=True)
 class Conditional:
-    """A mistake that does not matter if the spec says one of these properties of the link, or of the whole asset."""
+    """An error that is irrelevant if the spec sets one of these properties of the link or the whole asset."""
 
     diagnostic: Diagnostic
     unless: tuple[str, ...]
 
 
 def conditional(mistakes: Iterable[Diagnostic], unless: tuple[str, ...]) -> tuple[Conditional, ...]:
-    """Mistakes that the spec can make good, with this remedy too."""
+    """Return errors that the spec can override, with that remedy added."""
     return tuple(Conditional(replace(d, help=f"{d.help}, or say `{unless[0]}` in the spec"), unless) for d in mistakes)
 
 
-class Broken(Exception):
-    """An asset that cannot be read any further; the last mistake says why."""
+class UnreadableAsset(Exception):
+    """An asset that cannot be read further; the last error is the reason."""
 
 
 @dataclass
 class Faults:
-    """All that is wrong with one asset."""
+    """Errors of one asset."""
 
     diagnostics: list[Diagnostic] = field(default_factory=list)
 
     def add(self, where: FilePlace, message: str, help: str) -> None:
-        """Take note of a fault. Raises Broken when there are so many that more would help nobody."""
+        """Add an error. Raises Broken after the maximum number."""
         self.diagnostics.append(Diagnostic(message, where, help, ASSET))
-        if len(self.diagnostics) >= MOST_FAULTS:
-            raise Broken
+        if len(self.diagnostics) >= MAX_FAULTS:
+            raise UnreadableAsset
 
-    def stop(self, where: FilePlace, message: str, help: str) -> Broken:
-        """A fault after which nothing can be read; raise what this returns."""
+    def stop(self, where: FilePlace, message: str, help: str) -> UnreadableAsset:
+        """Add a fatal error; raise what this returns."""
         self.diagnostics.append(Diagnostic(message, where, help, ASSET))
-        return Broken()
+        return UnreadableAsset()
 
     @contextmanager
-    def apart(self) -> Iterator[list[Diagnostic]]:
-        """What is wrong meanwhile, which is kept apart from all else."""
+    def separately(self) -> Iterator[list[Diagnostic]]:
+        """Collect the errors of a `with` block separately."""
         whole, self.diagnostics = self.diagnostics, []
         apart = self.diagnostics
         try:
             yield apart
-        except Broken:
+        except UnreadableAsset:
             whole += apart
             raise
         finally:
@@ -76,11 +76,11 @@ class Faults:
 
 
 @dataclass(frozen=True)
-class Look:
-    """How a shape looks: a colour (sRGB), a picture on it, seen from the spec's folder, or both; how glossy it is.
+class Appearance:
+    """Appearance of a shape: colour (sRGB), image (path relative to the spec's folder), roughness and metalness.
 
-    What is None or empty is not said. The picture is laid out once, or `repeats` times on a metre. `conditional` is
-    what cannot be honoured.
+    None or '' means unset. The image is mapped once, or `repeats` times per metre. `conditional` holds unsupported
+    features.
     """
 
     color: Color | None = None
@@ -93,7 +93,7 @@ class Look:
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A mesh in a file, seen from the spec's folder, `scale` along each of its axes; `collision`: how it is touched."""
+    """A mesh file relative to the spec's folder, `scale` along each axis, and its `collision` mode."""
 
     file: str
     scale: tuple[float, ...] = (1.0, 1.0, 1.0)
@@ -105,24 +105,23 @@ Form = Solid | MeshFile
 
 @dataclass(frozen=True)
 class Shape:
-    """One geometry of a link, placed in its frame. What is None of how it rubs is as its link says."""
+    """A geometry in its link's frame. Without `rubs` it has the link's friction and restitution."""
 
     form: Form
     pose: Pose
-    look: Look = field(default_factory=Look)
+    look: Appearance = field(default_factory=Appearance)
     solid: bool = True
     drawn: bool = True
-    rubs: tuple[float, float] | None = None
+    friction_restitution: tuple[float, float] | None = None
     conditional: tuple[Conditional, ...] = ()
 
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid body. `where` is where it stands in the file. One without shapes is a mere frame.
+    """A rigid body; without shapes it is only a frame. `where` is its location in the file.
 
-    `given` are numbers of the language that the file says of it: `density`, `friction`, `restitution`, `damping`. Its
-    `velocity` (3,) m/s and `spin` (3,) rad/s at the start are along the axes of the asset. It goes through those links
-    that it `passes`.
+    `given` are scalars from the file: `density`, `friction`, `restitution`, `damping`. The initial `velocity` (3,) m/s
+    and `spin` (3,) rad/s are in the asset's frame. It does not collide with the links that it `passes`.
     """
 
     name: str
@@ -137,8 +136,8 @@ class Link:
 
 
 @dataclass(frozen=True)
-class Refused:
-    """What is wrong with an asset, and those of its links of which there may be conditional mistakes besides."""
+class RejectedAsset:
+    """Errors of an asset, plus links whose errors depend on overrides."""
 
     diagnostics: tuple[Diagnostic, ...]
     links: tuple[Link, ...]
@@ -146,11 +145,11 @@ class Refused:
 
 @dataclass(frozen=True)
 class Joint:
-    """Holds `child` to `parent`. `place` is the child's frame in the parent's with the joint at 0.
+    """Connects `child` to `parent`. `place` is the child's frame in the parent's with the joint at 0.
 
-    The joint itself is `at` (3,) along `axis` (3,) in the child's frame; the axis of a ball joint or a fixed one means
-    nothing. A `free` joint holds nothing. Without a `start` it starts at 0, or at the limit that is nearest to it. Its
-    drive goes for the `target` at the speed `pace`, with at most this `strength`; SI units.
+    The joint is `at` (3,) along `axis` (3,) in the child's frame; ball and fixed joints ignore the axis. A `free` joint
+    holds nothing. The default `start` is 0 or the nearest limit. The drive moves towards `target` at speed `pace`, with
+    at most `strength`; SI units.
     """
 
     name: str
@@ -174,7 +173,7 @@ class Joint:
 
 @dataclass(frozen=True)
 class Asset:
-    """A file as it stands: links and joints by name, in the order of the file."""
+    """Links and joints of a file by name, in file order."""
 
     links: dict[str, Link]
     joints: dict[str, Joint]

@@ -1,4 +1,4 @@
-"""The asset in a file, by its format, with the meshes that it names."""
+"""Reads asset files of any supported format, with their meshes."""
 
 from __future__ import annotations
 
@@ -8,49 +8,48 @@ from pathlib import Path, PurePosixPath
 
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import inside
+from wmspec.core.safe_io import is_within
 from wmspec.lang.check.tables.vocabulary import FILES
-from wmspec.lang.importers.markup import Element
-from wmspec.lang.importers.markup import read as read_xml
+from wmspec.lang.importers.markup import Element, read_xml
 from wmspec.lang.importers.mjcf import mjcf
-from wmspec.lang.importers.model import ASSET, Asset, Broken, Faults, Refused
-from wmspec.lang.importers.tree import Tree, tree
+from wmspec.lang.importers.model import ASSET, Asset, Faults, RejectedAsset, UnreadableAsset
+from wmspec.lang.importers.tree import LinkTree, link_tree
 from wmspec.lang.importers.urdf import urdf
 
 
-def read(folder: Path, name: str) -> Tree | Refused:
-    """The links and joints of the asset in the file `name` below the spec's folder, or all that is wrong with it."""
+def read(folder: Path, name: str) -> LinkTree | RejectedAsset:
+    """Return the links and joints of the asset `name` below the spec's folder, or its errors."""
     faults = Faults()
     asset = Asset({}, {})
-    with suppress(Broken):
+    with suppress(UnreadableAsset):
         asset = _asset(folder, name, faults)
         if not faults.diagnostics:
-            made = tree(asset, FilePlace(name), faults)
-    return Refused(tuple(faults.diagnostics), tuple(asset.links.values())) if faults.diagnostics else made
+            made = link_tree(asset, FilePlace(name), faults)
+    return RejectedAsset(tuple(faults.diagnostics), tuple(asset.links.values())) if faults.diagnostics else made
 
 
 class _Lenient(Faults):
-    """Faults that stop nothing but what cannot be read at all."""
+    """Faults that stop at unreadable files only."""
 
     def add(self, where: FilePlace, message: str, help: str) -> None:
-        """Take note of a fault, however many there are."""
+        """Add an error, without a maximum number."""
         self.diagnostics.append(Diagnostic(message, where, help, ASSET))
 
 
 def structure(folder: Path, name: str) -> tuple[Asset, tuple[Diagnostic, ...]]:
-    """The links, joints and looks in the file `name` below a folder, and what in it a spec could not have.
+    """Return links, joints and appearance of an asset, and the features that a spec does not support.
 
-    Raises WmsError if it cannot be read.
+    Raises WmsError if the file cannot be read.
     """
     faults = _Lenient()
     try:
         return _asset(folder, name, faults), tuple(faults.diagnostics)
-    except Broken:
+    except UnreadableAsset:
         raise WmsError.of(faults.diagnostics) from None
 
 
 def _asset(folder: Path, name: str, faults: Faults) -> Asset:
-    """What the file says, by its format. Raises Broken if that is nothing."""
+    """Return the asset by file format. Raises Broken if it is invalid."""
     if PurePosixPath(name).suffix.lower() in (".urdf", ".xml"):
         root, find = read_xml(folder / name, name, faults), _Meshes(folder, name, faults).find
         return mjcf(root, find, faults) if root.tag == "mujoco" else urdf(root, find, faults)
@@ -60,7 +59,7 @@ def _asset(folder: Path, name: str, faults: Faults) -> Asset:
 
 
 class _Meshes:
-    """Finds the meshes that an asset names: from its own folder, or `package://NAME/...` in a folder above them."""
+    """Resolves meshes relative to the asset's folder, or `package://NAME/...` in a folder above."""
 
     def __init__(self, folder: Path, name: str, faults: Faults) -> None:
         self._folder = folder
@@ -68,13 +67,13 @@ class _Meshes:
         self._faults = faults
 
     def find(self, e: Element, named: str) -> str:
-        """The mesh, seen from the spec's folder; empty, after a complaint, if it cannot be used."""
+        """Return the mesh path relative to the spec's folder, or '' after reporting an error."""
         if PurePosixPath(named).suffix.lower() not in FILES["file"]:
             can = ", ".join(FILES["file"])
             self._faults.add(e.where, f"`{named[:80]}` is no mesh that can be read", f"convert it to one of: {can}")
             return ""
         for path in self._places(named):
-            if not path.startswith(("..", "/")) and inside(self._folder, self._folder / path):
+            if not path.startswith(("..", "/")) and is_within(self._folder, self._folder / path):
                 return path
         if named:
             what = f"there is no mesh `{named[:80]}` below the spec's folder"

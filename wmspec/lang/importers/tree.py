@@ -1,4 +1,4 @@
-"""The links of an asset as a tree: every link once, each in the asset's frame, mere frames left out."""
+"""Kinematic tree of an asset: every link once, in the asset's frame, without empty frames."""
 
 from __future__ import annotations
 
@@ -12,59 +12,59 @@ from wmspec.lang.importers.model import Asset, Faults, Joint, Link
 from wmspec.sim.scene.model import Inertia, Pose
 from wmspec.sim.scene.model.transform import apply, compose, identity, multiply, rotate
 
-#: The name of a root that is the world itself.
+#: Name of a root link that is the world itself.
 WORLD = "world"
 
 
 @dataclass(frozen=True)
-class Placed:
-    """A link and where its frame is in the asset's, with all joints at 0."""
+class PlacedLink:
+    """A link with its pose in the asset's frame, all joints at 0."""
 
     link: Link
     pose: Pose
 
 
 @dataclass(frozen=True)
-class Tree:
-    """The links that have shapes, the base first, and the joints between them or to the world (`parent` is empty).
+class LinkTree:
+    """Links with shapes, base first, and joints between them or to the world (`parent` is '').
 
     The base's frame is the asset's. `held` is whether the base is fixed to the world.
     """
 
-    links: tuple[Placed, ...]
+    links: tuple[PlacedLink, ...]
     joints: tuple[Joint, ...]
     held: bool
 
 
-def tree(asset: Asset, where: FilePlace, faults: Faults) -> Tree:
-    """The links in their places. Raises Broken if they are no tree; other faults are taken note of."""
+def link_tree(asset: Asset, where: FilePlace, faults: Faults) -> LinkTree:
+    """Return the kinematic tree. Raises Broken if the links form none; other errors are added to the faults."""
     root = _root(asset, where, faults)
     below: dict[str, list[Joint]] = {}
     for joint in asset.joints.values():
         below.setdefault(joint.parent, []).append(joint)
     walk = _Walk(asset, below, faults)
     walk.from_root(root)
-    _solid(walk, faults)
-    return Tree(tuple(walk.links), tuple(walk.joints), walk.held)
+    _check_inertias(walk, faults)
+    return LinkTree(tuple(walk.links), tuple(walk.joints), walk.held)
 
 
 def _root(asset: Asset, where: FilePlace, faults: Faults) -> str:
-    """The one link that nothing holds."""
+    """Return the one link without a parent."""
     if not asset.links:
         raise faults.stop(where, "has no links", "is this the right file?")
-    held = _held(asset, faults)
+    held = _child_links(asset, faults)
     roots = [name for name in asset.links if name not in held]
     if not roots:
         raise faults.stop(where, "every link is held by another, in a circle", "let one of them be the base")
     if len(roots) > 1:
         what = f"`{roots[0]}` and `{roots[1]}` are not joined to one another"
         raise faults.stop(where, what, "join them, or make an asset of each")
-    _reached(asset, roots[0], faults)
+    _check_reachable(asset, roots[0], faults)
     return roots[0]
 
 
-def _held(asset: Asset, faults: Faults) -> set[str]:
-    """The links that joints hold, each by one."""
+def _child_links(asset: Asset, faults: Faults) -> set[str]:
+    """Return the child links, each of which has one joint."""
     holders: dict[str, str] = {}
     for joint in asset.joints.values():
         for end in (joint.parent, joint.child):
@@ -77,8 +77,8 @@ def _held(asset: Asset, faults: Faults) -> set[str]:
     return set(holders)
 
 
-def _reached(asset: Asset, root: str, faults: Faults) -> None:
-    """Complain about links that hold one another in a circle, where the root does not reach."""
+def _check_reachable(asset: Asset, root: str, faults: Faults) -> None:
+    """Report cycles of links that the root does not reach."""
     reached, grown = set[str](), {root}
     while grown != reached:
         reached, grown = grown, grown | {j.child for j in asset.joints.values() if j.parent in grown}
@@ -88,18 +88,18 @@ def _reached(asset: Asset, root: str, faults: Faults) -> None:
 
 
 class _Walk:
-    """Goes from the root outwards and collects what has matter."""
+    """Traverses the tree from the root and collects links with shapes or mass."""
 
     def __init__(self, asset: Asset, below: dict[str, list[Joint]], faults: Faults) -> None:
         self._asset = asset
         self._below = below
         self._faults = faults
-        self.links: list[Placed] = []
+        self.links: list[PlacedLink] = []
         self.joints: list[Joint] = []
         self.held = False
 
     def from_root(self, name: str) -> None:
-        """Begin with the base: the root, or the first that a root without matter holds."""
+        """Start with the base: the root, or its first descendant with a shape."""
         here, link = identity(), self._asset.links[name]
         others: list[Joint] = []
         while not link.shapes:
@@ -116,7 +116,7 @@ class _Walk:
         self._base(link, here, others)
 
     def _from_world(self, name: str, joint: Joint, here: Pose, others: list[Joint]) -> None:
-        """A base that a joint holds to the world."""
+        """Add a base with a joint to the world."""
         if name != WORLD and not self.held:
             what = f"`{name}` has neither shape nor mass, so nothing can be joined to it"
             raise self._faults.stop(joint.where, what, "give it a `visual`; or call it `world`, if it is that")
@@ -129,8 +129,8 @@ class _Walk:
         self.joints.insert(0, replace(joint, parent="", child=link.name, at=at, axis=axis))
 
     def _base(self, link: Link, here: Pose, others: list[Joint]) -> None:
-        """The base, all that it holds, and the `others` that the world holds besides."""
-        self.links.append(Placed(_moved(link, here), identity()))
+        """Add the base, all its descendants, and the `others` that the world holds."""
+        self.links.append(PlacedLink(_in_frame(link, here), identity()))
         waiting = [(j, "", identity()) for j in reversed(others)]
         waiting += [(j, link.name, here) for j in reversed(self._below.get(link.name, ()))]
         while waiting:
@@ -148,14 +148,14 @@ class _Walk:
             waiting += [(j, name, here) for j in reversed(self._below.get(joint.child, ()))]
 
     def _take(self, joint: Joint, holder: str, child: Link, here: Pose) -> None:
-        self.links.append(Placed(child, here))
+        self.links.append(PlacedLink(child, here))
         if joint.kind != "free":
             at, axis = apply(here, joint.at), rotate(here.orientation, joint.axis)
             self.joints.append(replace(joint, parent=holder, at=at, axis=axis))
 
 
-def _moved(link: Link, here: Pose) -> Link:
-    """A link whose own frame is where `here` is seen from."""
+def _in_frame(link: Link, here: Pose) -> Link:
+    """Return a link expressed in the frame in which its own frame has the pose `here`."""
     if not here.position.any() and here.orientation[0] == 1:
         return link
     shapes = tuple(replace(s, pose=compose(here, s.pose)) for s in link.shapes)
@@ -165,20 +165,20 @@ def _moved(link: Link, here: Pose) -> Link:
     return replace(link, shapes=shapes, mass=mass)
 
 
-def _solid(walk: _Walk, faults: Faults) -> None:
-    """Complain about masses that no solid has."""
+def _check_inertias(walk: _Walk, faults: Faults) -> None:
+    """Report physically impossible inertias."""
     for placed in walk.links:
         link = placed.link
         if link.mass is None:
             continue
         moments = np.sort(link.mass.moments)
         if moments[0] <= 0 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-6):
-            told = ", ".join(f"{m:.3g}" for m in moments)
-            what = f"no solid has its moments of inertia, {told}: each is above 0 and none above the others' sum"
+            values = ", ".join(f"{m:.3g}" for m in moments)
+            what = f"no solid has its moments of inertia, {values}: each is above 0 and none above the others' sum"
             faults.add(link.where, what, "correct `inertia`, or remove `inertial` to have it by density")
 
 
-def names(tree: Tree) -> Iterator[tuple[str, FilePlace]]:
-    """The links and joints by name, each with where it stands."""
+def named_elements(tree: LinkTree) -> Iterator[tuple[str, FilePlace]]:
+    """Yield the links and joints by name, with their locations."""
     yield from ((placed.link.name, placed.link.where) for placed in tree.links)
     yield from ((joint.name, joint.where) for joint in tree.joints)

@@ -1,19 +1,19 @@
-"""URDF, as https://wiki.ros.org/urdf/XML has it: what bears on a passive mechanism is read, what cannot be is refused.
+"""Imports URDF (https://wiki.ros.org/urdf/XML): passive mechanisms; unsupported features are rejected.
 
-Not read, since they are for other programs: `gazebo`, `transmission`, `safety_controller`, `calibration`, whatever has
-a prefix, and the `effort` and `velocity` of a limit, which bound a motor.
+Ignored, since other programs use them: `gazebo`, `transmission`, `safety_controller`, `calibration`, prefixed elements,
+and the motor limits `effort` and `velocity`.
 """
 
 from __future__ import annotations
 
 from wmspec.lang.importers.markup import Element, Reader
-from wmspec.lang.importers.model import MOST_LINKS, MOST_SHAPES, Asset, Faults, Joint, Link
+from wmspec.lang.importers.model import MAX_LINKS, MAX_SHAPES, Asset, Faults, Joint, Link
 from wmspec.lang.importers.urdf_joints import Joints
-from wmspec.lang.importers.urdf_links import Find, Links
+from wmspec.lang.importers.urdf_links import Links, MeshResolver
 
 
-def urdf(robot: Element, find: Find, faults: Faults) -> Asset:
-    """The asset in the root element of a URDF. Raises Broken if it is none."""
+def urdf(robot: Element, find: MeshResolver, faults: Faults) -> Asset:
+    """Return the asset of a URDF root element. Raises Broken if it is invalid."""
     if robot.tag != "robot":
         raise faults.stop(
             robot.where,
@@ -23,13 +23,13 @@ def urdf(robot: Element, find: Find, faults: Faults) -> Asset:
     return _asset(robot, Reader(faults), find)
 
 
-def _asset(robot: Element, read: Reader, find: Find) -> Asset:
-    """The links and joints; of two of one name the first."""
+def _asset(robot: Element, read: Reader, find: MeshResolver) -> Asset:
+    """Return the links and joints; of duplicates the first."""
     read.known(robot, ("name", "version"), ("link", "joint", "material", "gazebo", "transmission"))
     elements = robot.all("link")
     shapes = sum(len(e.all("visual")) + len(e.all("collision")) for e in elements)
-    if len(elements) > MOST_LINKS or shapes > MOST_SHAPES:
-        what = f"has more than {MOST_LINKS} links or {MOST_SHAPES} shapes"
+    if len(elements) > MAX_LINKS or shapes > MAX_SHAPES:
+        what = f"has more than {MAX_LINKS} links or {MAX_SHAPES} shapes"
         raise read.faults.stop(robot.where, what, "make it simpler")
     make_link = Links(read, find, {read.text(m, "name"): m for m in robot.all("material")}).link
     make_joint = Joints(read).joint

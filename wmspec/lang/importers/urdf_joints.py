@@ -1,4 +1,4 @@
-"""The joints of a URDF."""
+"""URDF joints."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ _KINDS: dict[str, Literal["hinge", "slider", "fixed", "free"]] = {
 
 
 class Joints:
-    """Makes joints."""
+    """Converts joints."""
 
     def __init__(self, read: Reader) -> None:
         self.read = read
 
     def joint(self, e: Element) -> Joint | None:
-        """A joint; None if it makes no sense."""
+        """Return a joint, or None if it is invalid."""
         skipped = ("safety_controller", "calibration")
         children = ("origin", "parent", "child", "axis", "limit", "dynamics")
         self.read.known(e, ("name", "type"), (*children, *skipped, "mimic"))
@@ -61,7 +61,7 @@ class Joints:
         return axis / size
 
     def _limits(self, joint: Element) -> tuple[float | None, float | None]:
-        """The limits of a `revolute` or `prismatic` joint, which must have some."""
+        """Return the limits of a `revolute` or `prismatic` joint, which are required."""
         e = self.read.only(joint, "limit")
         if joint.attributes.get("type") not in ("revolute", "prismatic"):
             return None, None

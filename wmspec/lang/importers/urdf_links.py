@@ -1,4 +1,4 @@
-"""The links of a URDF: what is drawn and what is touched, colours, masses."""
+"""URDF links: visuals, collisions, colours, masses."""
 
 from __future__ import annotations
 
@@ -8,40 +8,49 @@ from dataclasses import replace
 import numpy as np
 
 from wmspec.lang.importers.markup import Element, Reader
-from wmspec.lang.importers.model import LOOKS, Color, Form, Link, Look, MeshFile, Shape, conditional
-from wmspec.lang.importers.turns import posed
+from wmspec.lang.importers.model import (
+    OVERRIDING_PROPERTIES,
+    Appearance,
+    Color,
+    Form,
+    Link,
+    MeshFile,
+    Shape,
+    conditional,
+)
+from wmspec.lang.importers.turns import pose_from_rpy
 from wmspec.sim.scene.model import Inertia, Pose
 from wmspec.sim.scene.model.transform import multiply, rotation
 from wmspec.sim.scene.physics.inertia import principal
 from wmspec.sim.shapes import Box, Capsule, Cylinder, Sphere
 
-#: Where a mesh that is named in an element lies, seen from the spec; empty if it is nowhere, which was reported.
-Find = Callable[[Element, str], str]
+#: Resolves a mesh reference to a path relative to the spec; '' if it is missing, which is reported.
+MeshResolver = Callable[[Element, str], str]
 
 
 class Links:
-    """Makes links; `materials` are those that can be meant by their name, which grow as it goes."""
+    """Converts links; `materials` collects the named materials."""
 
-    def __init__(self, read: Reader, find: Find, materials: dict[str, Element]) -> None:
+    def __init__(self, read: Reader, find: MeshResolver, materials: dict[str, Element]) -> None:
         self.read = read
         self.find = find
         self.materials = materials
 
     def link(self, e: Element) -> Link:
-        """A link with all its shapes: what is drawn and touched alike is one shape."""
+        """Return a link with all its shapes; an equal visual and collision are one shape."""
         self.read.known(e, ("name", "type"), ("inertial", "visual", "collision"))
         drawn = [s for v in e.all("visual") if (s := self._shape(v)) is not None]
         touched = [s for c in e.all("collision") if (s := self._shape(c)) is not None]
         shapes = []
         for s in drawn:
-            same = next((t for t in touched if _alike(s, t)), None)
+            same = next((t for t in touched if _same_geometry(s, t)), None)
             touched = [t for t in touched if t is not same]
             shapes.append(replace(s, solid=same is not None))
         shapes += [replace(t, drawn=not drawn) for t in touched]
         return Link(e.attributes.get("name", ""), e.where, tuple(shapes), self._mass(e))
 
     def _mass(self, link: Element) -> Inertia | None:
-        """What `inertial` says; None if there is none."""
+        """Return the `inertial`, or None."""
         e = self.read.only(link, "inertial")
         if e is None:
             return None
@@ -63,7 +72,7 @@ class Links:
         return Inertia(kg, here.position, multiply(here.orientation, axes), moments)
 
     def _shape(self, e: Element) -> Shape | None:
-        """A `visual` or `collision`."""
+        """Return a `visual` or `collision`."""
         drawn = e.tag == "visual"
         self.read.known(e, ("name",), ("origin", "geometry", *(("material",) if drawn else ())))
         geometry = self.read.only(e, "geometry")
@@ -73,7 +82,7 @@ class Links:
         self.read.known(geometry, (), ("box", "sphere", "cylinder", "capsule", "mesh"))
         here = origin(self.read, e)
         form = self._form(geometry.children[0])
-        return Shape(form, here, self._look(e) if drawn else Look()) if form else None
+        return Shape(form, here, self._look(e) if drawn else Appearance()) if form else None
 
     def _form(self, e: Element) -> Form | None:
         match e.tag:
@@ -90,7 +99,7 @@ class Links:
                 return (Cylinder if e.tag == "cylinder" else Capsule)(radius, length)
             case "mesh":
                 return self._mesh(e)
-        return None  # it was complained about
+        return None  # already reported
 
     def _mesh(self, e: Element) -> MeshFile | None:
         self.read.known(e, ("filename", "scale"))
@@ -98,15 +107,15 @@ class Links:
         file = self.find(e, self.read.text(e, "filename"))
         return MeshFile(file, scale) if file else None
 
-    def _look(self, e: Element) -> Look:
-        """The colour of a `visual`, and what is wrong with it."""
-        with self.read.faults.apart() as faults:
+    def _look(self, e: Element) -> Appearance:
+        """Return the colour of a `visual`, with errors."""
+        with self.read.faults.separately() as faults:
             material = self.read.only(e, "material")
-            color = self._color(self._meant(material)) if material is not None else None
-        return Look(color, conditional=conditional(faults, LOOKS))
+            color = self._color(self._definition(material)) if material is not None else None
+        return Appearance(color, conditional=conditional(faults, OVERRIDING_PROPERTIES))
 
-    def _meant(self, material: Element) -> Element:
-        """What says how a `material` looks: itself, or the one that first said so under its name."""
+    def _definition(self, material: Element) -> Element:
+        """Return the definition of a `material`: itself, or the first one of its name."""
         name = material.attributes.get("name", "")
         if material.children:
             self.materials.setdefault(name, material)
@@ -134,17 +143,17 @@ class Links:
 
 
 def origin(read: Reader, e: Element) -> Pose:
-    """The place that its `origin` says."""
+    """Return the pose given by `origin`."""
     origin_ = read.only(e, "origin")
     if origin_ is None:
-        return posed()
+        return pose_from_rpy()
     read.known(origin_, ("xyz", "rpy"))
     nowhere = (0.0, 0.0, 0.0)
-    return posed(read.numbers(origin_, "xyz", 3, nowhere), read.numbers(origin_, "rpy", 3, nowhere))
+    return pose_from_rpy(read.numbers(origin_, "xyz", 3, nowhere), read.numbers(origin_, "rpy", 3, nowhere))
 
 
-def _alike(a: Shape, b: Shape) -> bool:
-    """Whether two shapes are the same in the same place, whatever they look like."""
+def _same_geometry(a: Shape, b: Shape) -> bool:
+    """Whether two shapes have the same geometry and pose."""
     if a.form != b.form:
         return False
     here, there = ((s.pose.position, rotation(s.pose.orientation)) for s in (a, b))

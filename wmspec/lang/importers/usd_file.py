@@ -1,4 +1,4 @@
-"""USD files of others, opened within bounds, in silence, all of their layers below the spec's folder."""
+"""Opens untrusted USD files: bounded, silent, with all layers below the spec's folder."""
 
 from __future__ import annotations
 
@@ -12,38 +12,38 @@ from pxr import Sdf, Usd, UsdUtils
 from wmspec.core.diagnostics import Diagnostic, Report, StageError, suggestion
 from wmspec.core.limits import POINTS, PRIMS, TooLarge
 from wmspec.core.places import FilePlace
-from wmspec.lang.importers.model import Broken, Faults
+from wmspec.lang.importers.model import Faults, UnreadableAsset
 from wmspec.sim.shapes import Mesh
 from wmspec.sim.usd import meshes
-from wmspec.sim.usd.files import opened, text_of
-from wmspec.sim.usd.frames import World, split
+from wmspec.sim.usd.files import error_text, open_stage_file
+from wmspec.sim.usd.frames import StageFrame, split_transform
 from wmspec.sim.usd.prims import refuse, value
-from wmspec.sim.usd.unsupported import incomplete
+from wmspec.sim.usd.unsupported import report_missing_files
 
-#: What stands behind the path of a mesh for those of its faces that are in no subset.
+#: Suffix of a mesh path for the faces that belong to no subset.
 REST = ".rest"
 
 
 @contextmanager
 def stage_of(path: Path, folder: Path | None, shown: str, faults: Faults) -> Iterator[Usd.Stage]:
-    """The stage in a USD file that messages call `shown`, all of whose layers are below a folder, if one is given.
+    """Open the stage of a USD file; messages call it `shown`, and its layers must be below `folder`, if given.
 
-    Raises Broken if it cannot be read, or whatever is done with it meanwhile goes wrong.
+    Raises Broken if it cannot be read, or if an error occurs during its use.
     """
-    quiet = UsdUtils.CoalescingDiagnosticDelegate()  # what USD would print is told by us
+    quiet = UsdUtils.CoalescingDiagnosticDelegate()  # suppresses USD's output: errors are reported below
     try:
         stat = path.stat()
         stage = _stage(str(path), stat.st_mtime_ns, stat.st_size)
-        _whole(stage, folder, shown, faults)
+        _check_layers(stage, folder, shown, faults)
         yield stage
-    except Broken:
+    except UnreadableAsset:
         raise
     except TooLarge as error:
         limit = error.diagnostics[0]
         raise faults.stop(FilePlace(shown), limit.message, limit.help) from None
-    except Exception as error:  # noqa: BLE001  what others wrote may be of any type
+    except Exception as error:  # noqa: BLE001  plug-ins may raise any type
         raise faults.stop(
-            FilePlace(shown), f"cannot be read: {text_of(error)}", "mend it, or export it again"
+            FilePlace(shown), f"cannot be read: {error_text(error)}", "fix it, or export it again"
         ) from None
     finally:
         del quiet
@@ -51,17 +51,17 @@ def stage_of(path: Path, folder: Path | None, shown: str, faults: Faults) -> Ite
 
 @lru_cache(maxsize=1)
 def _stage(path: str, _changed: int, _size: int) -> Usd.Stage:
-    """The stage in a file. The last one is kept: its meshes are asked for one by one."""
-    return opened(Path(path), Path(path).name)
+    """Return the stage of a file. The last one is cached: its meshes are requested one by one."""
+    return open_stage_file(Path(path), Path(path).name)
 
 
-def _whole(stage: Usd.Stage, folder: Path | None, shown: str, faults: Faults) -> None:
-    """Complain about what a stage is made of and is missing, or elsewhere, and about too much."""
+def _check_layers(stage: Usd.Stage, folder: Path | None, shown: str, faults: Faults) -> None:
+    """Report missing layers, layers outside the folder, and too large stages."""
     problems = Report(StageError)
-    incomplete(stage, problems)
-    note(problems.diagnostics, shown, faults, folder)
+    report_missing_files(stage, problems)
+    add_problems(problems.diagnostics, shown, faults, folder)
     if faults.diagnostics:
-        raise Broken
+        raise UnreadableAsset
     for layer in stage.GetUsedLayers():
         beside = folder is None or layer.anonymous or Path(layer.realPath).resolve().is_relative_to(folder.resolve())
         if not beside:
@@ -72,25 +72,25 @@ def _whole(stage: Usd.Stage, folder: Path | None, shown: str, faults: Faults) ->
         raise faults.stop(FilePlace(shown), PRIMS.sentence, PRIMS.help)
 
 
-def note(problems: Iterable[Diagnostic], shown: str, faults: Faults, folder: Path | None = None) -> None:
-    """Take note of what is wrong with prims of the file."""
+def add_problems(problems: Iterable[Diagnostic], shown: str, faults: Faults, folder: Path | None = None) -> None:
+    """Add errors about prims of the file to the faults."""
     home = f"{folder.resolve()}/" if folder is not None else ""
     for problem in problems:
         reason = problem.message.replace(home, "") if home else problem.message
         faults.add(FilePlace(shown, element=f"`{problem.place}`"), reason[:300], problem.help)
 
 
-def bounded(prim: Usd.Prim) -> None:
-    """Refuse a mesh that is too large. Raises StageError."""
+def check_mesh_size(prim: Usd.Prim) -> None:
+    """Raise StageError for a mesh that is too large."""
     if max(len(value(prim, name, ())) for name in ("points", "faceVertexIndices")) > POINTS.most:
         refuse(prim, f"it {POINTS.sentence}", POINTS.help)
 
 
 def mesh(path: Path, folder: Path | None, shown: str, prim: str) -> Mesh | tuple[Diagnostic, ...]:
-    """The mesh at a prim of a USD file, or the polygons of a GeomSubset; or else all that is wrong with it.
+    """Return the mesh at a prim of a USD file, or the polygons of a GeomSubset, or the errors.
 
-    It is seen from the prim's rigid frame: what the transforms to it scale, mirror or skew is in its points. `shown` is
-    what the file is called, and all its layers are below `folder`, if one is given.
+    Points are in the prim's rigid frame and include scale, mirroring and skew. `shown` is the file's name in messages;
+    all its layers are below `folder`, if given.
     """
     faults, problems = Faults(), Report(StageError)
     made: Mesh | None = None
@@ -102,17 +102,17 @@ def mesh(path: Path, folder: Path | None, shown: str, prim: str) -> Mesh | tuple
             if not (at and of and of.GetTypeName() == "Mesh" and at.IsDefined() and not at.IsAbstract()):
                 _none(stage, shown, prim, faults)
             else:
-                with problems.gathered():
-                    made = _mesh(of, at, prim, World(stage, problems))
-                note(problems.diagnostics, shown, faults)
-    except Broken:
+                with problems.collect_errors():
+                    made = _mesh(of, at, prim, StageFrame(stage, problems))
+                add_problems(problems.diagnostics, shown, faults)
+    except UnreadableAsset:
         pass
     return tuple(faults.diagnostics) or made or ()
 
 
-def _mesh(of: Usd.Prim, at: Usd.Prim, named: str, world: World) -> Mesh:
-    """A mesh, one of its subsets, or the rest of it. Raises StageError."""
-    bounded(of)
+def _mesh(of: Usd.Prim, at: Usd.Prim, named: str, world: StageFrame) -> Mesh:
+    """Return a mesh, one of its subsets, or its remaining faces. Raises StageError."""
+    check_mesh_size(of)
     faces = None
     if at != of:
         faces = meshes.subset(at)
@@ -120,7 +120,7 @@ def _mesh(of: Usd.Prim, at: Usd.Prim, named: str, world: World) -> Mesh:
         faces = next((rest for part, rest in meshes.parts(of) if part == of), None)
         if faces is None:
             refuse(of, "there are no faces of it that are in none of its subsets", f"leave out `{REST}`")
-    return meshes.mesh(of, split(world.matrix(of), of).stretch, faces)
+    return meshes.mesh(of, split_transform(world.matrix(of), of).stretch, faces)
 
 
 def _none(stage: Usd.Stage, shown: str, prim: str, faults: Faults) -> None:

@@ -1,6 +1,6 @@
-"""The bodies and joints of a stage as links and joints that are led away from the base.
+"""Converts bodies and joints of a stage to a kinematic tree.
 
-What never moves is the base, and each other joint has a parent that is nearer to it.
+Static geometry is the base. The parent of each joint is the link closer to the base.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ import numpy as np
 from wmspec.core.diagnostics import StageError
 from wmspec.core.places import FilePlace, PrimPlace
 from wmspec.lang.check.tables.vocabulary import PROPERTIES
-from wmspec.lang.importers.blocks import plain
-from wmspec.lang.importers.model import MOST_LINKS, Asset, Faults, Joint, Link, Shape
+from wmspec.lang.importers.blocks import to_identifier
+from wmspec.lang.importers.model import MAX_LINKS, Asset, Faults, Joint, Link, Shape
 from wmspec.lang.importers.tree import WORLD
 from wmspec.lang.importers.turns import X
-from wmspec.lang.importers.usd_file import note
+from wmspec.lang.importers.usd_file import add_problems
 from wmspec.sim.scene import model
-from wmspec.sim.scene.joints.articulations import coordinate, relative
+from wmspec.sim.scene.joints.articulations import joint_coordinate, relative_frame
 from wmspec.sim.scene.model import Body, Pose
 from wmspec.sim.scene.model.transform import compose, identity, inverse, rotate
 from wmspec.sim.shapes import Sphere
@@ -27,15 +27,15 @@ from wmspec.sim.usd.prims import Names
 
 Pair = tuple[str, str]
 
-#: What stands for a body that has no geometry: a ball of this radius (m), neither drawn nor touched.
-_POINT = 1e-3
-#: The density (kg/m³) of what UsdPhysics gives none.
-_WATER = 1000.0
+#: Radius (m) of the placeholder ball for a body without geometry, invisible and without collisions.
+_PLACEHOLDER_RADIUS = 1e-3
+#: Default density of UsdPhysics (kg/m³).
+_DEFAULT_DENSITY = 1000.0
 _OVER = Pose(np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
 
 
 class Stage:
-    """The links of a stage: `shapes` are in the frames of the bodies, both by path; `apart` pass through each other."""
+    """Links of a stage: `shapes` are in the frames of the bodies, both by path; pairs in `apart` do not collide."""
 
     def __init__(
         self, bodies: Mapping[str, Body], shapes: Mapping[str, tuple[Shape, ...]], apart: Sequence[Pair], shown: str
@@ -47,46 +47,46 @@ class Stage:
         names = Names()
         for taken in (WORLD, *PROPERTIES["object"]):
             names.give(taken)
-        named = {body.name: names.give(plain(body.name)) for body in own}
+        named = {body.name: names.give(to_identifier(body.name)) for body in own}
         self._names = names
         merged = [body for body in bodies.values() if body.name not in named]
-        self._base = Link(names.give("base", "stand", "ground"), self._file, _still(merged, shapes))
+        self._base = Link(names.give("base", "stand", "ground"), self._file, _static_shapes(merged, shapes))
         self._root = self._base.name if self._base.shapes else WORLD
         self._link = {body.name: named.get(body.name, self._root) for body in bodies.values()}
         passes = {a: tuple(self._link[y] for x, y in apart if x == a) for a, _ in apart}
         self.links = {named[b.name]: self._made(b, named[b.name], shapes[b.path], passes.get(b.name, ())) for b in own}
 
     def _made(self, body: Body, name: str, shapes: tuple[Shape, ...], passes: tuple[str, ...]) -> Link:
-        shapes, properties = _rubbing(shapes)
+        shapes, properties = _common_friction(shapes)
         if body.linear_damping or body.angular_damping:
             properties |= {"damping": body.linear_damping, "spin_damping": body.angular_damping}
         if body.motion == "dynamic" and body.inertia is None:
-            properties["density"] = _WATER
+            properties["density"] = _DEFAULT_DENSITY
         if not shapes:
             middle = identity() if body.inertia is None else Pose(body.inertia.center, identity().orientation)
-            shapes = (Shape(Sphere(_POINT), middle, solid=False, drawn=False),)
+            shapes = (Shape(Sphere(_PLACEHOLDER_RADIUS), middle, solid=False, drawn=False),)
         velocity, spin = (v if v.any() else None for v in (body.linear_velocity, body.angular_velocity))
         where = FilePlace(self._shown, element=f"`{body.path}`")
         return Link(name, where, shapes, body.inertia, properties, body.motion != "dynamic", velocity, spin, passes)
 
     def asset(self, held: Sequence[model.Joint], faults: Faults) -> Asset:
-        """All links and the joints between them; those that do not fit go to the faults."""
-        if len(self.links) > MOST_LINKS:
-            raise faults.stop(self._file, f"has more than {MOST_LINKS} rigid bodies", "make it simpler")
+        """Return all links and joints; unsupported ones are added to the faults."""
+        if len(self.links) > MAX_LINKS:
+            raise faults.stop(self._file, f"has more than {MAX_LINKS} rigid bodies", "make it simpler")
         links, made = dict(self.links), dict[str, Joint]()
         if self._base.shapes:
-            shapes, properties = _rubbing(self._base.shapes)
+            shapes, properties = _common_friction(self._base.shapes)
             links = {self._base.name: replace(self._base, shapes=shapes, given=properties), **links}
             made[""] = Joint("", self._file, "fixed", WORLD, self._base.name, identity(), np.zeros(3), X)
-        for joint in self._led(held, faults):
+        for joint in self._ordered_joints(held, faults):
             made[joint.name] = joint
         return Asset({WORLD: Link(WORLD, self._file), **links}, made)
 
     def _end(self, body: str | None) -> str:
         return self._root if body is None else self._link[body]
 
-    def _led(self, held: Sequence[model.Joint], faults: Faults) -> Iterator[Joint]:
-        """The joints, each after what holds its parent; what none of them reaches is free."""
+    def _ordered_joints(self, held: Sequence[model.Joint], faults: Faults) -> Iterator[Joint]:
+        """Yield the joints, parents first; unreached links are free."""
         reached, waiting = {self._root}, list(held)
         for name, link in self.links.items():
             if link.fixed:
@@ -105,10 +105,10 @@ class Stage:
             try:
                 yield self._joint(ready, turned)
             except StageError as error:
-                note(error.diagnostics, self._shown, faults)
+                add_problems(error.diagnostics, self._shown, faults)
 
     def _pose(self, link: str) -> Pose:
-        """Where a link is on the stage."""
+        """Return the pose of a link on the stage."""
         body = next((b for b in self._bodies.values() if link in self.links and self._link[b.name] == link), None)
         return body.pose if body else identity()
 
@@ -117,12 +117,12 @@ class Stage:
         return Joint(f"{name} free", where, "free", self._root, name, self._pose(name), np.zeros(3), X)
 
     def _joint(self, joint: model.Joint, turned: bool) -> Joint:
-        """A joint whose parent is its first end, or its second if it is `turned`: its coordinate stays the same.
+        """Return a joint whose parent is its first end, or its second if `turned`; its coordinate stays the same.
 
-        Raises StageError if it does not fit, mimics another, or is a ball joint with limits.
+        Raises StageError if it is invalid, mimics another, or is a ball joint with limits.
         """
         ends = ((joint.first, joint.first_frame), (joint.second, joint.second_frame))
-        if turned:  # the axis is turned round with the two ends
+        if turned:  # the axis is reversed with the ends
             ends = tuple((body, compose(frame, _OVER)) for body, frame in reversed(ends))  # type: ignore[assignment]
         (upper, above), (lower, below) = ends
         assert lower is not None
@@ -132,9 +132,9 @@ class Stage:
         if joint.mimic:
             reason, remedy = "a spec cannot say that a joint mimics another", "remove the mimic, and drive both joints"
             raise StageError(reason, PrimPlace(joint.path), remedy)
-        start = coordinate(joint, relative(self._bodies, upper, lower, above, below))
+        start = joint_coordinate(joint, relative_frame(self._bodies, upper, lower, above, below))
         parent, child = self._end(upper), self._end(lower)
-        if upper is not None and parent == self._root:  # the frame of the base is that of the stage
+        if upper is not None and parent == self._root:  # the base's frame is the stage's
             above = compose(self._bodies[upper].pose, above)
         if joint.kind in ("hinge", "slider"):
             place = compose(above, inverse(below))
@@ -143,7 +143,7 @@ class Stage:
         low, high = joint.limits or (-np.inf, np.inf)
         drive = joint.drive or model.Drive(0.0, 0.0)
         return Joint(
-            self._names.give(plain(joint.name)),
+            self._names.give(to_identifier(joint.name)),
             FilePlace(self._shown, element=f"`{joint.path}`"),
             joint.kind,
             parent,
@@ -163,15 +163,18 @@ class Stage:
         )
 
 
-def _still(bodies: Sequence[Body], shapes: Mapping[str, tuple[Shape, ...]]) -> tuple[Shape, ...]:
-    """All that never moves, in the frame of the stage."""
+def _static_shapes(bodies: Sequence[Body], shapes: Mapping[str, tuple[Shape, ...]]) -> tuple[Shape, ...]:
+    """Return all static geometry, in the frame of the stage."""
     return tuple(replace(s, pose=compose(body.pose, s.pose)) for body in bodies for s in shapes[body.path])
 
 
-def _rubbing(shapes: tuple[Shape, ...]) -> tuple[tuple[Shape, ...], dict[str, float]]:
-    """Shapes, and how a link of them rubs if what is touched of it all rubs alike; otherwise each shape says it."""
-    frictions = {s.rubs for s in shapes if s.solid and s.rubs is not None}
+def _common_friction(shapes: tuple[Shape, ...]) -> tuple[tuple[Shape, ...], dict[str, float]]:
+    """Return the shapes and their common friction and restitution; if these differ, each shape keeps its own."""
+    frictions = {s.friction_restitution for s in shapes if s.solid and s.friction_restitution is not None}
     if len(frictions) != 1:
         return shapes, {}
     ((friction, restitution),) = frictions
-    return tuple(replace(s, rubs=None) for s in shapes), {"friction": friction, "restitution": restitution}
+    return tuple(replace(s, friction_restitution=None) for s in shapes), {
+        "friction": friction,
+        "restitution": restitution,
+    }

@@ -1,4 +1,4 @@
-"""Pieces of the syntax tree for what a file says: numbers with units, points, colours, properties of others."""
+"""Creates syntax nodes for asset data: numbers with units, points, colours, property references."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from wmspec.lang.parse import syntax as s
 
 
 class Writer:
-    """Writes expressions that all stand at one place of the spec: where the asset's file is named."""
+    """Creates expressions located where the spec names the asset's file."""
 
     def __init__(self, span: Span) -> None:
         self.span = span
 
     def number(self, value: float, unit: str | None = None) -> s.Expr:
-        """A quantity."""
+        """Return a quantity."""
         return s.Number(value, unit, self.span)
 
     def numbers(self, values: Iterable[float], unit: str | None = None) -> s.Expr:
-        """A pair or a triple of quantities."""
+        """Return a pair or triple of quantities."""
         return s.Items("tuple", tuple(self.number(v, unit) for v in values), None, self.span)
 
     def value(self, value: Any, unit: str | None = None) -> s.Expr:
-        """A quantity, a point of such, or a list of points."""
+        """Return a quantity, a point, or a list of points."""
         if not isinstance(value, tuple):
             return self.number(value, unit)
         if not value or not isinstance(value[0], tuple):
@@ -32,35 +32,35 @@ class Writer:
         return s.Items("list", tuple(self.numbers(one, unit) for one in value), None, self.span)
 
     def name(self, name: str) -> s.Name:
-        """A word or a declared name."""
+        """Return a word or a declared name."""
         return s.Name(name, self.span)
 
     def names(self, names: Iterable[str]) -> s.Expr:
-        """A list of declared names."""
+        """Return a list of declared names."""
         return s.Items("list", tuple(map(self.name, names)), None, self.span)
 
     def of(self, owner: str, name: str) -> s.Expr:
-        """The property of something."""
+        """Return a property reference."""
         return s.Member(self.name(owner), self.name(name), self.span)
 
     def color(self, rgb: tuple[float, float, float]) -> s.Expr:
-        """A colour by its sRGB parts."""
+        """Return a colour by its sRGB components."""
         parts = tuple(s.Argument(None, self.number(part), self.span) for part in rgb)
         return s.Call(self.name("rgb"), parts, self.span)
 
     def times(self, factors: Iterable[float], unit: str, other: s.Expr) -> s.Expr:
-        """A triple of quantities, each times another one."""
+        """Return a triple of quantities, each multiplied by an expression."""
         made = (s.Operation("*", (self.number(f, unit), other), self.span) for f in factors)
         return s.Items("tuple", tuple(made), None, self.span)
 
     def truth(self, value: bool) -> s.Expr:
-        """True or false."""
+        """Return true or false."""
         return s.Truth(value, self.span)
 
     def text(self, value: str) -> s.Expr:
-        """A text."""
+        """Return a text."""
         return s.Text(value, self.span)
 
     def properties(self, values: dict[str, s.Expr]) -> tuple[s.Property, ...]:
-        """Properties by name."""
+        """Return properties by name."""
         return tuple(s.Property(self.name(name), value, None, self.span) for name, value in values.items())

@@ -1,1 +1,1 @@
-"""From `.wms` text to a syntax tree with source spans, and the diagnostics that point into it."""
+"""Parser: `.wms` text to a syntax tree with source spans, and diagnostics that point into the text."""

@@ -1,4 +1,4 @@
-"""Braces that do not pair up: which one is missing or too many, as the beginnings of the lines tell."""
+"""Repair of unbalanced braces, guided by indentation."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from wmspec.lang.parse.lexer import Token
 from wmspec.lang.parse.repair_candidates import Repair
 
 
-def rebraced(source: Source, tokens: Sequence[Token]) -> Repair | None:
-    """The change after which there are as many braces closed as opened; None if there are already."""
+def balance_braces(source: Source, tokens: Sequence[Token]) -> Repair | None:
+    """Return the repair that balances the braces, or None if they are balanced."""
     balance = sum((t.type == "LBRACE") - (t.type == "RBRACE") for t in tokens)
     if balance < 0:
         i = next(_surplus(source, tokens), None)
@@ -24,30 +24,34 @@ def rebraced(source: Source, tokens: Sequence[Token]) -> Repair | None:
     return None
 
 
-def indented(source: Source, tokens: Sequence[Token], stuck: int) -> Repair | None:
-    """A block without braces, as in Python, with or without a colon: it has as many lines as are further in."""
-    colons = (i for i in range(stuck, max(0, stuck - 3), -1) if tokens[i].type == "COLON" and _begins(tokens, i + 1))
+def repair_indented_block(source: Source, tokens: Sequence[Token], stuck: int) -> Repair | None:
+    """Return the repair of a Python-style block (indentation, with or without a colon); it spans the indented lines."""
+    colons = (
+        i for i in range(stuck, max(0, stuck - 3), -1) if tokens[i].type == "COLON" and _begins_line(tokens, i + 1)
+    )
     i = next(colons, stuck)
     colon = tokens[i].type == "COLON"
     deep = _indent(source, tokens[i if colon else i - 1].line)
-    if not colon and not (i and _begins(tokens, i) and _indent(source, tokens[i].line) > deep):
+    if not colon and not (i and _begins_line(tokens, i) and _indent(source, tokens[i].line) > deep):
         return None
     inner = range(i + 1, len(tokens))
-    end = next((j for j in inner if _begins(tokens, j) and _indent(source, tokens[j].line) <= deep), len(tokens) - 1)
+    end = next(
+        (j for j in inner if _begins_line(tokens, j) and _indent(source, tokens[j].line) <= deep), len(tokens) - 1
+    )
     closed = tokens[end].type == "RBRACE" and _indent(source, tokens[end].line) == deep
-    what = "`:` opens no block" if colon else "`{` is missing here"
+    message = "`:` opens no block" if colon else "`{` is missing here"
     help = "write `{`" if closed else "write `{`, and `}` where it ends"
     opened = (tokens[i]._replace(type="LBRACE", text="{"),)
-    return Repair(i, i + colon, opened, what, help, 0.5, missing=not colon, closes=None if closed else end)
+    return Repair(i, i + colon, opened, message, help, 0.5, missing=not colon, closes=None if closed else end)
 
 
-def _begins(tokens: Sequence[Token], i: int) -> bool:
-    """Whether a word is the first of its line."""
+def _begins_line(tokens: Sequence[Token], i: int) -> bool:
+    """Whether token `i` is the first of its line."""
     return i < len(tokens) and tokens[i - 1].end_line < tokens[i].line
 
 
 def _surplus(source: Source, tokens: Sequence[Token]) -> Iterator[int]:
-    """Closing braces that stand in a line after something else, and close what does not begin in this line."""
+    """Yield the indices of closing braces that follow other tokens on their line and close no block of that line."""
     opened: list[int] = []
     for i, token in enumerate(tokens):
         if token.type == "LBRACE":
@@ -60,9 +64,10 @@ def _surplus(source: Source, tokens: Sequence[Token]) -> Iterator[int]:
 
 
 def _missing(source: Source, tokens: Sequence[Token]) -> int:
-    """The word before which the brace is missing: the first that begins a line no further in than what it closes.
+    """Return the index of the token before which a closing brace is missing.
 
-    What is not closed is the first brace whose partner begins a line less far in than its own does, or has none.
+    The unclosed brace is the first one whose partner is less indented, or that has no partner. The closing brace
+    belongs before the first line that is not indented further than the line of the unclosed brace.
     """
     opened: list[int] = []
     unclosed: list[int] = []

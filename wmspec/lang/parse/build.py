@@ -1,4 +1,4 @@
-"""From the parse tree to the syntax tree: one function per rule of the grammar that needs one."""
+"""Builds the syntax tree from the parse tree: one method per grammar rule that needs one."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source, Span
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.lexer import Token
-from wmspec.lang.parse.machine import Tree
+from wmspec.lang.parse.lr_parser import Tree
 
 _QUANTITY = re.compile(r"([\d.]+(?:[eE][+-]?\d+)?)[ \t]*(.+)")
 _ESCAPES = {"n": "\n", "t": "\t", '"': '"', "\\": "\\"}
 
 
 def build_file(source: Source, tree: Tree, report: Report, whole: bool) -> s.File:
-    """The syntax tree of a whole file; `whole` is whether nothing was left out."""
+    """Return the syntax tree of a whole file; `whole` is true if recovery dropped nothing."""
     build = _Builder(source, report)
     return s.File(tuple(build(c) for c in tree.children if c is not None), Span(source, 0, len(source.text)), whole)
 
 
 def build_expression(source: Source, tree: Tree, report: Report) -> s.Expr:
-    """The syntax tree of one expression."""
+    """Return the syntax tree of one expression."""
     expression: s.Expr = _Builder(source, report)(tree)
     return expression
 

@@ -1,4 +1,4 @@
-"""Lines set in columns: a cell is as wide as the widest of its neighbours above and below that are of the same sort."""
+"""Column alignment: adjacent cells of the same kind get the width of the widest."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Cell:
-    """A piece of a line: its text, its sort, and the space before it if it is not the first."""
+class FormattedCell:
+    """A piece of a line: its text, its kind, and the space before it unless it is the first."""
 
     text: str
     sort: str
@@ -16,57 +16,57 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Line:
-    """A line: its indent, its cells, the comment that ends it, and whether a blank line comes before it."""
+class FormattedLine:
+    """A line: its indent, its cells, its trailing comment, and whether a blank line precedes it."""
 
     indent: int
-    cells: tuple[Cell, ...]
+    cells: tuple[FormattedCell, ...]
     comment: str = ""
     blank: bool = False
 
-    def follows(self, other: Line, cells: int) -> bool:
-        """Whether the first so many cells of this line stand under those of the other, the line before."""
+    def aligns_with(self, other: FormattedLine, cells: int) -> bool:
+        """Whether the first `cells` cells of this line align with those of `other`, the previous line."""
         mine, theirs = ([c.sort for c in line.cells[:cells]] for line in (self, other))
         return (
             mine == theirs and len(mine) == cells and bool(mine[0]) and not self.blank and self.indent == other.indent
         )
 
 
-def in_columns(lines: Iterable[Line], width: int) -> str:
-    """The text of the lines. A column that would make a line longer than `width` is left out."""
+def align_columns(lines: Iterable[FormattedLine], width: int) -> str:
+    """Return the text of the lines. A column that would make a line longer than `width` is not aligned."""
     rows = list(lines)
-    texts = [text for run in _runs(rows, 1) for text in _aligned(run, width)]
-    texts = _commented(rows, texts)
+    texts = [text for run in _runs(rows, 1) for text in _align(run, width)]
+    texts = _add_comments(rows, texts)
     return "".join(("\n" if row.blank else "") + text + "\n" for row, text in zip(rows, texts, strict=True))
 
 
-def _runs(rows: list[Line], cells: int) -> list[list[Line]]:
-    runs: list[list[Line]] = []
+def _runs(rows: list[FormattedLine], cells: int) -> list[list[FormattedLine]]:
+    runs: list[list[FormattedLine]] = []
     for i, row in enumerate(rows):
-        if i and row.follows(rows[i - 1], cells):
+        if i and row.aligns_with(rows[i - 1], cells):
             runs[-1].append(row)
         else:
             runs.append([row])
     return runs
 
 
-def _aligned(run: list[Line], width: int) -> list[str]:
-    """The texts of neighbours, with those columns, from the left, that make none of them too long."""
+def _align(run: list[FormattedLine], width: int) -> list[str]:
+    """Return the texts of adjacent lines, aligning columns from the left while every line fits."""
     widths: list[dict[int, int]] = [{} for _ in run]
     fits = [len(_text(row, {})) <= width for row in run]
     for cell in range(max(len(row.cells) for row in run) - 1):
         first = 0
         for part in _runs(run, cell + 2):
             here = range(first, first + len(part))
-            wanted = max(len(row.cells[cell].text) if cell < len(row.cells) else 0 for row in part)
-            wider = {i: widths[i] | {cell: wanted} for i in here}
+            width_needed = max(len(row.cells[cell].text) if cell < len(row.cells) else 0 for row in part)
+            wider = {i: widths[i] | {cell: width_needed} for i in here}
             if all(len(_text(run[i], wider[i])) <= width or not fits[i] for i in here):
                 widths[first : first + len(part)] = wider.values()
             first += len(part)
     return [_text(row, w) for row, w in zip(run, widths, strict=True)]
 
 
-def _text(row: Line, widths: dict[int, int]) -> str:
+def _text(row: FormattedLine, widths: dict[int, int]) -> str:
     text = " " * row.indent
     for i, cell in enumerate(row.cells):
         last = i == len(row.cells) - 1
@@ -74,8 +74,8 @@ def _text(row: Line, widths: dict[int, int]) -> str:
     return text
 
 
-def _commented(rows: list[Line], texts: list[str]) -> list[str]:
-    """The texts with their comments, which stand under one another on lines that follow one another."""
+def _add_comments(rows: list[FormattedLine], texts: list[str]) -> list[str]:
+    """Return the texts with their comments; comments of consecutive lines are aligned."""
     lines: list[str] = []
     column = 0
     for i, row in enumerate(rows):
@@ -83,16 +83,16 @@ def _commented(rows: list[Line], texts: list[str]) -> list[str]:
             lines.append(texts[i] + row.comment)
             continue
         if not (i and _ends_in_comment(rows[i - 1]) and not row.blank):
-            column = max(map(len, _commented_run(rows, texts, i)))
+            column = max(map(len, _comment_run(rows, texts, i)))
         lines.append(f"{texts[i].ljust(column)}  {row.comment}")
     return lines
 
 
-def _ends_in_comment(row: Line) -> bool:
+def _ends_in_comment(row: FormattedLine) -> bool:
     return bool(row.comment and row.cells)
 
 
-def _commented_run(rows: list[Line], texts: list[str], first: int) -> list[str]:
+def _comment_run(rows: list[FormattedLine], texts: list[str], first: int) -> list[str]:
     last = first + 1
     while last < len(rows) and _ends_in_comment(rows[last]) and not rows[last].blank:
         last += 1

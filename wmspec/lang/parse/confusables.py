@@ -1,4 +1,4 @@
-"""Characters that stand for others: those that editors put in of their own accord, and the signs of other languages."""
+"""Confusable characters: typographic substitutes inserted by editors, and operators of other languages."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Generator, Iterator
 
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source, Span
-from wmspec.lang.parse.foreign_syntax import decimal
-from wmspec.lang.parse.lexer import Token, read
+from wmspec.lang.parse.foreign_syntax import merge_decimal
+from wmspec.lang.parse.lexer import Token, tokenize
 
-#: What is written in place of a character that means nothing: a word of the language, with its type.
+#: Replacements of characters that are no tokens: token type and text.
 _SIGNS = {
     **dict.fromkeys("−–—‒﹣－", ("MINUS", "-")),
     **dict.fromkeys("×∙⋅·", ("TIMES", "*")),
@@ -26,7 +26,7 @@ _SIGNS = {
     "&": ("AND", "and"),
     "|": ("OR", "or"),
 }
-#: The same for two words that touch.
+#: Replacements of two adjacent tokens: token type and text.
 _PAIRS = {
     "&&": ("AND", "and"),
     "||": ("OR", "or"),
@@ -34,66 +34,66 @@ _PAIRS = {
     "=<": ("COMPARE", "<="),
     "=>": ("COMPARE", ">="),
 }
-#: Quotes that look like those of a text, and what closes them.
+#: Typographic opening quotes and the characters that may close them.
 _QUOTES = {"“": '”"“„', "”": '”"“', "„": '“”"', "«": '»"', "»": '«"', "‘": "’'‘", "’": "’'", "'": "'’", "`": "`'"}
-#: What is written after a number: as a unit, or as its power.
-_RAISED = {"°": " deg", "º": " deg", "²": "^2", "³": "^3", "µ": " um", "μ": " um"}
+#: Characters after a number that denote a unit or an exponent, and their replacement.
+_UNIT_SIGNS = {"°": " deg", "º": " deg", "²": "^2", "³": "^3", "µ": " um", "μ": " um"}
 _SPACES = frozenset("\u00a0\u2007\u2009\u200a\u200b\u202f\u3000\ufeff")
 
 
-def readable(source: Source, tokens: list[Token], report: Report) -> Iterator[Token]:
-    """The words of a text; what is written otherwise is reported and put right."""
+def replace_confusables(source: Source, tokens: list[Token], report: Report) -> Iterator[Token]:
+    """Yield the tokens with confusable characters replaced; each replacement is reported."""
     i = 0
     while i < len(tokens):
         one, following = tokens[i], tokens[i + 1] if i + 1 < len(tokens) else None
         pair = one.text + following.text if following is not None and following.start == one.end else ""
         if pair == "//" or (pair == "/*" and one.type == "TIMES"):
-            i = yield from _comment(source, tokens, i, pair, report)
+            i = yield from _skip_comment(source, tokens, i, pair, report)
         elif one.type == "NUMBER" and (number := _decimal(tokens, i)) is not None:
             help = f"write `{number.text}`, or a unit after each number"
             report.add("WMS102", "a number has a point, no comma", _span(source, one, tokens[i + 2].end), help)
             yield number
             i += 3
         elif pair in _PAIRS:
-            yield _instead(source, one, pair, *_PAIRS[pair], report)
+            yield _replace(source, one, pair, *_PAIRS[pair], report)
             i += 2
-        elif following is not None and following.text in _RAISED and one.type in ("NUMBER", "QUANTITY"):
-            written = _RAISED[following.text]
+        elif following is not None and following.text in _UNIT_SIGNS and one.type in ("NUMBER", "QUANTITY"):
+            written = _UNIT_SIGNS[following.text]
             message = f"`{following.text}` means nothing here"
             report.add("WMS102", message, _span(source, following, following.end), f"write `{written.strip()}`")
             yield one._replace(type="QUANTITY", text=one.text + written)
             i += 2
         elif one.type == "STRAY":
-            i = yield from _stray(source, tokens, i, report)
+            i = yield from _replace_stray(source, tokens, i, report)
         else:
             yield one
             i += 1
 
 
 def _decimal(tokens: list[Token], i: int) -> Token | None:
-    """`1,4 cm`: a number and a quantity are never side by side, but for a 0, which has no unit."""
-    number = decimal(*tokens[i : i + 3])
+    """Return the number of `1,4 cm`. A number and a quantity are never adjacent items, except for a unitless 0."""
+    number = merge_decimal(*tokens[i : i + 3])
     return number if number is not None and number.type == "QUANTITY" and float(tokens[i].text) else None
 
 
-def _stray(source: Source, tokens: list[Token], i: int, report: Report) -> Generator[Token, None, int]:
-    """What is meant by a character that means nothing; gives the index of the word to go on with."""
+def _replace_stray(source: Source, tokens: list[Token], i: int, report: Report) -> Generator[Token, None, int]:
+    """Yield the replacement of a stray character; return the index of the next token."""
     one = tokens[i]
     if one.text in _QUOTES:
-        return (yield from _quoted(source, tokens, i, report))
+        return (yield from _replace_quotes(source, tokens, i, report))
     if one.text in _SIGNS:
-        yield _instead(source, one, one.text, *_SIGNS[one.text], report)
+        yield _replace(source, one, one.text, *_SIGNS[one.text], report)
     elif one.text in _SPACES:
         report.add("WMS102", "this is an unusual space", _span(source, one, one.end), "write an ordinary one")
     elif one.text.isalpha():
-        return _word(source, tokens, i, report)
+        return _report_word(source, tokens, i, report)
     else:
         yield one
     return i + 1
 
 
-def _word(source: Source, tokens: list[Token], i: int, report: Report) -> int:
-    """A word with letters that no name has; the letters that one can have are read on."""
+def _report_word(source: Source, tokens: list[Token], i: int, report: Report) -> int:
+    """Report a word with letters that names cannot have; return the index of the next token."""
     end = i
     while end < len(tokens) and (tokens[end].text.isalpha() and tokens[end].type in ("STRAY", "NAME")):
         end += 1
@@ -102,14 +102,14 @@ def _word(source: Source, tokens: list[Token], i: int, report: Report) -> int:
     return end
 
 
-def _instead(source: Source, one: Token, text: str, kind: str, written: str, report: Report) -> Token:
+def _replace(source: Source, one: Token, text: str, kind: str, written: str, report: Report) -> Token:
     message = f"`{text}` means nothing here"
     report.add("WMS102", message, _span(source, one, one.start + len(text)), f"write `{written}`")
     return one._replace(type=kind, text=written)
 
 
-def _quoted(source: Source, tokens: list[Token], i: int, report: Report) -> Generator[Token, None, int]:
-    """A text in quotes of another sort, up to what closes it on the line, or else one stray quote."""
+def _replace_quotes(source: Source, tokens: list[Token], i: int, report: Report) -> Generator[Token, None, int]:
+    """Yield a text in typographic quotes, up to its closing quote on the line, or report one stray quote."""
     one, text = tokens[i], source.text
     end = text.find("\n", one.start)
     line = text[one.start : len(text) if end < 0 else end]
@@ -124,14 +124,16 @@ def _quoted(source: Source, tokens: list[Token], i: int, report: Report) -> Gene
     rest = i
     while rest < len(tokens) and tokens[rest].start < stop:
         rest += 1
-    if rest > i and tokens[rest - 1].end > stop:  # a word reaches beyond the quote
+    if rest > i and tokens[rest - 1].end > stop:  # a token extends beyond the quote
         last = tokens[rest - 1]
         tokens[rest:rest] = _words(text[stop : last.end], stop)
     return rest
 
 
-def _comment(source: Source, tokens: list[Token], i: int, sign: str, report: Report) -> Generator[Token, None, int]:
-    """A comment of another language: to the end of its line, or to where it is closed."""
+def _skip_comment(
+    source: Source, tokens: list[Token], i: int, sign: str, report: Report
+) -> Generator[Token, None, int]:
+    """Skip a comment in another language's syntax, up to the end of its line or its closing sign."""
     yield from ()
     text, start = source.text, tokens[i].start
     end = text.find("\n" if sign == "//" else "*/", start)
@@ -147,7 +149,7 @@ def _comment(source: Source, tokens: list[Token], i: int, sign: str, report: Rep
 
 
 def _words(text: str, start: int) -> list[Token]:
-    return [t for t in read(text, start) if t.type not in ("WHITE", "COMMENT")]
+    return [t for t in tokenize(text, start) if t.type not in ("WHITE", "COMMENT")]
 
 
 def _span(source: Source, token: Token, end: int) -> Span:

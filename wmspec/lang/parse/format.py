@@ -1,8 +1,8 @@
-"""The one way to write a spec: spaces, indents and columns are the formatter's, line breaks mostly the author's.
+"""Formatter of specs: it sets spaces, indents and columns, and keeps most line breaks of the author.
 
-Every statement begins a line. A block stays on one line if it was written so and fits, else the properties that the
-author put on one line stay on one. Lines of one kind that follow one another are set in columns. At most one blank line
-is kept. Words and comments stay as they are and in their order, which is checked at the end.
+Every statement begins a line. A block stays on one line if it was written so and fits; otherwise properties that share
+a line keep sharing it. Consecutive lines of one kind are aligned in columns. At most one blank line is kept. Tokens and
+comments keep their text and order, which is verified at the end.
 """
 
 from __future__ import annotations
@@ -12,49 +12,53 @@ from dataclasses import replace
 
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source
-from wmspec.lang.parse.columns import Cell, Line, in_columns
-from wmspec.lang.parse.layout import INDENT, Layout, spelled
+from wmspec.lang.parse.columns import FormattedCell, FormattedLine, align_columns
+from wmspec.lang.parse.layout import INDENT, Layout, token_text
 from wmspec.lang.parse.lexer import Token
-from wmspec.lang.parse.parser import parse, words
+from wmspec.lang.parse.parser import parse, tokens_and_comments
 
-#: The longest line that a block is kept on, in characters.
+#: Maximum length (characters) of a block on one line.
 WIDTH = 120
 
 
 def format_spec(source: Source) -> str:
-    """The formatted text of a spec. Raises SpecError if it cannot be parsed."""
+    """Return the formatted text of a spec. Raises SpecError if it cannot be parsed."""
     report = Report()
     file = parse(source, report)
     report.stop_if_failed()
-    tokens = words(source.text)
-    formatted = in_columns(_lines(tokens, Layout(tokens, file.items, WIDTH)), WIDTH)
-    assert _meaning(words(formatted)) == _meaning(tokens), "the formatter may change nothing but spaces"
+    tokens = tokens_and_comments(source.text)
+    formatted = align_columns(_lines(tokens, Layout(tokens, file.items, WIDTH)), WIDTH)
+    assert _significant_tokens(tokens_and_comments(formatted)) == _significant_tokens(tokens), (
+        "the formatter may change nothing but spaces"
+    )
     return formatted
 
 
-def _meaning(tokens: list[Token]) -> list[tuple[str, str]]:
-    return [(token.type, spelled(token)) for token in tokens]
+def _significant_tokens(tokens: list[Token]) -> list[tuple[str, str]]:
+    return [(token.type, token_text(token)) for token in tokens]
 
 
-def _lines(tokens: list[Token], layout: Layout) -> Iterator[Line]:
+def _lines(tokens: list[Token], layout: Layout) -> Iterator[FormattedLine]:
     within = _within_statement(tokens, layout)
     first = level = depth = 0
-    line = Line(0, ())
+    line = FormattedLine(0, ())
     for i, token in enumerate(tokens):
         if i and not _begins_line(tokens, i, layout):
             continue
         if i:
-            yield _filled(line, tokens, first, i, layout)
+            yield _fill_cells(line, tokens, first, i, layout)
         level += sum(t.start in layout.opens for t in tokens[first:i]) - (token.start in layout.closes)
         depth += sum(_depth(t) for t in tokens[first:i])
         if within[i]:
-            line = Line(INDENT * (level + (depth + min(_depth(token), 0) or 2)), ())
+            line = FormattedLine(INDENT * (level + (depth + min(_depth(token), 0) or 2)), ())
         else:
             hang = layout.hangs.get(token.start, 0)
-            line = Line(INDENT * level + hang, (), blank=i > 0 and not hang and _blank_before(tokens, i, layout))
+            line = FormattedLine(
+                INDENT * level + hang, (), blank=i > 0 and not hang and _blank_before(tokens, i, layout)
+            )
         first = i
     if tokens:
-        yield _filled(line, tokens, first, len(tokens), layout)
+        yield _fill_cells(line, tokens, first, len(tokens), layout)
 
 
 def _depth(token: Token) -> int:
@@ -73,13 +77,13 @@ def _rows_between(before: Token, here: Token) -> int:
 
 
 def _blank_before(tokens: list[Token], i: int, layout: Layout) -> bool:
-    """Whether the author left lines empty before a line, other than at the start or end of a block."""
+    """Whether the author left a blank line before this line, except at the start or end of a block."""
     first, last = tokens[i - 1].start in layout.opens, tokens[i].start in layout.closes
     return _rows_between(tokens[i - 1], tokens[i]) > 1 and not first and not last
 
 
 def _within_statement(tokens: list[Token], layout: Layout) -> list[bool]:
-    """For each token, whether a line that begins with it goes on with the statement of the line before."""
+    """Return for each token whether a line that begins with it continues the statement of the previous line."""
     within = [False] * len(tokens)
     following = False
     for i in range(len(tokens) - 1, -1, -1):
@@ -89,16 +93,16 @@ def _within_statement(tokens: list[Token], layout: Layout) -> list[bool]:
     return within
 
 
-def _filled(line: Line, tokens: list[Token], first: int, end: int, layout: Layout) -> Line:
-    """The line with its cells: tokens `first` to `end`, without the comment that may end them."""
+def _fill_cells(line: FormattedLine, tokens: list[Token], first: int, end: int, layout: Layout) -> FormattedLine:
+    """Return the line with its cells: tokens `first` to `end`, without a trailing comment."""
     comment = tokens[end - 1].type == "COMMENT"
-    cells: list[Cell] = []
+    cells: list[FormattedCell] = []
     for i in range(first, end - comment):
-        sort, text = layout.cells.get(tokens[i].start, ""), spelled(tokens[i])
+        sort, text = layout.cells.get(tokens[i].start, ""), token_text(tokens[i])
         if not cells:
-            cells.append(Cell(text, sort))
+            cells.append(FormattedCell(text, sort))
         elif sort:
-            cells.append(Cell(text, sort, layout.gap(i)))
+            cells.append(FormattedCell(text, sort, layout.gap(i)))
         else:
             cells[-1] = replace(cells[-1], text=cells[-1].text + layout.gap(i) + text)
-    return replace(line, cells=tuple(cells), comment=spelled(tokens[end - 1]) if comment else "")
+    return replace(line, cells=tuple(cells), comment=token_text(tokens[end - 1]) if comment else "")

@@ -1,4 +1,4 @@
-"""Where the lines and columns of a formatted spec begin, as the syntax tree has it."""
+"""Line and column positions of a formatted spec, derived from the syntax tree."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _TIGHT_AFTER = {"LPAR", "LSQB", "DOT"}
 Part = s.Statement | s.Task | s.Variant | s.Clause | s.Kinds | s.Counterfactual | s.EachOther
 
 
-def spelled(token: Token) -> str:
-    """A token as it is to be written: one space between number and unit, none at the end of a comment."""
+def token_text(token: Token) -> str:
+    """Return the text of a token with one space between number and unit and no trailing space in comments."""
     text = token.text
     match token.type:
         case "QUANTITY":
@@ -37,10 +37,10 @@ def spelled(token: Token) -> str:
 
 
 class Layout:
-    """What the syntax tree says about tokens, each known by the offset at which it begins.
+    """Layout of tokens, each identified by its start offset.
 
-    `breaks`: begins a line. `hangs`: is so much further in than its block. `opens`, `closes`: the braces of a block
-    with lines of its own. `cells`: begins a column of this sort.
+    `breaks`: tokens that begin a line. `hangs`: extra indentation relative to the block. `opens`, `closes`: braces of
+    multi-line blocks. `cells`: tokens that begin a column, with its kind.
     """
 
     def __init__(self, tokens: list[Token], items: Iterable[Part], width: int) -> None:
@@ -58,7 +58,7 @@ class Layout:
         self._parts(items)
 
     def gap(self, i: int) -> str:
-        """The space before token `i` if it does not begin a line."""
+        """Return the space before token `i` when it does not begin a line."""
         before, here = self._tokens[i - 1], self._tokens[i]
         if here.start in self._wide:
             return "  "
@@ -80,23 +80,23 @@ class Layout:
         return bisect_left(self._starts, offset)
 
     def _after(self, offset: int) -> int:
-        """The start of the next word, which is no comment, after the one that begins at an offset."""
+        """Return the offset of the next token that is no comment."""
         i = self._index(offset) + 1
         while self._tokens[i].type == "COMMENT":
             i += 1
         return self._starts[i]
 
     def _before(self, offset: int) -> int:
-        """The start of the last word, which is no comment, before an offset."""
+        """Return the offset of the last token before `offset` that is no comment."""
         i = self._index(offset) - 1
         while self._tokens[i].type == "COMMENT":
             i -= 1
         return self._starts[i]
 
     def _length(self, span: Span) -> int:
-        """How many characters the tokens of a span take on one line."""
+        """Return the length (characters) of a span's tokens on one line."""
         first, last = self._index(span.start), self._index(span.end)
-        return sum(len(spelled(self._tokens[i])) + len(self.gap(i)) * (i > first) for i in range(first, last))
+        return sum(len(token_text(self._tokens[i])) + len(self.gap(i)) * (i > first) for i in range(first, last))
 
     # ------------------------------------------------------------ statements
 
@@ -132,7 +132,7 @@ class Layout:
                 self._line(x)
 
     def _members(self, x: s.Block | s.Template) -> None:
-        """An object, camera, ...: its properties, then its parts, each on a line of its own."""
+        """Lay out an object, camera, …: its properties, then its parts, each on its own line."""
         if isinstance(x, s.Block) and x.model is not None:
             self._headings.add(self._before(x.model.span.start))
         after = x.parameters[-1].span.end if isinstance(x, s.Template) and x.parameters else x.span.start
@@ -147,7 +147,7 @@ class Layout:
         self._level -= 1
 
     def _pieces(self, question: s.Question) -> None:
-        """Each piece of a text stands under the first."""
+        """Align the pieces of a text under the first."""
         first, *others = question.text.pieces
         before, here = self._index(question.span.start), self._index(first.span.start)
         beside = self._tokens[here - 1].end_line == self._tokens[here].line
@@ -187,7 +187,7 @@ class Layout:
     # ------------------------------------------------------------ blocks
 
     def _body(self, span: Span, after: int, parts: Iterable[Part]) -> None:
-        """A block in which every statement has a line of its own."""
+        """Lay out a block in which every statement has its own line."""
         brace, end = self._braces(span, after)
         if end - brace > 1:
             self._open(brace, end)
@@ -204,9 +204,9 @@ class Layout:
         self.closes.add(self._starts[end])
 
     def _block(self, span: Span, parts: list[tuple[str, Span]], after: int = 0, whole: bool = True) -> None:
-        """A block of properties: on one line if the author wrote it so and it fits, else in the rows of the author.
+        """Lay out a block of properties: on one line if written so and short enough, else in the author's rows.
 
-        Its brace comes `after` an offset. Unless this is the `whole` of it, it has lines of its own.
+        Its brace comes after offset `after`. If `whole` is false, the block is always multi-line.
         """
         brace, end = self._braces(span, after or span.start)
         for sort, part in parts[1:]:
@@ -229,7 +229,7 @@ class Layout:
         return INDENT * level + self._length(span) <= self._width
 
     def _rows(self, parts: list[tuple[str, Span]]) -> list[list[tuple[str, Span]]]:
-        """Properties that the author put on one line."""
+        """Return the properties grouped by the author's lines."""
         rows: list[list[tuple[str, Span]]] = []
         for part in parts:
             i = self._index(part[1].start)

@@ -1,4 +1,4 @@
-"""The words of a text, each with its type and place."""
+"""Lexer: text to tokens with type and position."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 from wmspec.lang.parse.tables import tables
 
-#: Words that may have a line end within.
-_LONG = frozenset({"WHITE", "LONG_STRING", "STRAY"})
+#: Token types that may contain a line end.
+_MULTILINE = frozenset({"WHITE", "LONG_STRING", "STRAY"})
 
 
 class Token(NamedTuple):
-    """A word: its type (a terminal of the grammar), the offset where it starts, and its line from 1."""
+    """A token: its type (a terminal of the grammar), text, start offset, and line (from 1)."""
 
     type: str
     text: str
@@ -23,23 +23,23 @@ class Token(NamedTuple):
 
     @property
     def end(self) -> int:
-        """The offset after it."""
+        """Offset after the token."""
         return self.start + len(self.text)
 
     @property
     def end_line(self) -> int:
-        """The line on which it ends."""
+        """Line on which the token ends."""
         return self.line + self.text.count("\n")
 
 
-def read(text: str, offset: int = 0) -> Iterator[Token]:
-    """All words of a text, white space and comments too, as if the text stood at an offset."""
+def tokenize(text: str, offset: int = 0) -> Iterator[Token]:
+    """Yield all tokens of a text, with white space and comments; offsets start at `offset`."""
     match, keywords, position, line = _pattern().match, tables().keywords, 0, 1
     while token := match(text, position):
         kind, word = token.lastgroup, token.group()
         assert kind is not None
         yield Token(keywords.get(word, kind) if kind == "NAME" else kind, word, offset + position, line)
-        if kind in _LONG:
+        if kind in _MULTILINE:
             line += word.count("\n")
         position += len(word)
 

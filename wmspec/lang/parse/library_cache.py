@@ -1,4 +1,4 @@
-"""Parsed libraries on disk: a library that parsed without mistakes is read back as its syntax tree."""
+"""Disk cache of parsed libraries: a library without syntax errors is restored as its syntax tree."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from wmspec.core.places import Source, Span
 from wmspec.lang.parse import syntax
 
 
-def kept(source: Source) -> syntax.File | None:
-    """The syntax tree of a library as it was parsed before; None if this text was not, by this version of wmspec."""
+def load_cached(source: Source) -> syntax.File | None:
+    """Return the cached syntax tree of a library, or None if this version of wmspec has not parsed this text."""
     content = disk_cache.read(_entry(source))
     if content is None:
         return None
     collecting = gc.isenabled()
-    gc.disable()  # nothing that is read becomes garbage
+    gc.disable()  # unpickling creates no garbage
     try:
         tree = _Reader(source, content).load()
-    except Exception:  # noqa: BLE001  whatever an entry holds that this version does not write, it is parsed anew
+    except Exception:  # noqa: BLE001  an invalid entry is parsed again
         return None
     finally:
         if collecting:
@@ -30,8 +30,8 @@ def kept(source: Source) -> syntax.File | None:
     return tree if isinstance(tree, syntax.File) else None
 
 
-def keep(source: Source, tree: syntax.File) -> None:
-    """Keep the syntax tree of a library for other processes."""
+def store(source: Source, tree: syntax.File) -> None:
+    """Store the syntax tree of a library for other processes."""
     made = io.BytesIO()
     _Writer(made).dump(tree)
     disk_cache.write(_entry(source), made.getvalue())
@@ -47,12 +47,12 @@ class _Writer(pickle.Pickler):
         super().__init__(file, protocol=5)
 
     def persistent_id(self, made: object) -> str | None:
-        """The text itself is not kept: whoever reads the tree has it."""
+        """Replace the text itself by a reference: the reader of the cache has it."""
         return "source" if isinstance(made, Source) else None
 
 
 class _Reader(pickle.Unpickler):
-    """Knows the classes of the syntax tree only, so that no entry can call anything else."""
+    """Unpickler restricted to the classes of the syntax tree, so that no entry can call other code."""
 
     def __init__(self, source: Source, content: bytes) -> None:
         super().__init__(io.BytesIO(content))

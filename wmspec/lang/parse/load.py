@@ -1,4 +1,4 @@
-"""Reading a spec with the libraries that it uses."""
+"""Loads a spec with the libraries that it uses."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from wmspec.core.diagnostics import Diagnostic, Note, Report, WmsError, suggesti
 from wmspec.core.limits import LIBRARIES, LIBRARY_DEPTH, TooLarge
 from wmspec.core.places import Location, Place, Source, Span
 from wmspec.lang.parse import library_cache
-from wmspec.lang.parse.files import found, library_folder, located, read_source, search_path
+from wmspec.lang.parse.files import find_library, library_folder, read_source, resolve_display_path, search_path
 from wmspec.lang.parse.parser import parse
 from wmspec.lang.parse.syntax import File, Name, Statement, Task, Use, Variant
 
@@ -22,7 +22,7 @@ P = TypeVar("P", Place, Place | None)
 
 @dataclass(frozen=True)
 class Program:
-    """A parsed file, the libraries that it uses, directly or not, in order of use, and which library a name means."""
+    """A parsed file, its direct and indirect libraries in order of use, and the library path of each `use`."""
 
     source: Source
     file: File
@@ -31,28 +31,28 @@ class Program:
 
     @property
     def whole(self) -> bool:
-        """Whether all was read and found; if not, names may be missing."""
+        """Whether all files were parsed and found; if not, names may be missing."""
         files = (self.file, *self.libraries.values())
         return all(file.whole and all(use.name.span in self.paths for use in _uses(file.items)) for file in files)
 
 
 def load(path: Path, report: Report) -> Program:
-    """Read and parse the spec at `path`. Raises WmsError if there is no such readable file."""
+    """Read and parse the spec at `path`. Raises WmsError if the file cannot be read."""
     source = read_source(path)
     return load_source(source, path.parent, report)
 
 
 def load_source(source: Source, folder: Path, report: Report) -> Program:
-    """Parse a spec from text. Libraries are looked for in `folder`, on WMSPEC_PATH, then in wmspec's own."""
+    """Parse a spec from text. Libraries are searched in `folder`, on WMSPEC_PATH, then among the bundled ones."""
     file, mistakes = _parsed(source)
     report.include(mistakes)
-    program = Program(file.span.source, file, {}, {})  # the very text in which its places are
+    program = Program(file.span.source, file, {}, {})  # the text that its spans refer to
     _collect(file, folder, report, program, ())
     return program
 
 
-def pointed(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """The diagnostics with the texts at the places that the IR keeps, where these can still be read."""
+def with_source_text(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Return the diagnostics with source text at the locations that the IR stores, where it is still readable."""
     texts = _Texts()
     return tuple(
         replace(d, place=texts.at(d.place), notes=tuple(replace(note, place=texts.at(note.place)) for note in d.notes))
@@ -61,13 +61,13 @@ def pointed(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 
 
 class _Texts:
-    """The texts of files, each read once."""
+    """Texts of files; each file is read once."""
 
     def __init__(self) -> None:
         self._sources: dict[str, Source | None] = {}
 
     def at(self, place: P) -> P | Span:
-        """The text at a location; any other place as it is."""
+        """Return the source span of a location; other places are returned unchanged."""
         if not isinstance(place, Location) or (source := self._source(place.file)) is None:
             return place
         end = len(source.text)
@@ -75,9 +75,9 @@ class _Texts:
 
     def _source(self, name: str) -> Source | None:
         if name not in self._sources:
-            self._sources[name] = None  # of a task that was made in Python
+            self._sources[name] = None  # for tasks built in Python
             with suppress(WmsError):
-                self._sources[name] = read_source(located(name))
+                self._sources[name] = read_source(resolve_display_path(name))
         return self._sources[name]
 
 
@@ -110,28 +110,28 @@ def _collect(file: File, folder: Path, report: Report, program: Program, trail: 
             program.libraries[path] = library
 
 
-@lru_cache(maxsize=4)  # an editor asks for the tree of one text several times
+@lru_cache(maxsize=4)  # an editor requests the tree of one text several times
 def _parsed(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
-    """The syntax tree of a text, and its mistakes."""
+    """Return the syntax tree of a text and its diagnostics."""
     report = Report()
     return parse(source, report), report.diagnostics
 
 
 @lru_cache(maxsize=64)
 def _library(source: Source) -> tuple[File, tuple[Diagnostic, ...]]:
-    """A library as it is now, and its mistakes; parsed once for all specs that use it."""
-    if (tree := library_cache.kept(source)) is not None:
+    """Return a library's tree and diagnostics; it is parsed once for all specs that use it."""
+    if (tree := library_cache.load_cached(source)) is not None:
         return tree, ()
     tree, mistakes = _parsed(source)
     if not mistakes:
-        library_cache.keep(source, tree)
+        library_cache.store(source, tree)
     return tree, mistakes
 
 
 def _find(name: Name, folder: Path, report: Report) -> Path | None:
-    if not name.id:  # it is missing, and that was reported
+    if not name.id:  # a missing name was reported
         return None
-    path = found(name.id, folder)
+    path = find_library(name.id, folder)
     if path is None:
         places = (folder, *search_path(), library_folder())
         known = [p.stem for place in places for p in sorted(place.glob("*.wms"))]

@@ -1,4 +1,4 @@
-"""The page of each code: what it means, an example that gives it, the same without the mistake, how to mend it."""
+"""Pages of the diagnostic codes: meaning, an example that triggers the code, and the corrected example."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _FENCE = re.compile(r"^```wms *(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 @dataclass(frozen=True)
 class Example:
-    """A spec as text, and the libraries that lie next to it by file name."""
+    """A spec as text, and the libraries next to it by file name."""
 
     text: str
     libraries: dict[str, str]
@@ -21,7 +21,7 @@ class Example:
 
 @dataclass(frozen=True)
 class Page:
-    """A code's page: `markdown` is the whole of it, the other parts are taken from it."""
+    """The page of a code; `markdown` is the whole page, the other fields are extracted from it."""
 
     code: str
     title: str
@@ -31,7 +31,7 @@ class Page:
 
 
 def page(code: str) -> Page:
-    """The page of a code of `CODES`. Raises KeyError for another."""
+    """Return the page of a code of `CODES`. Raises KeyError for unknown codes."""
     if code not in CODES:
         raise KeyError(code)
     markdown = files("wmspec").joinpath(f"lang/parse/codes/{code}.md").read_text(encoding="utf-8")

@@ -1,6 +1,6 @@
-"""Going on after a mistake: where reading can go on.
+"""Panic-mode recovery: where parsing can continue after an error.
 
-Nothing is copied or tried twice, so that it takes time in proportion to the words dropped and the states forgotten.
+Nothing is copied or retried, so the time is linear in the dropped tokens and popped states.
 """
 
 from __future__ import annotations
@@ -8,29 +8,29 @@ from __future__ import annotations
 from bisect import bisect_left
 
 from wmspec.lang.parse.lexer import Token
-from wmspec.lang.parse.machine import END, Machine
+from wmspec.lang.parse.lr_parser import END, LRParser
 from wmspec.lang.parse.tables import tables
 
 
-def recover(machine: Machine, tokens: list[Token], i: int) -> int:
-    """Drop tokens up to the next start of a statement, property or `}`, and what was half read before it.
+def recover(machine: LRParser, tokens: list[Token], i: int) -> int:
+    """Drop tokens up to the next start of a statement, property or `}`, and the unfinished rule before it.
 
-    A block whose header cannot be read is dropped as a whole. Returns the index of the token to go on with; past the
+    A block whose header cannot be parsed is dropped as a whole. Returns the index of the next token, or one past the
     end if nothing fits.
     """
     stuck, deep = i, 0
     while i < len(tokens):
         kind = tokens[i].type
         far_enough = i > stuck or kind in tables().starters
-        if (deep == 0 or kind == END) and far_enough and _goes_on(machine, tokens, i):
+        if (deep == 0 or kind == END) and far_enough and _can_continue(machine, tokens, i):
             return i
         deep = max(0, deep + (kind == "LBRACE") - (kind == "RBRACE"))
         i += 1
     return i
 
 
-def dropped(machine: Machine, tokens: list[Token], i: int) -> list[Token]:
-    """The words without those that `recover` drops and forgets."""
+def drop_unreadable(machine: LRParser, tokens: list[Token], i: int) -> list[Token]:
+    """Return the tokens without those that `recover` drops."""
     on = recover(machine, tokens, i)
     if on >= len(tokens):
         return [*tokens[:i], tokens[-1]] if tokens[i].type != END else [tokens[-1]]
@@ -39,11 +39,11 @@ def dropped(machine: Machine, tokens: list[Token], i: int) -> list[Token]:
     return [*tokens[:kept], *tokens[on:]]
 
 
-def _goes_on(machine: Machine, tokens: list[Token], i: int) -> bool:
-    """Forget what was half read if reading could then go on here: with a statement, a property or a `}`."""
+def _can_continue(machine: LRParser, tokens: list[Token], i: int) -> bool:
+    """Pop the unfinished rule if parsing can then continue here with a statement, a property or a `}`."""
     kind = tokens[i].type
     if kind in ("RBRACE", END):
-        return machine.unwind(kind)
-    if kind in tables().starters:  # some of them are names too: what follows tells
-        return machine.unwind(kind, tokens[i + 1].type) or machine.unwind(kind)
-    return tokens[i + 1].type == "COLON" and machine.unwind(kind, "COLON")
+        return machine.recover_to(kind)
+    if kind in tables().starters:  # some are names too: the next token decides
+        return machine.recover_to(kind, tokens[i + 1].type) or machine.recover_to(kind)
+    return tokens[i + 1].type == "COLON" and machine.recover_to(kind, "COLON")

@@ -1,4 +1,4 @@
-"""The syntax tree: what was written, with its place. Nothing is resolved or checked here."""
+"""Syntax tree: the written spec with source spans, before name resolution and checks."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from wmspec.core.node import Node
 from wmspec.core.places import Span
 
 N = TypeVar("N")
-#: What has parts of its own.
-MADE = (tuple, Node)
+#: Types with child nodes.
+COMPOSITE_TYPES = (tuple, Node)
 
 # ---------------------------------------------------------------- expressions
 
@@ -31,14 +31,14 @@ class Text(Node):
 
 
 class Pieces(Node):
-    """The text of a question: one or more quoted texts, between which a space is read."""
+    """The text of a question: quoted texts, joined by spaces."""
 
     pieces: tuple[Text, ...]
     span: Span
 
     @property
     def value(self) -> str:
-        """The whole text."""
+        """The joined text."""
         return " ".join(piece.value for piece in self.pieces)
 
 
@@ -50,7 +50,7 @@ class Truth(Node):
 
 
 class Name(Node):
-    """A bare word; `closed` if it is the language's own, whatever is declared by that name."""
+    """An identifier; `closed` if it belongs to the language, whatever is declared by that name."""
 
     id: str
     span: Span
@@ -117,7 +117,7 @@ class Items(Node):
 
 
 class Called(Node):
-    """`150 g called "empty"`: a value of a factor's list with its name."""
+    """`150 g called "empty"`: a level of a factor with its label."""
 
     value: Expr
     text: Text
@@ -137,7 +137,7 @@ class Docstring(Node):
 
 
 class Use(Node):
-    """`use room(style: warm) as here only [floor, front]`; `only` is the list as it was written."""
+    """`use room(style: warm) as here only [floor, front]`; `only` is the list as written."""
 
     name: Name
     given: tuple[Property, ...]
@@ -164,9 +164,9 @@ class Let(Node):
 
 
 class Parameter(Node):
-    """`parameter style = warm`: what those who use a library may say otherwise.
+    """`parameter style = warm`: a value that users of a library may override.
 
-    One `in` a list, the `domain`, is one of its items, and the first if nothing is said.
+    A parameter `in` a list (`domain`) takes one of its items, by default the first.
     """
 
     name: Name
@@ -210,9 +210,8 @@ class Part(Node):
 class Block(Node):
     """`object name : model { properties parts }`, and the same for cameras, lights, joints, robots and the world.
 
-    The world has no name of its own. `count` is set for `objects name[count] { ... }` and
-    `joints name[count] : model { ... }`. `whole` is never written: it is
-    the object that an asset's link or joint belongs to, where they stand in the place of the asset.
+    The world has no name. `count` is set for `objects name[count] { ... }` and `joints name[count] : model { ... }`.
+    `whole` is never written: it names the object of an asset that a link or joint belongs to.
     """
 
     kind: str
@@ -226,7 +225,7 @@ class Block(Node):
 
 
 class Template(Node):
-    """`template name(parameter: default) { properties parts }`: what objects of this model have in common."""
+    """`template name(parameter: default) { properties parts }`: the common part of objects of this model."""
 
     name: Name
     parameters: tuple[Property, ...]
@@ -236,7 +235,7 @@ class Template(Node):
 
 
 class Design(Node):
-    """`design sample of 500`, `design one_at_a_time { speed: 0.9 m/s }`: which combinations of factors there are."""
+    """`design sample of 500`, `design one_at_a_time { speed: 0.9 m/s }`: which combinations of factors occur."""
 
     kind: Name
     count: Expr | None
@@ -245,7 +244,7 @@ class Design(Node):
 
 
 class Tolerance(Node):
-    """`tolerance position 5 mm`: how far engines may disagree."""
+    """`tolerance position 5 mm`: allowed disagreement between engines."""
 
     name: Name
     value: Expr
@@ -297,14 +296,14 @@ class Counterfactual(Node):
 
 
 class EachOther(Node):
-    """`counterfactual each other level`: one for every other value that the target could have."""
+    """`counterfactual each other level`: one counterfactual for every other value of the target."""
 
     target: Expr
     span: Span
 
 
 class Kinds(Node):
-    """`kinds { tips: toppled(bar)  stands: true }`: the kinds of outcome of a question, the first that holds."""
+    """`kinds { tips: toppled(bar) stands: true }`: the kinds of outcome of a question; the first true one applies."""
 
     kinds: tuple[Property, ...]
     span: Span
@@ -350,7 +349,7 @@ Statement = (
 
 
 class Variant(Node):
-    """`variant room { statements }`: a task of its own, with what is common to all variants."""
+    """`variant room { statements }`: a task of its own that includes the common statements of all variants."""
 
     name: Name
     body: tuple[Statement, ...]
@@ -372,36 +371,36 @@ class File(Node):
     items: tuple[Statement | Task, ...]
     span: Span
     whole: bool = True
-    """Whether all of the text could be made sense of; if not, names may be missing."""
+    """Whether recovery dropped nothing; if not, names may be missing."""
 
 
 def names(node: object) -> Iterator[Name]:
-    """All names in a piece of the syntax tree."""
-    return _every(node, Name)
+    """Yield all names in a subtree."""
+    return _nodes_of_type(node, Name)
 
 
 def texts(node: object) -> Iterator[Text]:
-    """All quoted texts in a piece of the syntax tree."""
-    return _every(node, Text)
+    """Yield all quoted texts in a subtree."""
+    return _nodes_of_type(node, Text)
 
 
 def numbers(node: object) -> Iterator[Number]:
-    """All numbers in a piece of the syntax tree."""
-    return _every(node, Number)
+    """Yield all numbers in a subtree."""
+    return _nodes_of_type(node, Number)
 
 
-def _every(node: object, sort: type[N]) -> Iterator[N]:
-    """All nodes of a sort in a piece of the syntax tree, in order."""
+def _nodes_of_type(node: object, sort: type[N]) -> Iterator[N]:
+    """Yield all nodes of a type in a subtree, in order."""
     stack = [node]
     while stack:
         one = stack.pop()
         if isinstance(one, sort):
             yield one
-        stack += [part for part in parts(one) if isinstance(part, MADE)][::-1]
+        stack += [part for part in child_nodes(one) if isinstance(part, COMPOSITE_TYPES)][::-1]
 
 
-def parts(node: object) -> Iterator[object]:
-    """What a piece of the syntax tree is made of directly."""
+def child_nodes(node: object) -> Iterator[object]:
+    """Yield the direct children of a node."""
     if isinstance(node, tuple):
         yield from node
     elif isinstance(node, Node):

@@ -1,6 +1,6 @@
-"""The tables that text is read with: worked out from the grammar by Lark once, then kept in the user's cache.
+"""LALR tables: generated from the grammar by Lark once, then cached in the user's cache folder.
 
-Reading needs the tables alone, and not Lark, which takes longer to import than a spec to check.
+Parsing needs the tables only. Importing Lark takes longer than checking a spec.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ if TYPE_CHECKING:
     from lark import Lark
 
 STARTS = ("start", "expr")
-#: The rules of what reading can go on with after a mistake.
+#: Rules at which parsing can continue after an error.
 STATEMENTS = ("task", "use", "variant", "_statement", "_clause")
 
 
 @dataclass(frozen=True)
 class Rule:
-    """A rule of the grammar: what it makes of how many parts, and the node that comes of it.
+    """A rule of the grammar: its number of symbols, and the node that it builds.
 
-    `kept` says what the children of the node are: the part at a position (None: a part that was left out), or that
-    part's own children. A node with one child is that child if it `collapses`; it `passes` what it has if it always is.
+    `kept` lists the node's children: the position of a part (None: an omitted part), and whether that part's own
+    children are spliced in. A node with one child is replaced by it if `collapses`; it is always spliced if `passes`.
     """
 
     name: str
@@ -44,11 +44,11 @@ class Rule:
 
 @dataclass(frozen=True)
 class Tables:
-    """How text is read.
+    """Lexer and parser tables.
 
-    `pattern` matches one word, in the group of its type; `keywords` are the types of what is otherwise a name. In a
-    state, what comes next leads to the state of that number, or, if it is negative, completes the rule `~number`.
-    `starters` are the types of words that begin a statement or clause, `value_ends` of those that end a value.
+    `pattern` matches one token, in the group named by its type. `keywords` maps words that look like names to their
+    types. In a state, the next symbol leads to that state or, if negative, completes the rule `~number`. `starters` are
+    the token types that begin a statement or clause; `value_ends` are those that end a value.
     """
 
     pattern: str
@@ -63,27 +63,27 @@ class Tables:
 
 @cache
 def tables() -> Tables:
-    """The tables of the grammar, from the cache if they were made before for this grammar, code and Python."""
+    """Return the tables of the grammar, cached by grammar, code and Python version."""
     text = grammar()
     path = _cache_file(text)
-    # Whatever is wrong with the cache (a read-only home, a file cut short), the tables are made anew.
+    # The tables are generated again after any problem with the cache (a read-only home, a truncated file).
     with suppress(Exception), path.open("rb") as file:
-        kept = pickle.load(file)  # noqa: S301  the user's own cache
+        kept = pickle.load(file)  # noqa: S301  the user's cache folder
         if isinstance(kept, Tables):
             return kept
-    made = _made(lark_parser(text))
+    made = _build_tables(lark_parser(text))
     with suppress(OSError):
-        _keep(made, path)
+        _store(made, path)
     return made
 
 
 def grammar() -> str:
-    """The text of the grammar."""
+    """Return the text of the grammar."""
     return resource("grammar/wms.lark").read_text(encoding="utf-8")
 
 
 def lark_parser(text: str) -> Lark:
-    """Lark's parser for the grammar."""
+    """Return Lark's parser for the grammar."""
     from lark import Lark
 
     return Lark(text, parser="lalr", lexer="basic", start=list(STARTS))
@@ -99,8 +99,8 @@ def _cache_file(text: str) -> Path:
     return Path(root, "wmspec", f"grammar-{made_for[:16]}.tables")
 
 
-def _keep(made: Tables, path: Path) -> None:
-    """Write the tables whole or not at all: another process may read them at any time."""
+def _store(made: Tables, path: Path) -> None:
+    """Write the tables atomically: another process may read them at any time."""
     import tempfile
 
     path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -117,30 +117,30 @@ def _keep(made: Tables, path: Path) -> None:
 # ---------------------------------------------------------------- from Lark
 
 
-def _made(lark: Lark) -> Tables:
+def _build_tables(lark: Lark) -> Tables:
     pattern, keywords = _words(lark)
     ways = {start: lark.parse_interactive("", start=start).parser_state.parse_conf for start in STARTS}
     table: dict[int, dict[str, Any]] = ways[STARTS[0]].parse_table.states
     number = {state: i for i, state in enumerate(table)}
     rules = {rule: i for i, rule in enumerate(lark.rules)}
 
-    def action(kind: Any, what: Any) -> int:
-        return number[what] if kind.name == "Shift" else ~rules[what]
+    def action(kind: Any, target: Any) -> int:
+        return number[target] if kind.name == "Shift" else ~rules[target]
 
     return Tables(
         pattern=pattern,
         keywords=keywords,
         rules=tuple(map(_rule, lark.rules)),
-        states=tuple({str(name): action(*what) for name, what in actions.items()} for actions in table.values()),
+        states=tuple({str(name): action(*pair) for name, pair in actions.items()} for actions in table.values()),
         first={start: number[way.start_state] for start, way in ways.items()},
         last={start: number[way.end_state] for start, way in ways.items()},
-        starters=frozenset().union(*(_at_the_edge(lark, part, 0) for part in STATEMENTS)),
-        value_ends=_at_the_edge(lark, "expr", -1),
+        starters=frozenset().union(*(_edge_terminals(lark, part, 0) for part in STATEMENTS)),
+        value_ends=_edge_terminals(lark, "expr", -1),
     )
 
 
-def _at_the_edge(lark: Lark, origin: str, edge: int) -> frozenset[str]:
-    """The types of the words with which what a rule makes can begin (`edge` 0) or end (-1). No rule makes nothing."""
+def _edge_terminals(lark: Lark, origin: str, edge: int) -> frozenset[str]:
+    """Return the token types that a rule can begin with (`edge` 0) or end with (-1). No rule is empty."""
     words, origins, waiting = set[str](), {origin}, [origin]
     while waiting:
         one = waiting.pop()
@@ -154,18 +154,18 @@ def _at_the_edge(lark: Lark, origin: str, edge: int) -> frozenset[str]:
 
 
 def _words(lark: Lark) -> tuple[str, dict[str, str]]:
-    """The expression for a word, and the words of the language that are written like names."""
+    """Return the token pattern, and the keywords that look like names."""
     name = next(t.pattern.to_regexp() for t in lark.terminals if t.name == "NAME")
     fixed = {t.pattern.value: t.name for t in lark.terminals if t.pattern.type == "str" and t.priority == 0}
     keywords = {word: kind for word, kind in fixed.items() if re.fullmatch(name, word)}
     others = [t for t in lark.terminals if t.name not in keywords.values()]
-    # As Lark does: by priority, and then what may be longer first.
+    # Lark's order: by priority, then by maximum length.
     others.sort(key=lambda t: (-t.priority, -t.pattern.max_width, -len(t.pattern.value), t.name))
     return "|".join(f"(?P<{t.name}>{t.pattern.to_regexp()})" for t in others), keywords
 
 
 def _rule(rule: Any) -> Rule:
-    """What becomes of a rule's parts: words without a meaning of their own go, and `[...]` leaves gaps."""
+    """Return the rule with its children: tokens without a value are dropped, `[...]` leaves gaps."""
     options = rule.options
     gaps = options.empty_indices or (False,) * len(rule.expansion)
     kept: list[tuple[int | None, bool]] = []

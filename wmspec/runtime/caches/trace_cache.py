@@ -1,4 +1,4 @@
-"""Executing scenes, each physics once: colour does not change a trajectory."""
+"""Executes scenes, once per physics key: colours do not change a trajectory."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from wmspec.sim.scene.model import Scene, Trace
 
 
 class TraceCache:
-    """Executes scenes in one engine and remembers the latest traces (some 250 kB each) by what physics reads.
+    """Executes scenes in one engine and caches the most recent traces (about 250 kB each) by physics key.
 
-    `asked` is how many traces it was asked for, `executed` how many episodes that took.
+    `requests` counts requested traces, `executed` the executed episodes.
     """
 
     def __init__(self, engine: str, remembered: int = 128) -> None:
         self.engine = engine
-        self.asked = self.executed = 0
+        self.requests = self.executed = 0
         self._traces: LRU[bytes, Trace] = LRU(remembered)
 
     def trace(self, scene: Scene) -> Trace:
-        """The trace of a scene, executed now or before. Raises EngineError if the engine fails on it."""
-        self.asked += 1
+        """Return the trace of a scene, cached if possible. Raises EngineError if the engine fails."""
+        self.requests += 1
         return self._traces.get(physics_key(scene), lambda: self._execute(scene))
 
     def _execute(self, scene: Scene) -> Trace:

@@ -1,1 +1,1 @@
-"""The same episodes in several engines: how far trajectories part, whether answers agree, and why they do not."""
+"""Compares episodes across engines: trajectories, answers, and causes of differences."""

@@ -1,21 +1,21 @@
-"""What each engine answers, as the question's kind answers it, and whether two engines answer the same."""
+"""Answers of each engine, and whether two engines agree."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.runtime.questions.gates import passed
+from wmspec.runtime.questions.gates import smallest_margin
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import Answer, Reject
-from wmspec.runtime.questions.question_context import Asking, refused
+from wmspec.runtime.questions.question_context import QuestionContext, rejection_of
 
 
 @dataclass(frozen=True)
 class EngineAnswer:
-    """One engine's `answer` (None if it has none), the same in `words`, and what was `measured` (SI units).
+    """One engine's `answer` (None without one), its text `words`, and the `measured` values (SI units).
 
-    `rejected` is the gate that the question fails, or None. What only pictures show is not looked at.
+    `rejected` is the gate that the question fails, or None. Gates on pictures are not evaluated.
     """
 
     answer: Answer | None
@@ -24,8 +24,8 @@ class EngineAnswer:
     rejected: str | None
 
 
-def answer(asking: Asking) -> EngineAnswer:
-    """An engine's answer, whatever the gates say."""
+def answer(asking: QuestionContext) -> EngineAnswer:
+    """Return an engine's answer, independent of the gates."""
     kind, measured = KINDS[asking.question.kind], asking.measured
     try:
         value = kind.answer(asking)
@@ -33,7 +33,7 @@ def answer(asking: Asking) -> EngineAnswer:
     except (Reject, WmsError) as error:
         return EngineAnswer(None, "nothing", measured.readings, _reason(error))
     try:
-        passed(asking.question, measured)
+        smallest_margin(asking.question, measured)
         kind.gate(asking, value)
         rejected = None
     except (Reject, WmsError) as error:
@@ -42,14 +42,14 @@ def answer(asking: Asking) -> EngineAnswer:
 
 
 def agree(a: EngineAnswer, b: EngineAnswer) -> bool:
-    """Whether each engine's outcome picks the other's answer, or neither has one."""
+    """Whether each engine's outcome selects the other's answer, or neither has one."""
     if a.answer is None or b.answer is None:
         return a.answer is b.answer
     return KINDS[a.answer.kind].agree(a.answer, b.answer)
 
 
 def difference(a: EngineAnswer, b: EngineAnswer, engines: tuple[str, str]) -> str:
-    """How the answers compare, in a sentence for a person."""
+    """Return a sentence that compares the answers."""
     if a.answer is not None and b.answer is not None:
         sentence = KINDS[a.answer.kind].compared(a.answer, b.answer, engines)
         if sentence:
@@ -59,5 +59,5 @@ def difference(a: EngineAnswer, b: EngineAnswer, engines: tuple[str, str]) -> st
 
 
 def _reason(error: Reject | WmsError) -> str:
-    reject = error if isinstance(error, Reject) else refused(error)
+    reject = error if isinstance(error, Reject) else rejection_of(error)
     return f"{reject.reason}: {reject.detail}"

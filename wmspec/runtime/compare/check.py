@@ -1,4 +1,4 @@
-"""One instance in several engines, with the counterfactuals that its questions need executed."""
+"""Executes one instance in several engines, with the counterfactuals of its questions."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from wmspec.runtime.caches.scene_cache import SceneCache
 from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.compare.answers import EngineAnswer, agree, answer, difference
 from wmspec.runtime.compare.compare import compare
-from wmspec.runtime.compare.model import Cause, Checked, Comparison, Failure, Pair, Verdict
+from wmspec.runtime.compare.model import Cause, CheckResult, Comparison, Failure, Pair, Verdict
 from wmspec.runtime.compare.tolerance import Tolerances
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import TRUTH
-from wmspec.runtime.questions.question_context import Asking
+from wmspec.runtime.questions.question_context import QuestionContext
 from wmspec.runtime.questions.runs import EnginePair, Run, values_of
 from wmspec.sim.scene.model import Scene, Trace
 
-#: The pictures on which `visible`, `occluded` and `contrast` are measured (px).
-SIDE = 256
+#: Size (px) of the pictures on which `visible`, `occluded` and `contrast` are measured.
+MEASUREMENT_SIZE = 256
 
 #: A trace by engine and run.
 Traces = Mapping[tuple[str, str], Trace]
 
 
-def check(design: Design, index: int, engines: Sequence[TraceCache], tolerances: Tolerances) -> Checked:
-    """Execute an instance in every engine and compare each pair of them."""
+def check(design: Design, index: int, engines: Sequence[TraceCache], tolerances: Tolerances) -> CheckResult:
+    """Execute an instance in every engine and compare each pair of engines."""
     spec, instance = design.spec, design[index]
     scenes, failures = _scenes(design, instance)
     traces, failed = _execute(scenes, engines)
@@ -44,21 +44,23 @@ def check(design: Design, index: int, engines: Sequence[TraceCache], tolerances:
     )
     executed = _Executed(design, instance, scenes, traces)
     verdicts = tuple(v for q in range(len(spec.questions)) for v in executed.verdicts(q, pairs, comparisons))
-    return Checked(spec.name, index, instance.factors, instance.nuisances, comparisons, verdicts, (*failures, *failed))
+    return CheckResult(
+        spec.name, index, instance.factors, instance.nuisances, comparisons, verdicts, (*failures, *failed)
+    )
 
 
 def run_name(spec: TaskSpec, q: int, change: Counterfactual) -> str:
-    """What a counterfactual's run is called: its name, with the question's number if there are several."""
+    """Return the name of a counterfactual's run: its name, with the question's number if there are several."""
     return change.name if len(spec.questions) == 1 else f"{change.name} ({q + 1})"
 
 
 def _changes(question: Question, instance: Instance) -> tuple[Counterfactual, ...]:
-    """The counterfactuals that a question needs executed."""
+    """Return the counterfactuals that a question executes."""
     return KINDS[question.kind].executed(question, instance.factors)
 
 
 def _scenes(design: Design, instance: Instance) -> tuple[dict[str, Scene], list[Failure]]:
-    """The scenes to execute, by run, and those that cannot be made."""
+    """Return the scenes to execute, by run, and those that cannot be built."""
     spec = design.spec
     changes: dict[str, Counterfactual | None] = {TRUTH: None}
     for q, question in enumerate(spec.questions):
@@ -85,7 +87,7 @@ def _execute(scenes: Mapping[str, Scene], engines: Iterable[TraceCache]) -> tupl
 
 @dataclass(frozen=True)
 class _Executed:
-    """An executed instance whose questions are asked."""
+    """An executed instance with its questions."""
 
     design: Design
     instance: Instance
@@ -93,7 +95,7 @@ class _Executed:
     traces: Traces
 
     def verdicts(self, q: int, pairs: Sequence[Pair], comparisons: Sequence[Comparison]) -> list[Verdict]:
-        """A question in every pair of engines that executed what it needs."""
+        """Return a question's verdict for every pair of engines that executed its runs."""
         spec, question = self.design.spec, self.design.spec.questions[q]
         runs = {TRUTH, *(run_name(spec, q, change) for change in _changes(question, self.instance))}
         answers = {
@@ -115,10 +117,10 @@ class _Executed:
             return self._run(engine, run_name(spec, q, change), change)
 
         pair = EnginePair(TraceCache(engine), _renders(engine))
-        return answer(Asking(question, self._run(engine, TRUTH, None), alternative, pair))
+        return answer(QuestionContext(question, self._run(engine, TRUTH, None), alternative, pair))
 
     def _run(self, engine: str, name: str, change: Counterfactual | None) -> Run:
-        """What was executed, as it is asked about."""
+        """Return an executed run as the questions read it."""
         values = values_of(self.design, self.instance, change)
         return Run(values, self.scenes[name], self.traces[engine, name])
 
@@ -144,18 +146,18 @@ def _verdict(
 
 @cache
 def _reader() -> SceneCache:
-    """Reads every scene of a closed set once, whichever of its members is checked."""
+    """Return the cache that reads each scene of a closed set once."""
     return SceneCache()
 
 
 @cache
 def _renders(engine: str) -> RenderCache:
-    """Draws only for what is measured on pictures; it costs nothing where nothing is."""
-    return RenderCache(engine, SIDE, SIDE)
+    """Return the renderer for measurements on pictures; renderers are created on first use."""
+    return RenderCache(engine, MEASUREMENT_SIZE, MEASUREMENT_SIZE)
 
 
 def _cause(comparisons: Sequence[Comparison]) -> Cause | None:
-    """Why the answer differs: the truth's own divergence, else that of the counterfactual that parts most."""
+    """Return the cause of a different answer: the truth's, else that of the most divergent counterfactual."""
     parted = [c for c in comparisons if c.cause is not None]
     worst = max(
         parted,

@@ -1,4 +1,4 @@
-"""What a crosscheck finds: values only, in SI units, so that they cross processes and become JSON as they are."""
+"""Results of a crosscheck: plain values in SI units, picklable and JSON-compatible."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from dataclasses import dataclass, field
 from wmspec.compile.design.levels import Level
 from wmspec.lang.check.ir.ir import QuestionKind
 
-#: The names of two engines, in the order in which they were asked for.
+#: The names of two engines, in the requested order.
 Pair = tuple[str, str]
 
 
 @dataclass(frozen=True)
 class Gap:
-    """How far one body parts between two engines.
+    """The divergence of one body between two engines.
 
-    `position` (m) and `angle` (rad, as far as it can be seen) are the largest gaps, `allowed` (m) what the tolerances
-    give at the time of the former, `end` (m) the gap at the end, `began` (s) when a gap first exceeded what was
-    allowed (None if never).
+    `position` (m) and `angle` (rad, visible rotation only) are the largest gaps. `allowed` (m) is the tolerance at the
+    time of the position gap, `end` (m) the gap at the end. `began` (s) is when a gap first exceeded its tolerance, or
+    None.
     """
 
     body: str
@@ -30,7 +30,7 @@ class Gap:
 
 @dataclass(frozen=True)
 class Event:
-    """The first touch (s) of two bodies that did not touch at the start, in each engine (None if they never do)."""
+    """The first contact (s) of two bodies, initially apart, in each engine; None without contact."""
 
     first: str
     second: str
@@ -40,7 +40,7 @@ class Event:
 
 @dataclass(frozen=True)
 class Rest:
-    """A body that has come to rest at the end in one engine and not in the other: its speeds (m/s)."""
+    """A body at rest at the end in one engine only, with its speeds (m/s)."""
 
     body: str
     speeds: tuple[float, float]
@@ -48,9 +48,9 @@ class Rest:
 
 @dataclass(frozen=True)
 class Cause:
-    """Where two engines part first: the body, when (s), the last touch before that, and what decides such a touch.
+    """The first divergence of two engines: body, time (s), previous contact, and decisive properties.
 
-    `mass` (kg) holds the partners' masses (0 for what cannot move), `friction` and `restitution` are those of the pair.
+    `mass` (kg) holds the partners' masses (0 for immovable ones); `friction` and `restitution` are those of the pair.
     """
 
     run: str
@@ -66,20 +66,20 @@ class Cause:
 
 @dataclass(frozen=True)
 class Regime:
-    """Motion that engines get wrong, whether or not they agree: what of it, and where it is in the episode."""
+    """Motion that engines get wrong, even when they agree: its kind, and where it occurs in the episode."""
 
     kind: str
     where: str
 
     @property
-    def told(self) -> str:
+    def sentence(self) -> str:
         """Both in a sentence."""
         return f"{self.kind}: {self.where}"
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """One episode in two engines. `run` is `truth` or the name of a counterfactual; `cause`: None within tolerance."""
+    """One episode in two engines. `run` is `truth` or a counterfactual; `cause` is None within tolerance."""
 
     run: str
     engines: Pair
@@ -99,10 +99,9 @@ class Comparison:
 class Verdict:
     """One question in two engines.
 
-    `kind` is that of the question and `sort` that of its answer's value, as the language names it. `answers` are what
-    each engine says, in words. `rejected` is why an engine would not ask it (None if it would). `agree` holds if each
-    engine's outcome picks the other's answer, whether or not it would be asked. `regimes`: what the runs that it rests
-    on enter, so that agreement is no proof.
+    `kind` is that of the question, `sort` that of its answer. `answers` are texts. `rejected` is the gate that rejects
+    the question in an engine, or None. `agree` holds if each engine's outcome selects the other's answer, independent
+    of gates. `regimes` occur in the question's runs; agreement is then no evidence.
     """
 
     question: int
@@ -117,19 +116,19 @@ class Verdict:
     regimes: tuple[Regime, ...] = ()
 
     @property
-    def asked(self) -> bool:
-        """Whether either engine alone would ask it."""
+    def is_accepted(self) -> bool:
+        """Whether at least one engine's gates accept the question."""
         return None in self.rejected
 
     @property
     def disputed(self) -> bool:
-        """Whether it would be asked, with another answer in the other engine."""
-        return self.asked and not self.agree
+        """Whether the question is accepted, and the other engine has another answer."""
+        return self.is_accepted and not self.agree
 
 
 @dataclass(frozen=True)
 class Failure:
-    """An engine that could not execute a run (or `engine` "": there is no such scene), and its reason."""
+    """An engine that could not execute a run, with the reason; `engine` is '' if the scene is invalid."""
 
     engine: str
     run: str
@@ -137,8 +136,8 @@ class Failure:
 
 
 @dataclass(frozen=True)
-class Checked:
-    """Everything about one instance."""
+class CheckResult:
+    """All results for one instance."""
 
     task: str
     index: int
@@ -155,10 +154,10 @@ class Checked:
 
     @property
     def parted(self) -> tuple[Comparison, ...]:
-        """The episodes that are out of tolerance."""
+        """The episodes out of tolerance."""
         return tuple(c for c in self.comparisons if not c.within)
 
     def passes(self, strict: bool) -> bool:
-        """Whether the engines agree: on the answers, and if `strict` (or nothing is asked) on the trajectories too."""
+        """Whether the engines agree: on answers, and if `strict` (or without questions) on trajectories."""
         decided_by_path = strict or not self.verdicts
         return not self.failures and not self.disputed and not (decided_by_path and self.parted)

@@ -1,4 +1,4 @@
-"""A crosscheck for machines: JSON, and JUnit XML as continuous integration reads it. Neither holds a time of day."""
+"""Machine-readable crosschecks: JSON, and JUnit XML for continuous integration. Neither contains a time of day."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from wmspec import __version__
-from wmspec.runtime.compare.model import Checked
-from wmspec.runtime.compare.summary import doubtful, lines, suspects
-from wmspec.runtime.compare.sweep import Job, pairs
+from wmspec.runtime.compare.model import CheckResult
+from wmspec.runtime.compare.summary import lines, suspects, unreliable_answers
+from wmspec.runtime.compare.sweep import SweepConfig, pairs
 from wmspec.runtime.compare.verbalize import complaints, failure, parting
 from wmspec.runtime.engines.registry import engine_version
 
-#: The version of the JSON's layout.
+#: Version of the JSON layout.
 FORMAT = 1
 
 
-def record(job: Job, checked: Sequence[Checked], strict: bool) -> dict[str, Any]:
-    """The whole crosscheck as JSON values, SI units."""
+def record(job: SweepConfig, checked: Sequence[CheckResult], strict: bool) -> dict[str, Any]:
+    """Return the crosscheck as JSON values, in SI units."""
     return {
         "format": FORMAT,
         "wmspec": __version__,
@@ -31,14 +31,14 @@ def record(job: Job, checked: Sequence[Checked], strict: bool) -> dict[str, Any]
         "passes": all(c.passes(strict) for c in checked),
         "summary": [asdict(line) for line in lines(checked, pairs(job.engines))],
         "suspects": [asdict(s) for s in suspects(checked)],
-        "doubtful": [asdict(d) for d in doubtful(checked)],
+        "doubtful": [asdict(d) for d in unreliable_answers(checked)],
         "instances": [_instance(c, strict) for c in checked],
     }
 
 
-def _instance(checked: Checked, strict: bool) -> dict[str, Any]:
+def _instance(checked: CheckResult, strict: bool) -> dict[str, Any]:
     comparisons = [asdict(c) | {"within": c.within} for c in checked.comparisons]
-    verdicts = [asdict(v) | {"asked": v.asked} for v in checked.verdicts]
+    verdicts = [asdict(v) | {"asked": v.is_accepted} for v in checked.verdicts]
     return {
         **asdict(checked),
         "passes": checked.passes(strict),
@@ -48,8 +48,8 @@ def _instance(checked: Checked, strict: bool) -> dict[str, Any]:
     }
 
 
-def junit(job: Job, checked: Sequence[Checked], strict: bool) -> str:
-    """JUnit XML: a suite per task, a case per instance; what is out of tolerance but passes is in its output."""
+def junit(job: SweepConfig, checked: Sequence[CheckResult], strict: bool) -> str:
+    """Return JUnit XML: a suite per task, a case per instance; passing deviations are in its output."""
     root = ET.Element("testsuites", name="wmspec crosscheck")
     for task in dict.fromkeys(c.task for c in checked):
         cases = [c for c in checked if c.task == task]
@@ -67,7 +67,7 @@ def junit(job: Job, checked: Sequence[Checked], strict: bool) -> str:
     return ET.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
 
 
-def _case(suite: ET.Element, checked: Checked, job: Job, strict: bool) -> None:
+def _case(suite: ET.Element, checked: CheckResult, job: SweepConfig, strict: bool) -> None:
     name = f"{checked.task}[{checked.index}]"
     case = ET.SubElement(suite, "testcase", classname=f"crosscheck.{checked.task}", name=name)
     reasons = complaints(checked, strict)
@@ -84,5 +84,5 @@ def _case(suite: ET.Element, checked: Checked, job: Job, strict: bool) -> None:
 
 
 def _clean(text: str) -> str:
-    """Without the characters that XML 1.0 cannot hold."""
+    """Return the text without characters that XML 1.0 excludes."""
     return re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)

@@ -1,4 +1,4 @@
-"""Many instances in a few numbers: agreement per pair of engines, and the factors that go with disagreement."""
+"""Summaries of many instances: agreement per pair of engines, and factors associated with disagreement."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from wmspec.compile.design.levels import Level
-from wmspec.runtime.compare.model import Checked, Comparison, Pair
+from wmspec.runtime.compare.model import CheckResult, Comparison, Pair
 
 
 @dataclass(frozen=True)
 class Share:
-    """`good` of `all`."""
+    """`good` out of `all`."""
 
     good: int
     all: int
@@ -21,12 +21,12 @@ class Share:
 
 
 @dataclass(frozen=True)
-class Line:
+class TaskAgreement:
     """A task in a pair of engines.
 
-    `answers` counts the questions that either engine alone would ask, `before_gates` all of them, `episodes` what was
-    executed, counterfactuals included, and is within tolerance. `median` and `largest` (m) are of every episode's
-    largest gap, `late` (s) is the largest difference of an event that happens in both.
+    `answers` counts the questions that at least one engine accepts, `before_gates` all questions. `episodes` counts
+    executed runs within tolerance, counterfactuals included. `median` and `largest` (m) summarize the largest gap of
+    every episode. `late` (s) is the largest time difference of an event in both engines.
     """
 
     task: str
@@ -41,7 +41,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Suspect:
-    """A value of a factor with which more goes wrong (`with_it`: wrong of all) than with its other values."""
+    """A level of a factor with more failures (`with_it`) than its other levels (`without`)."""
 
     task: str
     what: str
@@ -51,22 +51,22 @@ class Suspect:
     without: Share
 
 
-def lines(checked: Sequence[Checked], engines: Sequence[Pair]) -> tuple[Line, ...]:
-    """One line per task and pair of engines, in order."""
+def lines(checked: Sequence[CheckResult], engines: Sequence[Pair]) -> tuple[TaskAgreement, ...]:
+    """Return one line per task and pair of engines, in order."""
     tasks = dict.fromkeys(c.task for c in checked)
     return tuple(_line(task, pair, [c for c in checked if c.task == task]) for task in tasks for pair in engines)
 
 
-def _line(task: str, pair: Pair, checked: Sequence[Checked]) -> Line:
+def _line(task: str, pair: Pair, checked: Sequence[CheckResult]) -> TaskAgreement:
     verdicts = [v for c in checked for v in c.verdicts if v.engines == pair]
-    asked = [v for v in verdicts if v.asked]
+    accepted = [v for v in verdicts if v.is_accepted]
     compared = [k for c in checked for k in c.comparisons if k.engines == pair]
     gaps = sorted(_widest(k) for k in compared) or [0.0]
     late = [abs(e.times[0] - e.times[1]) for k in compared for e in k.events if None not in e.times]  # type: ignore[operator]
-    return Line(
+    return TaskAgreement(
         task=task,
         engines=pair,
-        answers=Share(sum(v.agree for v in asked), len(asked)),
+        answers=Share(sum(v.agree for v in accepted), len(accepted)),
         before_gates=Share(sum(v.agree for v in verdicts), len(verdicts)),
         episodes=Share(sum(k.within for k in compared), len(compared)),
         median=gaps[len(gaps) // 2],
@@ -79,10 +79,10 @@ def _widest(comparison: Comparison) -> float:
     return max((g.position for g in comparison.gaps), default=0.0)
 
 
-def suspects(checked: Sequence[Checked]) -> tuple[Suspect, ...]:
-    """The values of factors that go with answers that differ, and with trajectories that part, the worst first."""
+def suspects(checked: Sequence[CheckResult]) -> tuple[Suspect, ...]:
+    """Return the levels associated with disputed answers and diverging trajectories, the worst first."""
     tasks = dict.fromkeys(c.task for c in checked)
-    kinds: tuple[tuple[str, Callable[[Checked], bool]], ...] = (
+    kinds: tuple[tuple[str, Callable[[CheckResult], bool]], ...] = (
         ("answers differ", lambda c: any(not v.agree for v in c.verdicts)),
         ("trajectories part", lambda c: bool(c.parted)),
     )
@@ -94,8 +94,10 @@ def suspects(checked: Sequence[Checked]) -> tuple[Suspect, ...]:
     )
 
 
-def _suspects(task: str, what: str, checked: Sequence[Checked], wrong: Callable[[Checked], bool]) -> list[Suspect]:
-    """Values with at least two cases, and twice the rate of the factor's other values."""
+def _suspects(
+    task: str, what: str, checked: Sequence[CheckResult], wrong: Callable[[CheckResult], bool]
+) -> list[Suspect]:
+    """Return levels with at least two cases, and twice the rate of the factor's other levels."""
     suspected = []
     for factor in checked[0].factors:
         for value in dict.fromkeys(c.factors[factor] for c in checked):
@@ -110,8 +112,8 @@ def _suspects(task: str, what: str, checked: Sequence[Checked], wrong: Callable[
 
 
 @dataclass(frozen=True)
-class Doubtful:
-    """Answers of a task that rest on motion that engines get wrong: how many of all, and where in one of them."""
+class UnreliableAnswers:
+    """Answers of a task that rest on a regime: their share, and an example."""
 
     task: str
     kind: str
@@ -120,15 +122,15 @@ class Doubtful:
     where: str
 
 
-def doubtful(checked: Sequence[Checked]) -> tuple[Doubtful, ...]:
-    """What answers rest on that is no proof though engines agree, by task."""
-    rows: dict[tuple[str, str], Doubtful] = {}
+def unreliable_answers(checked: Sequence[CheckResult]) -> tuple[UnreliableAnswers, ...]:
+    """Return the regimes that answers rest on, by task; agreement is no evidence there."""
+    rows: dict[tuple[str, str], UnreliableAnswers] = {}
     for task in dict.fromkeys(c.task for c in checked):
         verdicts = [(c.index, v) for c in checked if c.task == task for v in c.verdicts]
         for index, regime in [(index, regime) for index, v in verdicts for regime in v.regimes]:
             resting = sum(any(r.kind == regime.kind for r in v.regimes) for _, v in verdicts)
-            told = Doubtful(task, regime.kind, Share(resting, len(verdicts)), index, regime.where)
-            rows.setdefault((task, regime.kind), told)
+            row = UnreliableAnswers(task, regime.kind, Share(resting, len(verdicts)), index, regime.where)
+            rows.setdefault((task, regime.kind), row)
     return tuple(rows.values())
 
 

@@ -1,4 +1,4 @@
-"""How far two engines may part and still tell the same story."""
+"""Tolerances for differences between engines."""
 
 from __future__ import annotations
 
@@ -22,24 +22,23 @@ from wmspec.lang.check.types.units import (
 
 @dataclass(frozen=True)
 class Tolerances:
-    """What two engines may differ by, in SI units.
+    """Permitted differences between two engines, in SI units.
 
-    The defaults come from measurements of wmspec's own engines, as it sets them up, against analytic answers
-    (docs/benchmarks/oracles.md). Their errors: free flight 0.02 mm in 1 s; the stop of a slid box 0.2 % of the way; the
-    speed after two balls collide 2.6 % of the speed before; the apex of a bounce 2.2 % of the drop; creep at rest
-    0.3 mm; an impact spread over 3 ms. An off-centre push turns a box by up to 10 degrees more in one engine than in
-    another.
+    The defaults follow from errors against analytic solutions (docs/benchmarks/oracles.md): free flight 0.02 mm in 1 s;
+    stopping distance of a slid box 0.2 %; speed after a collision of two balls 2.6 % of the speed before; apex of a
+    bounce 2.2 % of the drop; creep at rest 0.3 mm; duration of an impact 3 ms. An off-centre push rotates a box by up
+    to 10 degrees more in one engine than in another.
     """
 
-    #: A body that has never moved, m.
+    #: Position of a body that has never moved, m.
     rest: float = 0.0005
-    #: A body in motion that has met nothing yet, m for each second of motion.
+    #: Position of a moving body before any impact, m per second of motion.
     drift: float = 0.005
-    #: After an impact, for each second of motion: this share of the speed (m/s) with which the bodies met.
+    #: After an impact, position per second of motion, as a share of the impact speed (m/s).
     impact: float = 0.03
-    #: The first touch of two bodies, s; and for a body that was met, the way it makes in that time.
+    #: Time of a first contact, s; struck bodies may also be off by their motion in that time.
     event: float = 0.010
-    #: The orientation of a body, as far as it can be seen, rad.
+    #: Visible orientation of a body, rad.
     angle: float = 0.1745
 
 
@@ -53,9 +52,9 @@ _DIMENSIONS: dict[str, tuple[Dimension, str]] = {
 
 
 def tolerances(settings: Iterable[str], declared: Mapping[str, float] = MappingProxyType({})) -> Tolerances:
-    """The defaults, in their place what a spec has `declared` (SI), in their place `settings` such as `drift=1cm/s`.
+    """Return the defaults, overridden by those `declared` in a spec (SI), then by `settings` such as `drift=1cm/s`.
 
-    Raises WmsError with the remedy.
+    Raises WmsError with a remedy.
     """
     given: dict[str, float] = {}
     for setting in settings:

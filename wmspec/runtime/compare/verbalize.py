@@ -1,20 +1,20 @@
-"""What was found, in sentences for a person."""
+"""Results of a crosscheck as sentences."""
 
 from __future__ import annotations
 
 from math import degrees
 
-from wmspec.runtime.compare.model import Cause, Checked, Comparison, Failure, Gap, Verdict
+from wmspec.runtime.compare.model import Cause, CheckResult, Comparison, Failure, Gap, Verdict
 from wmspec.runtime.questions.kinds import KINDS
 
 
 def failure(failed: Failure) -> str:
-    """Why an instance was not executed."""
+    """Return why an instance was not executed."""
     return ", ".join(part for part in (failed.engine, failed.run) if part) + f": {failed.reason}"
 
 
 def dispute(verdict: Verdict) -> str:
-    """How and why an answer differs."""
+    """Return how and why an answer differs."""
     why = (
         cause(verdict.cause)
         if verdict.cause
@@ -25,7 +25,7 @@ def dispute(verdict: Verdict) -> str:
 
 
 def parting(comparison: Comparison) -> str:
-    """How and why an episode is out of tolerance."""
+    """Return how and why an episode is out of tolerance."""
     parts = [_apart(g) for g in comparison.gaps if g.began is not None]
     parts += [
         f"{e.first} and {e.second} touch {_when(e.times, comparison.engines)}"
@@ -41,7 +41,7 @@ def parting(comparison: Comparison) -> str:
 
 
 def cause(why: Cause) -> str:
-    """Where it began and what decides it."""
+    """Return where a divergence began and its cause."""
     where = f"`{why.body}` parts at {why.began:.3f} s" + ("" if why.run == "truth" else f" in `{why.run}`")
     if why.mass is None or why.touched is None:
         return f"{where}: {why.hint}"
@@ -52,8 +52,8 @@ def cause(why: Cause) -> str:
     )
 
 
-def complaints(checked: Checked, strict: bool) -> list[str]:
-    """Everything for which an instance does not pass; nothing if it does."""
+def complaints(checked: CheckResult, strict: bool) -> list[str]:
+    """Return all reasons why an instance does not pass; empty if it does."""
     if checked.passes(strict):
         return []
     reasons = [failure(f) for f in checked.failures] + [dispute(v) for v in checked.disputed]

@@ -1,7 +1,6 @@
-"""What works on this machine, and what mends the rest.
+"""Checks every part of the installation by running it.
 
-Everything is tried. A remedy is given for a cause that was recognised; any other failure is shown, with how to report
-it.
+A recognised cause has a remedy. Any other failure is printed with instructions for a report.
 """
 
 from __future__ import annotations
@@ -28,17 +27,17 @@ from wmspec.runtime.engines.registry import engine_version, info, names
 from wmspec.sim.photo import library
 from wmspec.sim.scene.backend import Info
 
-PATIENCE = 300.0  # seconds: an engine may compile its shaders anew in every process, minutes on a busy machine
+PATIENCE = 300.0  # s: an engine may compile its shaders in every process, which takes minutes on a busy machine
 OLDEST_PYTHON = (3, 11)
-#: What draws the look "photo", as engines describe themselves.
+#: The renderer of the look "photo", described like an engine.
 _PHOTO = Info("photo", "Mitsuba", "mitsuba", "mitsuba", library.REQUIREMENT, 0)
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing looked at: whether it is well, and what was found.
+    """The result of one check: whether it passed, and what was found.
 
-    If it is not well: the command that mends it, or, where no cause was recognised, how to report it.
+    A failed check has the command that fixes it, or, without a recognised cause, how to report it.
     """
 
     name: str
@@ -49,9 +48,9 @@ class Finding:
 
 
 def examine(patience: float = PATIENCE) -> tuple[Finding, ...]:
-    """Look at everything: Python, packages, and each engine by letting it execute and draw a cube.
+    """Check Python, packages, and each engine by executing and rendering a cube.
 
-    No trial takes longer than `patience` (s). Never raises for what it finds.
+    No trial takes longer than `patience` (s). Failures are findings, not exceptions.
     """
     system = install_hints.this_system()
     known = {name: _known(name) for name in names()}
@@ -68,7 +67,7 @@ def examine(patience: float = PATIENCE) -> tuple[Finding, ...]:
 
 
 def _known(name: str) -> Info | Finding:
-    """What a backend says of itself, or that it cannot be loaded."""
+    """Return the description of a backend, or a finding that it cannot be loaded."""
     try:
         return info(name)
     except WmsError as error:
@@ -76,7 +75,7 @@ def _known(name: str) -> Info | Finding:
 
 
 def _failed(finding: Finding, failure: Failure, mended: Callable[[Cause], str] | None) -> Finding:
-    """A finding that is not well, with the remedy of its cause, or else how to report it."""
+    """Return a failed finding, with the remedy of its cause, or else how to report it."""
     cure = mended(failure.cause) if failure.cause and mended else ""
     report = "" if cure else failure.report or f"  {how_to_report(file=False)}"
     return replace(finding, ok=False, found=failure.words, remedy=cure, report=report)
@@ -95,7 +94,7 @@ def _python() -> Finding:
 
 
 def _packages() -> Finding:
-    """The core requirements that wmspec itself declares, and wmspec."""
+    """Check the core requirements that wmspec declares, and wmspec itself."""
     try:
         declared = [r for r in requires("wmspec") or () if "extra ==" not in r]
     except PackageNotFoundError:
@@ -111,7 +110,7 @@ def _name(requirement: str) -> str:
 
 
 def _satisfied(requirement: str) -> bool:
-    """Whether the requirement's package is installed, and at least as new as it says."""
+    """Whether the requirement's package is installed, and new enough."""
     try:
         installed = version(_name(requirement))
     except PackageNotFoundError:
@@ -138,7 +137,7 @@ def _engine(engine: Info, system: System, patience: float) -> list[Finding]:
 
 
 def _photo(system: System, patience: float) -> list[Finding]:
-    """Whether the look "photo" can be drawn, and whether an LLVM here makes that faster."""
+    """Check whether the look "photo" can be rendered, and whether an LLVM accelerates it."""
     try:
         installed = Finding("photo", True, ", ".join(f"{name} {version(name)}" for name in library.DISTRIBUTIONS))
     except PackageNotFoundError:
@@ -152,14 +151,14 @@ def _photo(system: System, patience: float) -> list[Finding]:
 
 
 def _photo_mended(cause: Cause, system: System) -> str:
-    """The command that mends what draws the look "photo"."""
+    """Return the command that fixes the renderer of the look "photo"."""
     if cause.kind == "install":
         return install_hints.pip(library.REQUIREMENT, "--force-reinstall")
     return install_hints.mending(cause, _PHOTO, system)
 
 
 def _compiling(system: System, patience: float) -> Finding:
-    """The newest LLVM of this machine, tried: pictures can be drawn without."""
+    """Try the newest LLVM of this machine; it is optional."""
     path = library.newest_llvm()
     if not path:
         needed = f"no LLVM {library.OLDEST_LLVM} or newer; pictures are drawn without, which takes longer"
@@ -183,7 +182,7 @@ def _trial(engine: Info, trial: str, system: System, patience: float) -> Finding
 
 
 def _try(module: str, *arguments: str, patience: float, **variables: str) -> str | Failure:
-    """Run a module in a process of its own, with variables set: its last words, or why it failed."""
+    """Run a module in its own process with extra variables; return its last output, or the failure."""
     command = [sys.executable, "-P", "-X", "faulthandler", "-m", module, *arguments]
     try:
         done = subprocess.run(

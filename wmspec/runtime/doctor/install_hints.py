@@ -1,4 +1,4 @@
-"""The commands that mend a machine: Python packages by pip, graphics libraries by the system's own packages."""
+"""Commands that fix an installation: Python packages with pip, graphics libraries with the system's packages."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from wmspec.core.crash import in_our_code
+from wmspec.core.crash import is_own_error
 from wmspec.core.diagnostics import GraphicsError
 from wmspec.sim.scene.backend import Graphics, Info
 
@@ -21,7 +21,7 @@ FAMILY = {"debian", "ubuntu"}
 
 @dataclass(frozen=True)
 class System:
-    """What decides how packages are installed: the names in os-release, and whether we are root."""
+    """What determines how packages are installed: the names in os-release, and whether the user is root."""
 
     ids: frozenset[str]
     codename: str
@@ -29,30 +29,30 @@ class System:
 
     @property
     def sudo(self) -> str:
-        """What a command begins with."""
+        """Prefix of system commands."""
         return "" if self.root else "sudo "
 
 
 @dataclass(frozen=True)
 class Cause:
-    """A cause that was recognised, and the package, system library, engine module or variable that it is about."""
+    """A recognised cause, and the package, library, engine module or variable that it concerns."""
 
     kind: Literal["package", "library", "install", "variable", "graphics"]
     what: str = ""
 
 
-#: How the loader says that a library of the system is missing.
+#: The loader's message for a missing system library.
 _LIBRARY = re.compile(r"(lib[\w.+-]+\.so[.\d]*): cannot open shared object file")
-#: How the libraries begin that Mesa brings.
+#: Name prefixes of Mesa's libraries.
 _OF_GRAPHICS = ("libEGL", "libGL", "libOpenGL", "libOSMesa", "libvulkan")
-#: Variables that choose a driver or a library.
+#: Environment variables that select a driver or a library.
 _VARIABLE = re.compile(r"\b(MUJOCO_GL|PYOPENGL_PLATFORM|VK_DRIVER_FILES|VK_ICD_FILENAMES|DRJIT_LIBLLVM_PATH)\b")
 
 
 def recognised(error: BaseException) -> Cause | None:
-    """Why an engine failed, if that has a known remedy. None for a mistake in our code, and whatever else it may be."""
+    """Return the cause of an engine's failure if it has a known remedy; None for bugs and everything else."""
     chain = list(_chain(error))
-    if any(map(in_our_code, chain)):
+    if any(map(is_own_error, chain)):
         return None
     for one in chain:
         if isinstance(one, ModuleNotFoundError) and one.name and "." not in one.name:
@@ -70,14 +70,14 @@ def recognised(error: BaseException) -> Cause | None:
 
 
 def _chain(error: BaseException | None) -> Iterator[BaseException]:
-    """An exception, and those that it was raised from."""
+    """Yield an exception and its causes."""
     while error is not None:
         yield error
         error = error.__cause__ or error.__context__
 
 
 def mending(cause: Cause, engine: Info, system: System) -> str:
-    """The command that removes a cause; empty if the engine is not what it is about."""
+    """Return the command that removes a cause, or an empty string if it does not concern the engine."""
     match cause.kind:
         case "variable":
             return f"unset {cause.what}"
@@ -93,7 +93,7 @@ def mending(cause: Cause, engine: Info, system: System) -> str:
 
 
 def this_system() -> System:
-    """The system we run on."""
+    """Return the system of this machine."""
     try:
         release = platform.freedesktop_os_release()
     except OSError:
@@ -103,12 +103,12 @@ def this_system() -> System:
 
 
 def pip(requirement: str, *options: str) -> str:
-    """The command that installs a requirement where we run."""
+    """Return the command that installs a requirement in this environment."""
     return " ".join([sys.executable, "-m pip install", *options, f"'{requirement}'"])
 
 
 def engine_package(engine: Info, system: System) -> str:
-    """The command that installs an engine; it compiles it where there is no wheel for this Python."""
+    """Return the command that installs an engine; it compiles if there is no wheel for this Python."""
     build = engine.compiled
     if build is None or sys.version_info[:2] <= build.wheels_until:
         return pip(engine.requirement)
@@ -118,14 +118,14 @@ def engine_package(engine: Info, system: System) -> str:
 
 
 def graphics(system: System, mesa: tuple[int, int]) -> str:
-    """The command that installs what engines draw with when there is no GPU; at least that version of Mesa."""
+    """Return the command that installs software rendering, with at least that version of Mesa."""
     if not system.ids & FAMILY:
         oldest = ".".join(map(str, mesa))
         return f"install Mesa {oldest} or newer (EGL and the Vulkan driver lavapipe), or your GPU's driver"
     backports = DEBIAN_WITH_OLD_MESA.get(system.codename)
     if backports is None:
         return f"{_apt(system)} {PACKAGES}"
-    # The address is asked of apt: the one that the system has for itself.
+    # apt supplies the address of the system's own mirror.
     ask = f"apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Release: {system.codename}'"
     entry = f'echo "deb $({ask} | head -1) {backports} main"'
     add = f"{system.sudo}tee /etc/apt/sources.list.d/{backports}.list"
@@ -133,17 +133,17 @@ def graphics(system: System, mesa: tuple[int, int]) -> str:
 
 
 def llvm(system: System, oldest: int) -> str:
-    """The command that installs what compiles the look "photo"."""
+    """Return the command that installs the compiler of the look "photo"."""
     return f"{_apt(system)} libllvm{oldest}" if system.ids & FAMILY else f"install LLVM {oldest} or newer"
 
 
 def reinstalled(engine: Info, system: System) -> str:
-    """The command that installs an engine again, whose own modules cannot be imported."""
+    """Return the command that reinstalls an engine whose own modules cannot be imported."""
     return engine_package(engine, system).replace("pip install", "pip install --force-reinstall")
 
 
 def drawing(engine: Info, system: System) -> str:
-    """The command that brings the graphics that an engine draws with; empty if it draws by itself."""
+    """Return the command that installs the graphics libraries of an engine; empty if it needs none."""
     if engine.graphics is None:
         return ""
     if forced := _forced(engine.graphics):
@@ -152,7 +152,7 @@ def drawing(engine: Info, system: System) -> str:
 
 
 def _forced(used: Graphics) -> str:
-    """The environment variables that choose another driver than the engine would."""
+    """Return the environment variables that select another driver than the engine's default."""
     return " ".join(n for n in used.variables if os.environ.get(n, used.api).lower() != used.api.lower())
 
 

@@ -1,10 +1,10 @@
-"""Does an engine work here? Run `python -m wmspec.runtime.doctor.probe ENGINE execute|render`.
+"""Tests one engine. Run `python -m wmspec.runtime.doctor.probe ENGINE execute|render`.
 
-The last line that it prints is `found: ` with what was found, or `failed: ` with a `Failure` as JSON.
+The last line of its output is `found: ` with the result, or `failed: ` with a `Failure` as JSON.
 
-`python -m wmspec.runtime.doctor.probe mitsuba photo` tries what draws the look "photo".
+`python -m wmspec.runtime.doctor.probe mitsuba photo` tests the renderer of the look "photo".
 
-A process of its own, because a broken graphics driver may take the whole process down.
+It is a separate process, because a broken graphics driver may kill the process.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ FOUND, FAILED = "found: ", "failed: "
 
 @dataclass(frozen=True)
 class Failure:
-    """Why a trial failed: in words, the recognised cause, and where none was recognised how to report it."""
+    """The failure of a trial: a message, the recognised cause, or else how to report it."""
 
     words: str
     cause: Cause | None = None
@@ -43,7 +43,7 @@ class Failure:
 
     @classmethod
     def of(cls, error: Exception) -> Failure:
-        """The failure that an exception is."""
+        """Return the failure of an exception."""
         words = " ".join(str(error).split())
         if cause := recognised(error):
             return cls(words, cause)
@@ -53,13 +53,13 @@ class Failure:
 
     @classmethod
     def read(cls, text: str) -> Failure:
-        """The failure that was printed."""
+        """Return a printed failure."""
         values = json.loads(text)
         return cls(values["words"], Cause(**values["cause"]) if values["cause"] else None, values["report"])
 
 
 def falling_cube() -> Scene:
-    """A red cube in free fall for a tenth of a second, with a camera that looks at where it starts."""
+    """Return a red cube in free fall for 0.1 s, with a camera that looks at its start."""
     shape = Box((0.05,) * 3)
     cube = Body(
         name="cube",
@@ -77,7 +77,7 @@ def falling_cube() -> Scene:
 
 
 def execute(engine: str) -> str:
-    """Let the cube fall. Raises WmsError unless it falls g t² / 2, to 3 %: more than any integrator errs."""
+    """Drop the cube. Raises WmsError unless it falls g t² / 2 within 3 %, more than any integrator's error."""
     trace = backend(engine).execute(falling_cube())
     time = float(trace.time[-1])
     fallen = float(trace.position[0, 0, 2] - trace.position[-1, 0, 2])
@@ -88,7 +88,7 @@ def execute(engine: str) -> str:
 
 
 def photo(_: str = "") -> str:
-    """Draw the cube in the look "photo". Raises WmsError unless it is red, in the middle of the picture."""
+    """Render the cube in the look "photo". Raises WmsError unless the centre of the picture is red."""
     from wmspec.sim.photo.library import variant
     from wmspec.sim.photo.tracer import Tracer
 
@@ -99,7 +99,7 @@ def photo(_: str = "") -> str:
 
 
 def render(engine: str) -> str:
-    """Draw the cube. Raises WmsError unless it is seen, and red, in the middle of the picture."""
+    """Render the cube. Raises WmsError unless its mask and a red centre of the picture show it."""
     scene = falling_cube()
     renderer = backend(engine).renderer(scene, SIZE, SIZE)
     frame = renderer.draw(Shot("eye", tuple(b.pose for b in scene.bodies)))
@@ -120,7 +120,7 @@ TRIALS: dict[str, Callable[[str], str]] = {"execute": execute, "render": render,
 
 
 def main(engine: str, trial: str) -> int:
-    """Print what was found, or what failed; the exit code is 0 or 1."""
+    """Print what was found, or what failed; return the exit code 0 or 1."""
     try:
         report, code = FOUND + TRIALS[trial](engine), 0
     except Exception as error:  # noqa: BLE001  whatever an engine raises is what we came to hear

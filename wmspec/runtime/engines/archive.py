@@ -1,4 +1,4 @@
-"""Traces on disk: an `.npz` file with the stage that was executed, so that it can be drawn without its spec."""
+"""Traces on disk: an `.npz` file with the executed stage, so that it can be rendered without its spec."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from pxr import Sdf, Usd
 
 import wmspec.sim.usd.schema  # noqa: F401  importing it registers the schemas
 from wmspec.core.diagnostics import Diagnostic, WmsError
-from wmspec.core.limits import TRACE, TooLarge
+from wmspec.core.limits import TRACE_BYTES, TooLarge
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import is_name, plain
+from wmspec.core.safe_io import is_file_name, regular_file
 from wmspec.sim.scene.model import Contact, Trace
 
 ARRAYS = ("time", "position", "orientation", "linear_velocity", "angular_velocity")
 
 
 def save(stage: Usd.Stage, trace: Trace, path: Path, notes: Sequence[Diagnostic] = ()) -> None:
-    """Write a trace, the stage it is of, and what was executed otherwise. Raises WmsError if that is impossible."""
+    """Write a trace with its stage and the warnings of its execution. Raises WmsError if the file is not writable."""
     more: dict[str, Any] = {"notes": np.array([str(note) for note in notes])} if notes else {}
     touched = [(c.first, c.second, c.start, c.stop) for c in trace.contacts]
     pairs, times = [t[:2] for t in touched], [t[2:] for t in touched]
@@ -43,13 +43,13 @@ def save(stage: Usd.Stage, trace: Trace, path: Path, notes: Sequence[Diagnostic]
 
 
 def load(path: Path) -> tuple[Usd.Stage, Trace]:
-    """A trace and the stage that it is of, as `save` wrote them.
+    """Return a trace and its stage from a file of `save`.
 
-    Raises WmsError if the file is something else, if it would not fit into memory, or if its numbers are nonsense.
+    Raises WmsError if the file has another format, exceeds the memory limit, or contains invalid numbers.
     """
     place = FilePlace(str(path))
     try:
-        _sized(plain(path))
+        _check_size(regular_file(path))
         with np.load(path, allow_pickle=False) as file:
             arrays: dict[str, Any] = dict(file)
         contacts = zip(arrays["contacts"].tolist(), arrays["contact_times"].tolist(), strict=True)
@@ -59,7 +59,7 @@ def load(path: Path) -> tuple[Usd.Stage, Trace]:
             **{name: np.asarray(arrays[name]) for name in ARRAYS},
             contacts=tuple(Contact(*pair, *times) for pair, times in contacts),
         )
-        fault = _fault(trace)
+        fault = _violation(trace)
         stage = None if fault else _stage(str(arrays["stage"]))
     except FileNotFoundError:
         raise WmsError("there is no such file", place) from None
@@ -73,11 +73,11 @@ def load(path: Path) -> tuple[Usd.Stage, Trace]:
     return stage, trace
 
 
-def _sized(path: Path) -> None:
-    """Raise TooLarge, or ValueError, if an archive would unpack to more than can be, or than its arrays say."""
+def _check_size(path: Path) -> None:
+    """Raise TooLarge or ValueError if an archive unpacks to more than the limit, or than its headers declare."""
     with zipfile.ZipFile(path) as archive:
-        if sum(member.file_size for member in archive.infolist()) > TRACE.most:
-            raise TRACE.exceeded()
+        if sum(member.file_size for member in archive.infolist()) > TRACE_BYTES.most:
+            raise TRACE_BYTES.exceeded()
         for member in archive.infolist():
             with archive.open(member) as file:
                 version = np.lib.format.read_magic(file)
@@ -88,14 +88,14 @@ def _sized(path: Path) -> None:
 
 
 def _stage(text: str) -> Usd.Stage | None:
-    """The stage in a trace, which was flattened; None if it uses other layers all the same."""
+    """Return the flattened stage of a trace, or None if it refers to other layers."""
     layer = Sdf.Layer.CreateAnonymous(".usda")
     layer.ImportFromString(text)
     return None if layer.GetCompositionAssetDependencies() else Usd.Stage.Open(layer)
 
 
-def _fault(trace: Trace) -> str:
-    """What is wrong with the numbers of a trace: empty if nothing is."""
+def _violation(trace: Trace) -> str:
+    """Return a description of invalid numbers in a trace, or an empty string."""
     t, n = len(trace.time.reshape(-1)), len(trace.bodies)
     expected = dict(zip(ARRAYS, [(t,), (t, n, 3), (t, n, 4), (t, n, 3), (t, n, 3)], strict=True))
     for name, shape in expected.items():
@@ -106,10 +106,10 @@ def _fault(trace: Trace) -> str:
             return f"`{name}` has numbers that are not finite"
     if t == 0 or trace.time[0] != 0 or (np.diff(trace.time) <= 0).any():
         return "its times do not begin at 0 and go on from there"
-    if not is_name(trace.engine):
+    if not is_file_name(trace.engine):
         return "its engine has no name"
     if len(set(trace.bodies)) < n or not all(isinstance(name, str) and name for name in trace.bodies):
-        return "its bodies are not told apart by name"
+        return "its bodies have duplicate names"
     with np.errstate(over="ignore"):
         lengths = np.linalg.norm(trace.orientation, axis=2)
     if np.abs(lengths - 1).max(initial=0) > _UNIT:
@@ -121,5 +121,5 @@ def _fault(trace: Trace) -> str:
     return ""
 
 
-#: How far the length of a quaternion may be from 1.
+#: Permitted deviation of a quaternion's norm from 1.
 _UNIT = 1e-3

@@ -1,4 +1,4 @@
-"""The installed backends, by entry point. An engine is imported when it is first used and never before."""
+"""Installed backends, by entry point. An engine is imported on first use."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ def _entries() -> dict[str, EntryPoint]:
     return {e.name: e for e in sorted(entry_points(group=GROUP), key=lambda e: e.name)}
 
 
-#: Backends of this process alone.
+#: Backends registered in this process only.
 _registered: dict[str, Backend] = {}
 
 
 def register(backend_: Backend) -> None:
-    """Have a backend in this process alone, as in a notebook; an entry point has it everywhere.
+    """Register a backend in this process only, as in a notebook; an entry point registers it everywhere.
 
-    It replaces one that was registered by the same name. Raises WmsError if an entry point has that name.
+    It replaces a registered backend of the same name. Raises WmsError if an entry point has that name.
     """
     name = backend_.info.name
     if name in _entries():
@@ -40,29 +40,29 @@ def register(backend_: Backend) -> None:
         known.cache_clear()
 
 
-def only_here(engines: Iterable[str]) -> bool:
-    """Whether one of the engines is unknown to other processes."""
+def is_process_local(engines: Iterable[str]) -> bool:
+    """Whether one of the engines is registered in this process only."""
     return not _registered.keys().isdisjoint(engines)
 
 
 def names() -> tuple[str, ...]:
-    """The names of all backends that wmspec knows, whether or not their engine is installed."""
+    """Return the names of all backends, with or without an installed engine."""
     return (*_entries(), *_registered)
 
 
 @cache
 def info(name: str) -> Info:
-    """What the backend of that name says of itself, whether or not its engine is installed.
+    """Return the description of a backend, with or without an installed engine.
 
-    Raises WmsError if there is none.
+    Raises WmsError if there is no such backend.
     """
-    return _loaded(name).info
+    return _load_backend(name).info
 
 
 @cache
 def backend(name: str) -> Backend:
-    """The backend of that name. Raises WmsError if there is none, or if its engine is not installed."""
-    engine = _loaded(name)
+    """Return a backend. Raises WmsError if there is none with that name, or if its engine is not installed."""
+    engine = _load_backend(name)
     try:
         with silence():
             import_module(engine.info.module)
@@ -73,12 +73,12 @@ def backend(name: str) -> Backend:
         ) from None
     except Exception as error:  # noqa: BLE001  whatever an engine does while it is imported
         raise WmsError(
-            f"the engine of backend `{name}` fails as it is imported ({error}); `wmspec doctor` tells what mends it"
+            f"the engine of backend `{name}` fails as it is imported ({error}); `wmspec doctor` names the remedy"
         ) from None
     return engine
 
 
-def _loaded(name: str) -> Backend:
+def _load_backend(name: str) -> Backend:
     entries = _entries()
     if name in _registered:
         return _registered[name]
@@ -94,28 +94,28 @@ def _loaded(name: str) -> Backend:
 
 
 def default() -> str:
-    """The backend where none is named: the first of wmspec's own, or else of others, whose engine can be imported."""
+    """Return the default backend: the first with an importable engine, those of wmspec before others."""
     known = sorted(_entries().values(), key=lambda e: (e.dist is None or e.dist.name != "wmspec", e.name))
-    return next((e.name for e in known if _works(e.name)), "") or _none()[0]
+    return next((e.name for e in known if _is_importable(e.name)), "") or _none()[0]
 
 
-def chosen(choice: str) -> tuple[str, ...]:
-    """The backends meant by `--backend`: names joined by commas, or `all` for those whose engine can be imported.
+def select_backends(choice: str) -> tuple[str, ...]:
+    """Return the backends of a `--backend` option: names joined by commas, or `all` with importable engines.
 
-    The default one, if none is named. Raises WmsError for one that there is not.
+    An empty option selects the default. Raises WmsError for unknown backends.
     """
     if choice != "all":
-        wanted = tuple(dict.fromkeys(n.strip() for n in choice.split(",") if n.strip()))
-        for name in wanted:
+        chosen = tuple(dict.fromkeys(n.strip() for n in choice.split(",") if n.strip()))
+        for name in chosen:
             backend(name)
-        return wanted or (default(),)
-    return tuple(name for name in names() if _works(name)) or _none()
+        return chosen or (default(),)
+    return tuple(name for name in names() if _is_importable(name)) or _none()
 
 
-def drawing(engines: Sequence[str], look: Look) -> tuple[str, ...]:
-    """The engines, if all of them can draw the look. Raises WmsError with those that can.
+def require_look(engines: Sequence[str], look: Look) -> tuple[str, ...]:
+    """Return the engines if all of them can render the look. Raises WmsError that names those that can.
 
-    Mitsuba draws the look "photo"; its masks and distances are those of the engine's parity look.
+    Mitsuba renders the look "photo"; its masks and depth maps are those of the engine's parity look.
     """
     if look not in get_args(Look):
         raise WmsError(f"no look `{look}`; choose `parity`, the same picture from every engine, or `photo`, for people")
@@ -123,7 +123,7 @@ def drawing(engines: Sequence[str], look: Look) -> tuple[str, ...]:
         photo.mitsuba()
     for name in engines:
         if not info(name).draws:
-            able = ", ".join(other for other in names() if _works(other) and info(other).draws)
+            able = ", ".join(other for other in names() if _is_importable(other) and info(other).draws)
             raise WmsError(
                 f"{name} cannot draw; choose among {able or 'engines yet to be installed'} with "
                 "--backend, or in `wmspec render` with --renderer"
@@ -132,23 +132,23 @@ def drawing(engines: Sequence[str], look: Look) -> tuple[str, ...]:
 
 
 def engine_version(name: str) -> str:
-    """The version of the backend's engine, as its package says."""
+    """Return the version of the backend's engine package."""
     return version(info(name).distribution)
 
 
 def versions(engines: Iterable[str], look: Look) -> dict[str, str]:
-    """The versions that decide a dataset's bytes: of wmspec, of engines, and of what draws the look "photo"."""
+    """Return the versions that determine a dataset's bytes: wmspec, engines, and the renderer of "photo"."""
     return {name: version_of(name) for name in ("wmspec", *engines, *(photo.DISTRIBUTIONS if look == "photo" else ()))}
 
 
 def version_of(name: str) -> str:
-    """The version of one of them."""
+    """Return the version of one of them."""
     if name == "wmspec":
         return __version__
     return photo.versions()[name] if name in photo.DISTRIBUTIONS else engine_version(name)
 
 
-def _works(name: str) -> bool:
+def _is_importable(name: str) -> bool:
     try:
         backend(name)
     except WmsError:

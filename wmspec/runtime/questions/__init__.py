@@ -1,1 +1,1 @@
-"""From executed episodes to questions: measured answers, options, and the gates that an instance must pass."""
+"""From executed episodes to questions: measured answers, options, and gates."""

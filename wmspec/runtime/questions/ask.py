@@ -1,4 +1,4 @@
-"""Asking an instance's questions in one engine: execute, check the gates, measure the answer, picture the options."""
+"""Creates the questions of an instance in one engine: executes, gates, measures the answer, draws the options."""
 
 from __future__ import annotations
 
@@ -6,41 +6,46 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from wmspec.compile.design.about import named
+from wmspec.compile.design.about import referenced_objects
 from wmspec.compile.design.design import Design, Instance
 from wmspec.core.diagnostics import GraphicsError, WmsError
 from wmspec.core.rng import Permutation, bits, permuted
-from wmspec.lang.check.expressions.measured import measured as is_measured
-from wmspec.lang.check.expressions.measured import moments
+from wmspec.lang.check.expressions.measured import is_measured, moments
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Channel, Level, TaskSpec
-from wmspec.runtime.questions.gates import passed
+from wmspec.runtime.questions.gates import smallest_margin
 from wmspec.runtime.questions.kinds import KINDS
-from wmspec.runtime.questions.model import Answer, Picture, QuestionRow, Reject, Rejected, Sighting, Strength
-from wmspec.runtime.questions.question_context import AnswerSlot, Asking, ClosedSlot, ShuffledSlot, refused
-from wmspec.runtime.questions.robustness import stable
+from wmspec.runtime.questions.model import Answer, Picture, QuestionRow, Reject, Rejected, Strength, VisibleObject
+from wmspec.runtime.questions.question_context import (
+    AnswerSlot,
+    ClosedSlot,
+    QuestionContext,
+    ShuffledSlot,
+    rejection_of,
+)
+from wmspec.runtime.questions.robustness import require_stable
 from wmspec.runtime.questions.runs import EnginePair, Run, execute
-from wmspec.runtime.questions.verbalize import question_text, written
+from wmspec.runtime.questions.verbalize import format_expression, question_text
 from wmspec.runtime.questions.views import View, channels_of
-from wmspec.runtime.questions.visibility_gate import chains, shown, shown_in
-from wmspec.runtime.questions.visible_object import sightings
+from wmspec.runtime.questions.visibility_gate import connected_sets, require_visible, require_visible_in
+from wmspec.runtime.questions.visible_object import visible_objects
 
 
 def ask(design: Design, index: int, pair: EnginePair) -> list[QuestionRow | Rejected]:
-    """Every question of an instance, each asked or rejected with its reason."""
+    """Return every question of an instance, as a row or rejected with its reason."""
     instance = design[index]
     numbers = range(len(design.spec.questions))
     try:
         run = execute(design, instance, None, pair)
     except Reject as reject:
         return [_rejected(design, instance, q, pair, reject) for q in numbers]
-    return [_asked(design, instance, q, run, pair) for q in numbers]
+    return [_question_row(design, instance, q, run, pair) for q in numbers]
 
 
-def _asked(design: Design, instance: Instance, q: int, run: Run, pair: EnginePair) -> QuestionRow | Rejected:
-    """One question of an executed instance."""
+def _question_row(design: Design, instance: Instance, q: int, run: Run, pair: EnginePair) -> QuestionRow | Rejected:
+    """Return one question of an executed instance."""
     alternative = partial(execute, design, instance, pair=pair)
-    asking = Asking(design.spec.questions[q], run, alternative, pair)
+    asking = QuestionContext(design.spec.questions[q], run, alternative, pair)
     try:
         return _Row(design, instance, q, asking).row()
     except Reject as reject:
@@ -48,7 +53,7 @@ def _asked(design: Design, instance: Instance, q: int, run: Run, pair: EnginePai
     except GraphicsError:
         raise
     except WmsError as error:
-        return _rejected(design, instance, q, pair, refused(error))
+        return _rejected(design, instance, q, pair, rejection_of(error))
 
 
 def _rejected(design: Design, instance: Instance, q: int, pair: EnginePair, why: Reject) -> Rejected:
@@ -56,7 +61,7 @@ def _rejected(design: Design, instance: Instance, q: int, pair: EnginePair, why:
 
 
 def groups(instance: Instance) -> dict[str, str]:
-    """For every factor, the key that this instance shares with those that differ from it in that factor alone."""
+    """Return, for every factor, the key shared by instances that differ in that factor only."""
     return {
         factor: f"{bits(instance.block, *(f'{k}={v}' for k, v in instance.factors.items() if k != factor)):016x}"
         for factor in instance.factors
@@ -64,7 +69,7 @@ def groups(instance: Instance) -> dict[str, str]:
 
 
 def closed_slot(design: Design, instance: Instance, q: int) -> ClosedSlot:
-    """The order of a closed set: the same for all its members, so that each place holds the truth once.
+    """Return the order of a closed set, equal for all members, so that the truth is at each place once.
 
     Over as many groups as there are members, every member has every place once.
     """
@@ -79,36 +84,36 @@ def closed_slot(design: Design, instance: Instance, q: int) -> ClosedSlot:
 
 
 def names_of(spec: TaskSpec, values: Mapping[str, Level]) -> dict[str, str]:
-    """What the values of factors and nuisances are called, of those that have names."""
+    """Return the names of the values of factors and nuisances that have names."""
     called = {factor.name: factor.called(values[factor.name]) for factor in spec.factors}
     return {name: words for name, words in called.items() if words is not None}
 
 
 @dataclass(frozen=True)
 class _Row:
-    """The row of a question in the making."""
+    """Builds the row of a question."""
 
     design: Design
     instance: Instance
     q: int
-    asking: Asking
+    asking: QuestionContext
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What the draws of this instance depend on."""
+        """The key of the random draws of this instance."""
         return self.design.seed, self.design.spec.name, self.instance.index
 
     def row(self) -> QuestionRow:
-        """The question. Raises Reject where it cannot be asked."""
+        """Return the question. Raises Reject if a gate rejects it."""
         spec, instance, asking = self.design.spec, self.instance, self.asking
         question, measured, pair, kind = asking.question, asking.measured, asking.pair, KINDS[asking.question.kind]
-        margin = passed(question, measured)
+        margin = smallest_margin(question, measured)
         answer = kind.answer(asking)
         kind.gate(asking, answer)
-        stable(asking, answer, instance.key)
+        require_stable(asking, answer, instance.key)
         self.visible(answer)
         options = kind.options(asking, answer, self.slot)
-        names = named(question, asking.values)
+        names = referenced_objects(question, asking.values)
         difference = self.difference()
         channels = channels_of(spec)
         return QuestionRow(
@@ -144,42 +149,46 @@ class _Row:
         )
 
     def visible(self, answer: Answer) -> None:
-        """Raise Reject unless all that the question is about can be seen well, in the options too."""
+        """Raise Reject unless everything that the question is about is visible, in the options too."""
         asking, kind = self.asking, KINDS[answer.kind]
-        depicted = kind.depicted(asking, answer)
+        depicted = kind.option_images(asking, answer)
         runs = [asking.run, *(option.run for option in depicted)]
-        things = {thing.name for thing in asking.values.spec.things}  # the links of an arm are none: they may hide
-        needed = named(asking.question, asking.values).union(*(run.movers() & things for run in runs))
-        together = chains(asking.values)
-        shown(asking.observed, needed, together)
+        things = {thing.name for thing in asking.values.spec.things}  # links of an arm may be hidden
+        needed = referenced_objects(asking.question, asking.values).union(*(run.movers() & things for run in runs))
+        together = connected_sets(asking.values)
+        require_visible(asking.observed, needed, together)
         for option in depicted:
-            shown_in(option.name, option.run.observed([(option.camera, option.time)], asking.pair), needed, together)
+            require_visible_in(
+                option.name, option.run.observed([(option.camera, option.time)], asking.pair), needed, together
+            )
 
     @property
     def slot(self) -> AnswerSlot:
-        """The truth's place among the options: everywhere alike, over the design and over every sample of it."""
+        """Return the place of the truth, balanced over the design and over every sample of it."""
         if self.asking.question.orbit:
             return closed_slot(self.design, self.instance, self.q)
-        (turn, place, many), (seed, name, _) = self.design.drawn_with(self.instance.index), self.key
+        (turn, place, many), (seed, name, _) = self.design.sample_part(self.instance.index), self.key
         position = turn * many + permuted(place, many, seed, name, self.q, turn, "position")
         return ShuffledSlot(position, (*self.key, "order"))
 
     def picture(self, view: View, channels: frozenset[Channel]) -> Picture:
-        """A picture with what the spec asks for of it."""
+        """Return a picture with the channels that the spec requests."""
         run, (camera, time) = self.asking.run, view
         frame = run.draw(camera, time, self.asking.pair, depth="depth" in channels)
         if "ids" not in channels:
             return Picture(camera, time, frame.rgb, frame.depth)
         return Picture(camera, time, frame.rgb, frame.depth, frame.ids, tuple(b.name for b in run.scene.bodies))
 
-    def objects(self, view: View, names: set[str]) -> tuple[Sighting, ...]:
-        """What a picture shows of the objects."""
+    def objects(self, view: View, names: set[str]) -> tuple[VisibleObject, ...]:
+        """Return the visible objects of a picture."""
         run, (camera, time) = self.asking.run, view
-        return sightings(run, run.draw(camera, time, self.asking.pair), time, names)
+        return visible_objects(run, run.draw(camera, time, self.asking.pair), time, names)
 
     def difference(self) -> Strength | None:
-        """How strong the stimulus is, if the question says."""
+        """Return the strength of the stimulus, if the question defines it."""
         stimulus = self.asking.question.difference
         if stimulus is None:
             return None
-        return Strength(written(stimulus.value), stimulus.unit, evaluate(stimulus.value, self.asking.measured))
+        return Strength(
+            format_expression(stimulus.value), stimulus.unit, evaluate(stimulus.value, self.asking.measured)
+        )

@@ -1,7 +1,7 @@
-"""Balanced answers: of each group, draws are tried until in every lap of groups each answer comes equally often.
+"""Balanced answers: draws of each group are tried until each answer is equally frequent in every batch of groups.
 
-A lap has as many groups as there are answers. It is made by itself, so that what is kept depends on nothing but the
-design: not on the order of the work, on who does it, or on what other shares of the design hold.
+A batch has as many groups as there are answers. It is computed independently, so the result depends on the design only,
+not on the order of work or on other shards.
 """
 
 from __future__ import annotations
@@ -13,41 +13,41 @@ from itertools import islice
 from operator import add
 
 from wmspec.compile.design.design import Design
-from wmspec.core.limits import MOST_DRAWS
+from wmspec.core.limits import MAX_DRAWS
 from wmspec.runtime.questions.closed_sets import Answers
 from wmspec.runtime.questions.model import QuestionRow, Rejected
 
-#: So many ways in which the groups of a lap can come together are followed.
-MOST_WAYS = 20_000
+#: Number of partial assignments followed per batch.
+MAX_ASSIGNMENTS = 20_000
 
-#: The answers of a group's members, by index.
+#: Answers of the members of a group, by index.
 Group = Mapping[int, Answers]
-#: How often each answer comes in a group.
+#: Frequency of each answer in a group.
 Counts = tuple[int, ...]
-#: Asks all members of a group of a design.
+#: Computes the answers of all members of a group of a design.
 Ask = Callable[[Design, int], Group]
 
 
 @dataclass(frozen=True)
-class Lap:
-    """The answers of all members of a lap's groups, how many groups were executed for that, and how many are kept."""
+class BalanceBatch:
+    """The answers of all members of a batch, and the numbers of executed and kept groups."""
 
     answers: Group
     executed: int
     kept: int
 
 
-def balanced(design: Design, block: int, ask: Ask) -> Lap:
-    """The lap of a group, with draws in which its answers are balanced; if there are none, they are all rejected.
+def balanced_batch(design: Design, block: int, ask: Ask) -> BalanceBatch:
+    """Return the batch of a group with balanced draws; all are rejected if there are none.
 
-    Draws are tried in turn, one of each group, and the first are kept that can be. One counts if every member of the
-    group yields the question, by the answers of the engine that is named first.
+    One draw of each group is tried in turn, and the first valid combination is kept. A draw counts if every member
+    yields the question, by the answers of the first engine.
     """
-    lap, tried = design.lap(block), _Tried(design)
-    most = len(design.blocks.members(block))  # in a whole lap: as many groups as answers, all of one size
+    lap, tried = design.balance_batch(block), _TriedDraws(design)
+    most = len(design.blocks.members(block))  # groups of a batch: as many as answers, of equal size
     ways: list[dict[Counts, Group]] = [{} for _ in lap]
     first: dict[int, Answers] = {}
-    for draw in range(MOST_DRAWS):
+    for draw in range(MAX_DRAWS):
         for place, group in enumerate(lap):
             answers = ask(design.redrawn(draw), group)
             counts = tried.counts(answers)
@@ -56,18 +56,18 @@ def balanced(design: Design, block: int, ask: Ask) -> Lap:
             if counts is None or counts in ways[place]:
                 continue
             ways[place][counts] = answers
-            kept = together(ways, most)
+            kept = pick_assignment(ways, most)
             if kept is not None:
                 pairs = zip(ways, kept, strict=True)
                 members = {index: answers for way, one in pairs for index, answers in way[one].items()}
-                return Lap(members, tried.groups, len(lap))
-    return Lap(dict(tried.rejected(first)), tried.groups, 0)
+                return BalanceBatch(members, tried.groups, len(lap))
+    return BalanceBatch(dict(tried.rejected(first)), tried.groups, 0)
 
 
-def together(ways: Sequence[Mapping[Counts, object]], most: int) -> tuple[Counts, ...] | None:
-    """One of the ways of each group such that no answer comes more than `most` times; None if there are none such.
+def pick_assignment(ways: Sequence[Mapping[Counts, object]], most: int) -> tuple[Counts, ...] | None:
+    """Return one option per group such that no answer occurs more than `most` times, or None.
 
-    Of several the one whose ways come first, those of the first groups before those of others.
+    Earlier options are preferred, those of earlier groups first.
     """
     reached: dict[Counts, tuple[Counts, ...]] = {}
     for place, of_group in enumerate(ways):
@@ -80,12 +80,12 @@ def together(ways: Sequence[Mapping[Counts, object]], most: int) -> tuple[Counts
                 sum_ = tuple(map(add, total, counts))
                 if max(sum_) <= most:
                     further.setdefault(sum_, (*chosen, counts))
-        reached = dict(islice(further.items(), MOST_WAYS))
+        reached = dict(islice(further.items(), MAX_ASSIGNMENTS))
     return next(iter(reached.values()), None)
 
 
-class _Tried:
-    """What came of the draws that were tried."""
+class _TriedDraws:
+    """Statistics of the tried draws."""
 
     def __init__(self, design: Design) -> None:
         names = [question.name for question in design.spec.questions]
@@ -96,7 +96,7 @@ class _Tried:
         self._reasons: Counter[str] = Counter()
 
     def counts(self, group: Group) -> Counts | None:
-        """How often each answer comes in a group; None if a member does not yield the question."""
+        """Return the frequency of each answer in a group; None if a member does not yield the question."""
         self.groups += 1
         own = [next(a for a in answers if a.question == self._question) for answers in group.values()]
         lost = [answer for answer in own if isinstance(answer, Rejected)]
@@ -110,10 +110,10 @@ class _Tried:
         return tuple(truths[name] for name in sorted(self._words))
 
     def rejected(self, group: Group) -> Iterator[tuple[int, Answers]]:
-        """The answers of instances without the question, whose answers could not be balanced."""
+        """Yield the answers of instances without the question, because no draws are balanced."""
         came = [f"{words} {self._answers[name]}" for name, words in sorted(self._words.items())]
         lost = [f"rejected {reason} {count}" for reason, count in sorted(self._reasons.items())]
-        why = f"{self.groups} draws gave {', '.join([*came, *lost])}: no choice of them has each answer equally often"
+        why = f"{self.groups} draws gave {', '.join([*came, *lost])}: no combination has equally frequent answers"
         for index, answers in group.items():
             yield index, [self._unbalanced(answer, why) for answer in answers]
 

@@ -1,18 +1,18 @@
-"""Directions as numbers: the same after a whole turn, so that 179 and -179 degrees are 2 degrees apart."""
+"""Directions as numbers modulo a full turn: 179 and -179 degrees differ by 2 degrees."""
 
 from __future__ import annotations
 
 import math
 
-#: An angle (rad) that is so little above -pi is pi.
+#: An angle (rad) this close above -pi counts as pi.
 ROUNDING = 1e-6
 
 
 class Bearing(float):
-    """A direction about one axis (rad), in (-pi, pi]. What is added to it or taken away leads to another direction."""
+    """A direction about one axis (rad), in (-pi, pi]. Sums and differences are directions too."""
 
     def __new__(cls, angle: float) -> Bearing:
-        """The direction that an angle (rad) of any size says."""
+        """Return the direction of an angle (rad) of any size."""
         turned = math.remainder(angle, 2 * math.pi)
         return super().__new__(cls, math.pi if turned < ROUNDING - math.pi else turned)
 

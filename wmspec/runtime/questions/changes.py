@@ -1,18 +1,18 @@
-"""What a counterfactual changed, in words."""
+"""Describes the change of a counterfactual in words."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wmspec.compile.layout.values import Values
-from wmspec.lang.check.ir.ir import Counterfactual, Varied
+from wmspec.compile.layout.evaluator import Evaluator
+from wmspec.lang.check.ir.ir import Counterfactual, OrbitFactor
 from wmspec.lang.check.statements.orbits import level_words
 from wmspec.runtime.questions.model import Change
-from wmspec.runtime.questions.verbalize import say
+from wmspec.runtime.questions.verbalize import verbalize
 
 
-def change_of(change: Counterfactual, orbit: Sequence[Varied], before: Values, after: Values) -> Change:
-    """What it was before and what it became."""
+def change_of(change: Counterfactual, orbit: Sequence[OrbitFactor], before: Evaluator, after: Evaluator) -> Change:
+    """Return the change with values before and after."""
     if change.change == "without":
         return Change("without", change.owner, "done", "left out")
     if change.change == "add":
@@ -24,12 +24,12 @@ def change_of(change: Counterfactual, orbit: Sequence[Varied], before: Values, a
         first, second = sorted(starts, key=lambda name: starts[name])
         return Change("order", f"{first}, {second}", f"{first} first", f"{second} first")
     owner, name = change.owner, change.property
-    was = say(before.property(owner, name), change.sort, before) if before.has(owner, name) else "unset"
-    return Change(change.change, f"{owner}.{name}", was, say(after.property(owner, name), change.sort, after))
+    was = verbalize(before.property(owner, name), change.sort, before) if before.has(owner, name) else "unset"
+    return Change(change.change, f"{owner}.{name}", was, verbalize(after.property(owner, name), change.sort, after))
 
 
-def _levels(change: Counterfactual, orbit: Sequence[Varied], before: Values) -> Change:
-    """Other levels of those factors that differ; of a closed set, as changes of the state or the action."""
+def _levels(change: Counterfactual, orbit: Sequence[OrbitFactor], before: Evaluator) -> Change:
+    """Return the changed levels; for a closed set, as changes of state or action."""
     reads: dict[str, tuple[str, ...]] = {v.factor: _READS[v.reads] for v in orbit}
     made: Change | None = None
     for name, level in reversed(change.levels.items()):

@@ -1,42 +1,42 @@
-"""Which of several: choices by other measures."""
+"""Choices among objects by a measure."""
 
 from __future__ import annotations
 
-from wmspec.compile.layout.functions import extreme
-from wmspec.compile.layout.view import front
+from wmspec.compile.layout.functions import extreme_name
+from wmspec.compile.layout.view import common_direction
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.questions import outcome
-from wmspec.runtime.questions.gaze import gaze
 from wmspec.runtime.questions.measure import Measured
+from wmspec.runtime.questions.view_direction import view_direction
 
-#: What an option can say where two are too near to one another to choose.
+#: The option for a tie.
 NEITHER = "neither"
 
 
 def fastest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
-    """The one with the largest speed."""
-    return extreme(measured.each("speed", names), True, tie)
+    """Return the object with the highest speed."""
+    return extreme_name(measured.each("speed", names), True, tie)
 
 
 def slowest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
-    """The one with the smallest speed."""
-    return extreme(measured.each("speed", names), False, tie)
+    """Return the object with the lowest speed."""
+    return extreme_name(measured.each("speed", names), False, tie)
 
 
 def longest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
-    """The one that moved for the longest time."""
-    return extreme(measured.each("moving_time", names), True, tie)
+    """Return the object that moved for the longest time."""
+    return extreme_name(measured.each("moving_time", names), True, tie)
 
 
 def mover(measured: Measured, names: tuple[str, ...]) -> str:
-    """The one that travelled furthest. Speeds compare as distances do: all were observed for the same time."""
+    """Return the object with the longest path; observation times are equal, so speeds compare like distances."""
     if not any(measured.each("moved", names).values()):
         raise WmsError(f"none of {', '.join(names)} moves, so there is no mover")
-    return extreme(measured.each("speed", names), True)
+    return extreme_name(measured.each("speed", names), True)
 
 
 def first(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
-    """The one that moved first."""
+    """Return the object that moved first."""
     moving = tuple(name for name, moved in measured.each("moved", names).items() if moved)
     onsets = sorted(measured.each("onset", moving).items(), key=lambda pair: pair[1])
     if not onsets and tie is None:
@@ -47,7 +47,7 @@ def first(measured: Measured, names: tuple[str, ...], tie: float | None = None) 
 
 
 def touches_first(measured: Measured, name: str, others: tuple[str, ...], tie: float | None = None) -> str:
-    """Which of the others it touches first."""
+    """Return which of the others it touches first."""
     touched = [other for other in others if measured.call("contact", (name, other))]
     times = sorted((float(measured.call("contact_time", (name, other))), other) for other in touched)
     if not times and tie is None:
@@ -60,8 +60,8 @@ def touches_first(measured: Measured, name: str, others: tuple[str, ...], tie: f
 
 
 def relation(measured: Measured, a: str, b: str, at: float | None = None, seen_from: str | None = None) -> str:
-    """Where the first is from the second, as the cameras show it or as a viewer sees it."""
+    """Return the relation of the first object to the second, as seen by the cameras or by a viewer."""
     observed = measured.observed
     time = observed.window[1] if at is None else float(observed.trace.time[observed.moment(at)])
-    way = front(measured.values) if seen_from is None else gaze(observed, seen_from, time)
+    way = common_direction(measured.values) if seen_from is None else view_direction(observed, seen_from, time)
     return outcome.relation(observed, a, b, way, time)

@@ -1,4 +1,4 @@
-"""Closed sets of options stay closed: where one member of a group yields no question, none of them does."""
+"""Keeps closed sets complete: if one member of a group yields no question, none does."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from wmspec.runtime.questions.ask import ask
 from wmspec.runtime.questions.model import QuestionRow, Rejected
 from wmspec.runtime.questions.runs import EnginePair
 
-#: What comes of the questions of an instance.
+#: Results of the questions of an instance.
 Answers = Sequence[QuestionRow | Rejected]
 
 
-def has_closed(spec: TaskSpec) -> bool:
-    """Whether a task has a question whose options are a closed set, so that its groups are made as a whole."""
+def has_closed_set(spec: TaskSpec) -> bool:
+    """Whether a task has a question with a closed set of options, so that groups are generated as a whole."""
     return any(question.orbit for question in spec.questions)
 
 
-def ask_whole(design: Design, index: int, pair: EnginePair) -> Answers:
-    """Every question of an instance, as `ask` does, where closed sets are kept closed."""
-    if not has_closed(design.spec):
+def ask_complete(design: Design, index: int, pair: EnginePair) -> Answers:
+    """Return every question of an instance, as `ask` does, with closed sets kept complete."""
+    if not has_closed_set(design.spec):
         return ask(design, index, pair)
     members = design.blocks.members(design.blocks.locate(index)[0])
-    return kept_whole(design.spec, {member: ask(design, member, pair) for member in members})[index]
+    return drop_incomplete_groups(design.spec, {member: ask(design, member, pair) for member in members})[index]
 
 
-def kept_whole(spec: TaskSpec, members: Mapping[int, Answers]) -> dict[int, Answers]:
-    """The answers of a group's members, by index, without the questions of closed sets that lack a member.
+def drop_incomplete_groups(spec: TaskSpec, members: Mapping[int, Answers]) -> dict[int, Answers]:
+    """Return the answers of a group by index, without questions of closed sets that lack a member.
 
-    An instance's answers may be those of several engines.
+    Answers of an instance may come from several engines.
     """
     broken: dict[int, Rejected] = {}
     for answers in members.values():

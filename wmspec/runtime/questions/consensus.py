@@ -1,4 +1,4 @@
-"""Whether engines agree: what each engine's outcome picks of another's options, and which questions are kept."""
+"""Agreement of engines: the option that each engine's outcome selects, and which questions are kept."""
 
 from __future__ import annotations
 
@@ -9,34 +9,34 @@ from typing import Literal
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import QuestionRow, Rejected, Vote
 
-#: When a question is kept: if all engines agree on it, if more than half of them do, or whatever they say.
+#: Keep a question if all engines agree, if the majority agrees, or always.
 Consensus = Literal["all", "majority", "none"]
 
 
-def picked(row: QuestionRow, other: QuestionRow) -> int | None:
-    """Which of a row's options the other engine's outcome picks; None if it is none of them, or if there are none."""
+def picked_option(row: QuestionRow, other: QuestionRow) -> int | None:
+    """Return the option of a row that the outcome of another engine selects; None if there is none."""
     name = KINDS[row.kind].picked(row.evidence, other.evidence)
     return next((i for i, option in enumerate(row.options) if option.name == name), None)
 
 
 def agree(a: QuestionRow, b: QuestionRow) -> bool:
-    """Whether each engine's outcome picks the other's answer."""
+    """Whether the outcome of each engine selects the answer of the other."""
     return KINDS[a.kind].agree(a.evidence, b.evidence)
 
 
 def votes(answers: Mapping[str, QuestionRow | Rejected], mine: QuestionRow) -> tuple[Vote, ...]:
-    """What every engine says, as picks of my options."""
+    """Return the answer of every engine as an option of `mine`."""
     return tuple(_vote(engine, answer, mine) for engine, answer in sorted(answers.items()))
 
 
 def _vote(engine: str, answer: QuestionRow | Rejected, mine: QuestionRow) -> Vote:
     if isinstance(answer, Rejected):
         return Vote(engine, None, "", f"{answer.reason}: {answer.detail}")
-    return Vote(engine, picked(mine, answer), answer.value)
+    return Vote(engine, picked_option(mine, answer), answer.value)
 
 
-def consensus(answers: Mapping[str, QuestionRow | Rejected], wanted: Consensus) -> dict[str, QuestionRow | Rejected]:
-    """The same question in several engines, each row with the votes of all; without consensus it is rejected."""
+def consensus(answers: Mapping[str, QuestionRow | Rejected], required: Consensus) -> dict[str, QuestionRow | Rejected]:
+    """Return the question in several engines, each row with all votes, or rejected without consensus."""
     rows = {engine: answer for engine, answer in answers.items() if isinstance(answer, QuestionRow)}
     judged: dict[str, QuestionRow | Rejected] = {}
     for engine, answer in answers.items():
@@ -44,21 +44,21 @@ def consensus(answers: Mapping[str, QuestionRow | Rejected], wanted: Consensus) 
             judged[engine] = answer
             continue
         agreeing = sum(agree(answer, other) for other in rows.values())
-        if _kept(agreeing, len(answers), wanted):
+        if _is_kept(agreeing, len(answers), required):
             judged[engine] = replace(answer, agreement=votes(answers, answer))
         else:
-            judged[engine] = _disagreed(answer, answers)
-    if wanted == "all" and len(rows) == len(answers) and any(isinstance(a, Rejected) for a in judged.values()):
-        return {engine: _disagreed(row, answers) for engine, row in rows.items()}
+            judged[engine] = _disagreement(answer, answers)
+    if required == "all" and len(rows) == len(answers) and any(isinstance(a, Rejected) for a in judged.values()):
+        return {engine: _disagreement(row, answers) for engine, row in rows.items()}
     return judged
 
 
-def _kept(agreeing: int, engines: int, wanted: Consensus) -> bool:
-    return wanted == "none" or (agreeing == engines if wanted == "all" else 2 * agreeing > engines)
+def _is_kept(agreeing: int, engines: int, required: Consensus) -> bool:
+    return required == "none" or (agreeing == engines if required == "all" else 2 * agreeing > engines)
 
 
-def _disagreed(row: QuestionRow, answers: Mapping[str, QuestionRow | Rejected]) -> Rejected:
-    """The question rejected, with what every engine says."""
+def _disagreement(row: QuestionRow, answers: Mapping[str, QuestionRow | Rejected]) -> Rejected:
+    """Return the rejected question with the answers of all engines."""
     detail = "; ".join(_sentence(vote) for vote in votes(answers, row))
     return Rejected(row.task, row.index, row.question, row.engine, "disagreement", detail)
 

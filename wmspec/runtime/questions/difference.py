@@ -1,4 +1,4 @@
-"""How different two colours look: CIELAB and the colour difference CIEDE2000."""
+"""Colour differences: CIELAB and CIEDE2000."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from numpy.typing import ArrayLike, NDArray
 from wmspec.sim.scene.model import Array
 from wmspec.sim.scene.render.color import to_linear
 
-#: Linear sRGB to CIE XYZ, and the white of D65 (IEC 61966-2-1).
+#: Linear sRGB to CIE XYZ, and the D65 white (IEC 61966-2-1).
 _XYZ = np.array(
     [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]
 )
 _WHITE = _XYZ.sum(axis=1)
-#: Linear light of the 256 values that a byte has.
+#: Linear light of the 256 byte values.
 _LINEAR = to_linear(np.arange(256) / 255.0)
 
 
 def lab(srgb: ArrayLike) -> Array:
-    """CIELAB (..., 3) of sRGB values 0..1 (..., 3)."""
+    """Return CIELAB (..., 3) of sRGB values 0..1 (..., 3)."""
     return _lab(to_linear(srgb))
 
 
 def lab_of_bytes(srgb: NDArray[np.uint8]) -> Array:
-    """CIELAB (..., 3) of sRGB values 0..255 (..., 3)."""
+    """Return CIELAB (..., 3) of sRGB bytes (..., 3)."""
     return _lab(_LINEAR[srgb])
 
 
@@ -35,7 +35,7 @@ def _lab(linear: Array) -> Array:
 
 
 def ciede2000(a: ArrayLike, b: ArrayLike) -> Array:
-    """The difference of CIELAB colours (..., 3) and (..., 3); 1 can just be seen, 5 at a glance.
+    """Return the CIEDE2000 difference of CIELAB colours (..., 3): 1 is just noticeable, 5 visible at a glance.
 
     Sharma, Wu and Dalal, "The CIEDE2000 color-difference formula", Color Research & Application 30, 2005.
     """

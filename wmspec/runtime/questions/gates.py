@@ -1,4 +1,4 @@
-"""The gates that every question must pass, whatever its kind, before a picture is drawn: ensures and margins."""
+"""Gates for every kind of question, before pictures are drawn: `ensure` and margins."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from wmspec.runtime.questions.measure import Measured
 from wmspec.runtime.questions.model import Reject
 
 
-def passed(question: Question, measured: Measured) -> float | None:
-    """The smallest margin, in multiples of what was asked for (None without one).
+def smallest_margin(question: Question, measured: Measured) -> float | None:
+    """Return the smallest margin relative to the required one; None without margins.
 
-    Raises Reject if an `ensure` does not hold or a margin is not kept.
+    Raises Reject if an `ensure` fails or a margin is not kept.
     """
     for ensure in question.ensures:
         if not evaluate(ensure.condition, measured):
@@ -23,11 +23,11 @@ def passed(question: Question, measured: Measured) -> float | None:
 
 
 def _margin(margin: Margin, measured: Measured) -> float:
-    """How far the margin's value is from turning, in multiples of what was asked for; rejects below one."""
+    """Return the distance of a value from its threshold relative to the required margin; rejects below one."""
     value, bound = evaluate(margin.value, measured), evaluate(margin.bound, measured)
     apart = _times_apart(value, bound) if margin.ratio else abs(value) / bound
     if not apart >= 1:
-        raise Reject("margin", f"{value:.4g} where {bound:.4g} apart was asked for")
+        raise Reject("margin", f"{value:.4g} where {bound:.4g} apart was required")
     return float(apart)
 
 

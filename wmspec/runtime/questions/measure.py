@@ -1,4 +1,4 @@
-"""Measuring on an executed episode: the language's measured functions, as an environment for `evaluate`."""
+"""Evaluates measured functions of the language on an executed episode."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from keyword import iskeyword
 from pkgutil import resolve_name
 from typing import Any
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.tables.functions import FUNCTIONS
 from wmspec.lang.check.types.types import POINT3
@@ -15,26 +15,26 @@ from wmspec.runtime.questions.observed import Observed
 
 
 class Measured:
-    """The values of the spec together with what was `observed`.
+    """The environment of values of the spec and observations of the episode.
 
-    `readings` collects every quantity that was measured, by its call as a person would write it.
+    `readings` collects every measured quantity by its call in source form.
     """
 
-    def __init__(self, values: Values, observed: Observed) -> None:
+    def __init__(self, values: Evaluator, observed: Observed) -> None:
         self.values = values
         self.observed = observed
         self.readings: dict[str, float] = {}
 
     def ref(self, name: str) -> Any:
-        """A factor, nuisance, `let` or `end`."""
+        """Return a factor, nuisance, `let` or `end`."""
         return self.values.ref(name)
 
     def property(self, owner: str, name: str) -> object:
-        """A property of the spec, as it was before the episode."""
+        """Return a property of the spec before the episode."""
         return self.values.property(owner, name)
 
     def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:
-        """A measured function, or one of the design."""
+        """Return the value of a measured function, or of a function of the design."""
         row = FUNCTIONS.get(function)
         if row is None or not row.measured:
             return self.values.call(function, arguments, **options)
@@ -57,5 +57,5 @@ class Measured:
         self.readings[call] = value
 
     def each(self, function: str, names: tuple[str, ...]) -> dict[str, float]:
-        """A measure of each of the bodies."""
+        """Return a measure of each body."""
         return {name: float(self.call(function, (name,))) for name in names}

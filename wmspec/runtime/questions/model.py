@@ -1,4 +1,4 @@
-"""A question as it is put to a model or a person, or the reason why an instance yields none."""
+"""Questions for models and people, and rejections."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from wmspec.compile.design.levels import Level
 from wmspec.lang.check.ir.ir import QuestionKind
 
-#: What happens, among what would have happened: the name of its run and of its option.
+#: The name of the true run and of its option.
 TRUTH = "truth"
 
 
 @dataclass(frozen=True)
 class Picture:
-    """What a camera saw at a time (s): `rgb` (h, w, 3) uint8.
+    """A picture of a camera at a time (s): `rgb` (h, w, 3) uint8.
 
-    Where the spec asks for them: `depth` (h, w) float32, metres along the view axis, 0 for nothing; `ids` (h, w) int16,
-    which of the bodies `names` is seen, -1 for none.
+    If requested: `depth` (h, w) float32, m along the view axis, 0 for background; `ids` (h, w) int16, indices into
+    `names`, -1 for background.
     """
 
     camera: str
@@ -32,17 +32,16 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Sighting:
-    """An object in a picture: its name, the words for its look, and whether the question is about it.
+class VisibleObject:
+    """An object in a picture: name, words for its appearance, and whether the question is about it (`queried`).
 
-    `position` (m) is its middle in the world, `orientation` (w, x, y, z) how it is turned. `share` of the picture shows
-    it, about (`across`, `down`), each 0 to 1 from the left and from the top, in a mean sRGB `color` of 0 to 1; None if
-    nothing of it is seen.
+    `position` (m) is its centre in the world, `orientation` (w, x, y, z). `share` is its share of the picture, `across`
+    and `down` its centre from left and top (0 to 1), `color` its mean sRGB (0 to 1); None if it is not visible.
     """
 
     name: str
     words: tuple[str, ...]
-    asked: bool
+    queried: bool
     position: tuple[float, ...]
     orientation: tuple[float, ...]
     share: float
@@ -53,9 +52,9 @@ class Sighting:
 
 @dataclass(frozen=True)
 class Change:
-    """What a counterfactual changed: its kind (see `lang.check.ir.ir.Change`), what, what it was and became.
+    """The change of a counterfactual: kind (see `lang.check.ir.ir.Change`), target, value before and after.
 
-    In a closed set of options several factors may differ: `beside` it is what else does.
+    In a closed set several factors may differ: `beside` holds the next change.
     """
 
     kind: str
@@ -65,21 +64,21 @@ class Change:
     beside: Change | None = None
 
 
-#: What an option is: the truth, a label that is not the answer, a counterfactual; or, of a closed set, in what it
-#: differs from the truth: in the state before anything happens, in what is done, or in both.
+#: The kind of an option: the truth, a wrong label, a counterfactual; in a closed set, whether state, action or both
+#: differ from the truth.
 OptionKind = Literal["truth", "label", "counterfactual", "state", "action", "both"]
 
 
-#: What an option is that shows what does not happen.
-FORESEEN: frozenset[OptionKind] = frozenset(("counterfactual", "state", "action", "both"))
+#: Kinds of options that show what does not happen.
+HYPOTHETICAL: frozenset[OptionKind] = frozenset(("counterfactual", "state", "action", "both"))
 
 
 @dataclass(frozen=True)
 class Option:
     """One option: its `text` (a label) or its `picture`.
 
-    What would have happened has the name of its counterfactual and its `change`. `outcome` is the kind of what the
-    picture shows, if the question says which there are, and `objects` what of it is to be seen.
+    A counterfactual has the name of its counterfactual and its `change`. `outcome` is the kind of its outcome, if the
+    question defines kinds, and `objects` are its visible objects.
     """
 
     kind: OptionKind
@@ -88,12 +87,12 @@ class Option:
     picture: Picture | None = None
     change: Change | None = None
     outcome: str | None = None
-    objects: tuple[Sighting, ...] = ()
+    objects: tuple[VisibleObject, ...] = ()
 
 
 @dataclass(frozen=True)
 class Strength:
-    """How strong the stimulus is: the quantity as it is written, its SI unit, its value."""
+    """The strength of the stimulus: quantity as written, SI unit, value."""
 
     quantity: str
     unit: str
@@ -102,7 +101,7 @@ class Strength:
 
 @dataclass(frozen=True)
 class Number:
-    """An answer that is a number: its value and SI unit, and, of an open question, how far off is still right."""
+    """A numeric answer: value, SI unit, and the tolerance of an open question."""
 
     value: float
     unit: str
@@ -111,10 +110,10 @@ class Number:
 
 @dataclass(frozen=True)
 class Vote:
-    """What an engine says.
+    """The answer of an engine.
 
-    The option that its outcome picks (None: it picks none, or there are none), the answer in words, and why it would
-    not ask (None if it would).
+    `answer` is the selected option (None if there is none), `value` the answer in words, `rejected` the reason of a
+    rejection.
     """
 
     engine: str
@@ -125,7 +124,7 @@ class Vote:
 
 @dataclass(frozen=True)
 class Answer:
-    """What an engine answers, with all that answers are compared by. Each kind of question has its own."""
+    """The answer of an engine with everything needed for comparison. Each kind of question has a subclass."""
 
     kind: ClassVar[QuestionKind]
 
@@ -134,17 +133,14 @@ class Answer:
 class QuestionRow:
     """A valid question.
 
-    `task`, `index`, `question` and `engine` identify it, `name` is the question's own if it has one. `answer` is the
-    index of the true option (None for an open question, which has no options) and `value` the measured value in words,
-    `number` as a number if it is one. `groups` gives for every factor the key that all instances differing in it alone
-    share. `margin` is how far the answer is from turning, as a multiple of the margin asked for (None without one).
-    `sorted_outcomes` says that a question of the task names kinds of outcome. `levels` are the values, in words, of
-    those factors and nuisances whose values have names.
-    `measured` holds named quantities in SI units; an answer is `standing` if it holds from the start, whatever happens,
-    and `moments` is how many moments of the episode it takes to see it. `objects` are those of every picture shown,
-    `crossed` the factors that vary within the block.
-    `redrawn` is how often what the group draws was drawn otherwise before, where answers are balanced (None: they are
-    not). `evidence` is what the answer is compared by with those of other engines.
+    `task`, `index`, `question` and `engine` identify it, `name` is its own name if any. `answer` is the index of the
+    true option (None for open questions), `value` the measured value in words, `number` the value if it is a number.
+    `groups` gives, for every factor, the key shared by instances that differ in it only. `margin` is the distance from
+    a change of the answer relative to the required margin (None without one). `sorted_outcomes`: a question of the task
+    defines kinds of outcome. `levels` are the named values of factors and nuisances in words. `measured` holds named
+    quantities in SI units. A `standing` answer holds from the start, and `moments` is the number of moments that show
+    it. `objects` are those of every shown picture, `crossed` the factors that vary within the group. `redrawn` counts
+    earlier draws of a balanced group (None: not balanced). `evidence` is compared with other engines.
     """
 
     task: str
@@ -174,7 +170,7 @@ class QuestionRow:
     levels: dict[str, str] = field(default_factory=dict)
     sorted_outcomes: bool = False
     moments: int = 1
-    objects: tuple[tuple[Sighting, ...], ...] = ()
+    objects: tuple[tuple[VisibleObject, ...], ...] = ()
     crossed: tuple[str, ...] = ()
     redrawn: int | None = None
 
@@ -184,22 +180,22 @@ class QuestionRow:
         return self.evidence.kind
 
 
-#: Why an instance yields no question. The word before a colon is what is counted.
+#: Reasons of rejections. The word before a colon is counted.
 Reason = Literal[
     "ensure", "margin", "alike", "unseen", "overlap", "unstable", "disagreement", "invalid", "error", "group",
     "balance", "crashed", "timeout",
 ]  # fmt: skip
 
-#: Reasons that lie with the machine and with what else it did: another time the instance may yield its questions.
-PASSING: Final = frozenset[Reason](("crashed", "timeout"))
+#: Reasons that depend on the machine: the instance may succeed another time.
+TRANSIENT: Final = frozenset[Reason](("crashed", "timeout"))
 
 #: Reasons that no gate gives: the making itself failed.
-FAILED: Final = frozenset[Reason](("error", *PASSING))
+FAILED: Final = frozenset[Reason](("error", *TRANSIENT))
 
 
 @dataclass(frozen=True)
 class Rejected:
-    """An instance that yields no question in an engine, and why."""
+    """An instance without a question in an engine, and the reason."""
 
     task: str
     index: int
@@ -210,7 +206,7 @@ class Rejected:
 
 
 class Reject(Exception):
-    """Why an instance yields no question."""
+    """Raised when an instance yields no question."""
 
     def __init__(self, reason: Reason, detail: str) -> None:
         super().__init__(detail)

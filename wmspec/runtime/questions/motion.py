@@ -1,4 +1,4 @@
-"""How bodies moved while they were observed."""
+"""Measures of motion during observation."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import numpy as np
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.questions.bearing import Bearing
-from wmspec.runtime.questions.observed import MOVED, STILL, Observed
-from wmspec.runtime.questions.trajectory import form
+from wmspec.runtime.questions.observed import MIN_MOTION, STANDSTILL_SPEED, Observed
+from wmspec.runtime.questions.trajectory import path_form
 from wmspec.sim.scene.model import Array
 
 
 def speed(
     observed: Observed, name: str, from_: float | None = None, to: float | None = None, at: float | None = None
 ) -> float:
-    """The length of the path over its time (m/s): of what is observed, or between two times; 0 of a single look.
+    """Return path length over time (m/s), of the observed interval or between two times; 0 for a single view.
 
-    At a time, how fast it is then.
+    With `at`, return the instantaneous speed.
     """
     if at is not None:
         return float(np.linalg.norm(_velocity(observed, name, at)))
@@ -32,18 +32,20 @@ def speed(
 
 
 def moved(observed: Observed, name: str, from_: float | None = None, to: float | None = None) -> bool:
-    """Whether it was ever more than 2 mm from where it was first seen, or from where it was at a time."""
+    """Return whether it was ever more than 2 mm from its first observed position, or from its position at a time."""
     path = observed.track(name)[observed.span(from_, to, observed.window)]
-    return bool((np.linalg.norm(path - path[0], axis=1) > MOVED).any())
+    return bool((np.linalg.norm(path - path[0], axis=1) > MIN_MOTION).any())
 
 
 def onset(observed: Observed, name: str) -> float:
-    """When (s) it first moved: the last standstill before it had come 2 mm away. Raises WmsError if it never moved."""
+    """Return the time (s) of the first motion: the last standstill before it is 2 mm away. Raises WmsError if it never
+    moved.
+    """
     return float(observed.times[_first_step(observed.path(name), observed.scene.rate, name)])
 
 
 def moving_time(observed: Observed, name: str) -> float:
-    """How long (s) it moved, from its onset to its last standstill; 0 if it never did."""
+    """Return the duration (s) of motion from onset to the last standstill; 0 without motion."""
     if not moved(observed, name):
         return 0.0
     path, rate = observed.path(name), observed.scene.rate
@@ -53,25 +55,25 @@ def moving_time(observed: Observed, name: str) -> float:
 
 
 def heading(observed: Observed, name: str, at: float | None = None) -> Bearing:
-    """The direction (rad, anticlockwise from +x, in (-pi, pi]) from where it was first to where it was last.
+    """Return the direction (rad, counter-clockwise from +x, in (-pi, pi]) from first to last position.
 
-    At a time, that in which it moves then. Raises WmsError if it ends within 2 mm of where it began, or is then slower
-    than 1 cm/s over the ground.
+    With `at`, the direction of motion at that time. Raises WmsError if it ends within 2 mm of its start, or is slower
+    than 1 cm/s at that time.
     """
     if at is not None:
         x, y, _ = _velocity(observed, name, at)
-        if math.hypot(x, y) < STILL:
-            raise WmsError(f"`{name}` does not move over the ground at {at:g} s, so it has no heading then")
+        if math.hypot(x, y) < STANDSTILL_SPEED:
+            raise WmsError(f"`{name}` does not move horizontally at {at:g} s, so it has no heading then")
         return Bearing(math.atan2(y, x))
     path = observed.path(name)
     x, y, _ = path[-1] - path[0]
-    if math.hypot(x, y) <= MOVED:
+    if math.hypot(x, y) <= MIN_MOTION:
         raise WmsError(f"`{name}` ends where it began, so it has no heading")
     return Bearing(math.atan2(y, x))
 
 
 def heads_to(observed: Observed, name: str, others: Sequence[str]) -> str:
-    """The one whose direction, seen from where `name` was first, is nearest to the heading of `name`."""
+    """Return the object whose direction from the first position of `name` is closest to its heading."""
     angle, start = heading(observed, name), observed.path(name)[0]
 
     def off(other: str) -> float:
@@ -82,17 +84,17 @@ def heads_to(observed: Observed, name: str, others: Sequence[str]) -> str:
 
 
 def trajectory(observed: Observed, name: str) -> str:
-    """The form of its path, a word of the vocabulary `path`. Raises WmsError if it has none of these forms."""
+    """Return the shape of its path, a word of the vocabulary `path`. Raises WmsError if no word fits."""
     if not moved(observed, name):
-        raise WmsError(f"`{name}` does not move, so its path has no form")
-    word = form(observed.path(name))
+        raise WmsError(f"`{name}` does not move, so its path has no shape")
+    word = path_form(observed.path(name))
     if word is None:
-        raise WmsError(f"the path of `{name}` has no form that has a name")
+        raise WmsError(f"the path of `{name}` has no named shape")
     return word
 
 
 def _velocity(observed: Observed, name: str, at: float) -> Array:
-    """How the middle of a body moves (3,) m/s at a time: from the samples beside it, second order at the ends too."""
+    """Return the velocity (3,) m/s of the centre of a body at a time, by second-order differences."""
     i, times = observed.moment(at), observed.trace.time
     if len(times) < 3:
         raise WmsError("the episode is too short for anything to move in it")
@@ -105,9 +107,9 @@ def _steps(path: Array) -> Array:
 
 
 def _first_step(path: Array, rate: int, name: str) -> int:
-    """The sample at which the motion begins that leads more than 2 mm away from the first."""
-    away = np.linalg.norm(path - path[0], axis=1) > MOVED
+    """Return the sample at which the motion starts that leads more than 2 mm away."""
+    away = np.linalg.norm(path - path[0], axis=1) > MIN_MOTION
     if not away.any():
-        raise WmsError(f"`{name}` does not move, so there is no time when it begins to")
-    still = np.flatnonzero(_steps(path[: int(away.argmax()) + 1]) * rate < STILL)
+        raise WmsError(f"`{name}` does not move, so it has no onset")
+    still = np.flatnonzero(_steps(path[: int(away.argmax()) + 1]) * rate < STANDSTILL_SPEED)
     return int(still[-1]) + 1 if len(still) else 0

@@ -1,4 +1,4 @@
-"""What was observed of an executed episode: the paths of bodies between the first look and the last, and pictures."""
+"""Observations of an executed episode: body paths between first and last view, and pictures."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ import numpy as np
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.questions.views import View
 from wmspec.sim.scene.model import Array, Body, Frame, Pose, Scene, Trace
-from wmspec.sim.scene.model.bounds import middle, upright
+from wmspec.sim.scene.model.bounds import box_center, world_box
 from wmspec.sim.scene.model.transform import identity
 
-#: What gets no further than this (m) from where it was has not moved: engines let things at rest creep by 0.3 mm.
-MOVED = 0.002
-#: What is slower than this (m/s) stands still. A solver's jitter stays an order of magnitude below.
-STILL = 0.01
-#: What stands still for so long (s) is at rest.
-REST = 0.1
+#: m: smaller displacements do not count as motion; engines let resting bodies creep by 0.3 mm.
+MIN_MOTION = 0.002
+#: m/s: slower bodies stand still; solver jitter is an order of magnitude below.
+STANDSTILL_SPEED = 0.01
+#: s: a standstill of this duration is rest.
+REST_TIME = 0.1
 
 
 class Observed:
-    """An executed `scene` and the `views` of it that are shown. `draw` gives the picture of one (None: none can be)."""
+    """An executed `scene` and its shown `views`. `draw` returns a picture (None: pictures are unavailable)."""
 
     def __init__(
         self, scene: Scene, trace: Trace, views: Sequence[View], draw: Callable[[str, float], Frame] | None = None
@@ -37,18 +37,18 @@ class Observed:
 
     @cached_property
     def window(self) -> tuple[float, float]:
-        """The first and the last look (s)."""
+        """Times of the first and the last view (s)."""
         times = [time for _, time in self.views]
         return min(times), max(times)
 
     @cached_property
     def times(self) -> Array:
-        """The times (t,) s of the samples in the window."""
+        """Times (t,) s of the samples in the window."""
         first, last = (self.trace.sample(t) for t in self.window)
         return self.trace.time[first : last + 1]
 
     def moment(self, at: float | None = None) -> int:
-        """The sample nearest to a time (s), the last if there is none. Raises WmsError if it is outside the episode."""
+        """Return the sample nearest to a time (s), by default the last. Raises WmsError outside the episode."""
         if at is None:
             return len(self.trace.time) - 1
         end = float(self.trace.time[-1])
@@ -57,72 +57,72 @@ class Observed:
         return self.trace.sample(at)
 
     def span(self, start: float | None, stop: float | None, default: tuple[float, float]) -> slice:
-        """The samples from one time (s) to another, those of `default` where there is none.
+        """Return the samples between two times (s), with `default` for missing ones.
 
-        Raises WmsError if they are outside the episode, or if it ends before it begins.
+        Raises WmsError if they are outside the episode or in the wrong order.
         """
         first, last = (
             self.moment(default[0] if start is None else start),
             self.moment(default[1] if stop is None else stop),
         )
         if (start is not None or stop is not None) and last <= first:
-            raise WmsError("the span of time that is asked about ends before it begins")
+            raise WmsError("the interval ends before it starts")
         return slice(first, last + 1)
 
     @property
     def whole(self) -> tuple[float, float]:
-        """The first and the last moment (s) of the episode."""
+        """First and last time (s) of the episode."""
         return 0.0, float(self.trace.time[-1])
 
     def index(self, name: str) -> int:
-        """Which body of the scene has the name. Raises WmsError if there is none, as where an object is not present."""
+        """Return the index of a body. Raises WmsError if it is absent."""
         if name not in self._index:
-            raise WmsError(f"`{name}` is not there, so nothing can be measured on it; ask only of what is present")
+            raise WmsError(f"`{name}` is absent, so it cannot be measured; use it only where it is present")
         return self._index[name]
 
     def body(self, name: str) -> Body:
-        """The body of that name. Raises WmsError if there is none."""
+        """Return the body with this name. Raises WmsError if it is absent."""
         return self.scene.bodies[self.index(name)]
 
     def track(self, name: str) -> Array:
-        """Where the middle of a body's box is (T, 3), m, over the whole episode."""
+        """Return the centre of a body's box (T, 3), m, over the episode."""
         i = self.index(name)
-        return middle(self.scene.bodies[i], Pose(self.trace.position[:, i], self.trace.orientation[:, i]))
+        return box_center(self.scene.bodies[i], Pose(self.trace.position[:, i], self.trace.orientation[:, i]))
 
     def path(self, name: str) -> Array:
-        """The part (t, 3) of a body's track that was observed."""
+        """Return the observed part (t, 3) of a track."""
         first, last = (self.trace.sample(t) for t in self.window)
         return self.track(name)[first : last + 1]
 
     def pose(self, name: str, time: float) -> Pose:
-        """Where a body's frame is at a time (s)."""
+        """Return the pose of a body at a time (s)."""
         return self.poses(time)[self.index(name)]
 
     def poses(self, time: float) -> tuple[Pose, ...]:
-        """Where the frames of all bodies are at a time (s)."""
+        """Return the poses of all bodies at a time (s)."""
         if time not in self._poses:
             self._poses[time] = self.trace.poses(time)
         return self._poses[time]
 
     def box(self, name: str, time: float) -> Array:
-        """The corners (2, 3) m of the upright box around a body at a time (s)."""
-        return upright(self.body(name).geoms, self.pose(name, time))
+        """Return the corners (2, 3) m of the axis-aligned box of a body at a time (s)."""
+        return world_box(self.body(name).geoms, self.pose(name, time))
 
     def radius(self, name: str) -> float:
-        """How far (m) the furthest point of a body's box is from its middle."""
-        low, high = upright(self.body(name).geoms, identity())
+        """Return the distance (m) of the furthest point of a body's box from its centre."""
+        low, high = world_box(self.body(name).geoms, identity())
         return float(np.linalg.norm(high - low)) / 2
 
     def picture(self, camera: str, time: float) -> Frame:
-        """What a camera sees at a time (s). Raises WmsError where nothing can be drawn."""
+        """Return the picture of a camera at a time (s). Raises WmsError if pictures are unavailable."""
         if self._draw is None:
-            raise WmsError("what is seen can only be measured where pictures are drawn")
+            raise WmsError("measures of visibility need pictures, which are not drawn here")
         if (camera, time) not in self._seen:
             self._seen[camera, time] = self._draw(camera, time)
         return self._seen[camera, time]
 
     def views_of(self, camera: str) -> list[View]:
-        """The views of a camera. Raises WmsError if there is none."""
+        """Return the views of a camera. Raises WmsError if there are none."""
         views = [view for view in self.views if view[0] == camera]
         if not views:
             raise WmsError(f"nothing is observed with the camera `{camera}`; write `observe {camera} at [...]`")
@@ -130,5 +130,5 @@ class Observed:
 
 
 def frame(_observed: Observed, camera: str, time: float) -> View:
-    """The picture from a camera at a time (s), which is drawn when it is known which."""
+    """Return the view of a camera at a time (s); it is drawn later."""
     return camera, time

@@ -1,4 +1,4 @@
-"""What a picture shows of a body: the patch of pixels that are its own."""
+"""The pixels of a body in a picture."""
 
 from __future__ import annotations
 
@@ -12,10 +12,9 @@ from wmspec.sim.scene.model import Frame
 
 @dataclass(frozen=True)
 class Patch:
-    """`pixels` of a picture, a `share` of it, with their middle and their mean colour (0..1), None if there are none.
+    """`pixels` of a body, their `share` of the picture, centre and mean colour (0..1); None without pixels.
 
-    `across` from the left edge, `down` from the top, as shares of the picture's sides. `rows` and `columns`: the first
-    and the last with one of them.
+    `across` and `down` are relative to the picture size, from left and top. `rows` and `columns`: first and last.
     """
 
     pixels: int
@@ -28,7 +27,7 @@ class Patch:
 
 
 def patch(frame: Frame, index: int) -> Patch:
-    """What is seen of a body."""
+    """Return the patch of a body."""
     return cached_on(frame, _patch, index)
 
 

@@ -1,4 +1,4 @@
-"""One question of an executed instance: what its kind answers it from, and how the answers of runs are told apart."""
+"""The context of one question: spec, run, alternatives and measured values."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.rng import bits
 from wmspec.lang.check.ir.ir import Counterfactual, Question
@@ -20,8 +20,8 @@ from wmspec.runtime.questions.views import View, views_of
 
 
 @dataclass(frozen=True)
-class Asking:
-    """A question, the `run` of what happens, and who executes what would have happened under a counterfactual."""
+class QuestionContext:
+    """A question, the true `run`, and the function that executes a counterfactual."""
 
     question: Question
     run: Run
@@ -29,56 +29,56 @@ class Asking:
     pair: EnginePair
 
     @property
-    def values(self) -> Values:
-        """The values of the spec before the episode."""
+    def values(self) -> Evaluator:
+        """Values of the spec before the episode."""
         return self.run.values
 
     @cached_property
     def views(self) -> Sequence[View]:
-        """What is shown with the question."""
+        """The shown views."""
         return views_of(self.values.spec, self.values)
 
     @cached_property
     def observed(self) -> Observed:
-        """What happens, as it is shown."""
+        """Observations of the true run."""
         return self.run.observed(self.views, self.pair)
 
     @cached_property
     def measured(self) -> Measured:
-        """What is measured on what happens."""
+        """Measured values of the true run."""
         return Measured(self.values, self.observed)
 
     def measured_on(self, run: Run) -> Measured:
-        """What is measured on another run, from the same views."""
+        """Return measured values of another run from the same views."""
         return Measured(run.values, run.observed(self.views, self.pair))
 
     @cached_property
     def changes(self) -> tuple[Counterfactual, ...]:
-        """The question's counterfactuals, of this instance."""
+        """The counterfactuals of the question for this instance."""
         return self.question.alternatives(self.values.own)
 
     @cached_property
     def alternatives(self) -> tuple[Run, ...]:
-        """What would have happened under each of them. Raises Reject as executing does."""
+        """The run of each counterfactual. Raises Reject if an execution fails."""
         return tuple(map(self.execute, self.changes))
 
 
 class AnswerSlot(Protocol):
-    """Where the truth goes among the options, and the others."""
+    """The order of truth and other options."""
 
     def order(self, truth: int, n: int) -> list[int]:
-        """The options 0..n-1 in order, the truth at its place."""
+        """Return the options 0..n-1 in order, with the truth at its place."""
 
 
 @dataclass(frozen=True)
 class ShuffledSlot:
-    """The truth goes to `position` modulo the number of options; `key` decides the order of the others."""
+    """The truth is at `position` modulo the number of options; `key` orders the others."""
 
     position: int
     key: tuple[object, ...]
 
     def order(self, truth: int, n: int) -> list[int]:
-        """The options 0..n-1 in order, the truth at its place."""
+        """Return the options 0..n-1 in order, with the truth at its place."""
         others = sorted((i for i in range(n) if i != truth), key=lambda i: bits(*self.key, i))
         others.insert(self.position % n, truth)
         return others
@@ -86,18 +86,18 @@ class ShuffledSlot:
 
 @dataclass(frozen=True)
 class ClosedSlot:
-    """The order of a closed set, the same whichever member is true: every member's place, and which is the truth."""
+    """The order of a closed set, equal for every true member: the place of each member, and the true one."""
 
     places: tuple[int, ...]
     member: int
 
     def order(self, truth: int, n: int) -> list[int]:
-        """The members in order, of which the truth comes first in 0..n-1 and then the others."""
+        """Return the members in order; in 0..n-1 the truth comes first, then the others."""
         assert truth == 0 and n == len(self.places)  # noqa: PT018
         listed = [self.member, *(m for m in range(n) if m != self.member)]
         return sorted(range(n), key=lambda i: self.places[listed[i]])
 
 
-def refused(error: WmsError) -> Reject:
-    """Why an instance whose values lead to an error, a division by a speed of zero, say, yields no question."""
+def rejection_of(error: WmsError) -> Reject:
+    """Return the rejection for an instance whose values lead to an error, such as a division by zero."""
     return Reject("alike" if isinstance(error, Ambiguous) else "invalid", str(error))

@@ -1,13 +1,13 @@
-"""Objects in words: by colour and shape, and by what else it takes to tell one from the others."""
+"""Referring expressions: colour and shape of an object, and further properties that distinguish it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache, lru_cache
 
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import volume
-from wmspec.compile.layout.values import Values
-from wmspec.compile.layout.view import front, seen
+from wmspec.compile.layout.view import common_direction, view_coordinates
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.tables.colors import rgb
 from wmspec.lang.check.tables.vocabulary import COLORS
@@ -15,39 +15,39 @@ from wmspec.runtime.questions.difference import ciede2000, lab
 from wmspec.sim.materials import SHADES
 from wmspec.sim.scene.model import Array
 
-#: One object is larger than another if its edges are so many times as long; further aside by so much (m).
-LARGER, ASIDE = 1.15, 0.03
+#: Ratio of edges above which an object is larger; offset (m) above which it is further to a side.
+SIZE_RATIO, MIN_OFFSET = 1.15, 0.03
 
-#: Materials as adjectives, where their names are none.
+#: Adjectives of materials.
 _MADE = {"wood": "wooden", "stripes": "striped", "checker": "checkered"}
 
 
 class Ambiguous(WmsError):
-    """Two objects cannot be told apart in words."""
+    """No words distinguish two objects."""
 
 
-def described(name: str, values: Values) -> str:
-    """An object in words that fit no other object that is there. Raises Ambiguous if there are no such words."""
+def referring_expression(name: str, values: Evaluator) -> str:
+    """Return words that describe exactly this object. Raises Ambiguous if there are none."""
     plain = _plain(name, values)
-    rivals = [other for other in present(values) if other != name and _plain(other, values) == plain]
+    rivals = [other for other in present_objects(values) if other != name and _plain(other, values) == plain]
     if not rivals:
         return f"the {plain}"
     for ways in (_material, _size, _side, _depth):
         for words in ways(name, rivals, values):
             return f"the {words}"
-    raise Ambiguous(f"`{name}` and `{rivals[0]}` are both {_article(plain)} and nothing tells them apart in words")
+    raise Ambiguous(f"`{name}` and `{rivals[0]}` are both {_article(plain)} and no words distinguish them")
 
 
-def present(values: Values) -> Iterator[str]:
-    """The names of the objects that are there."""
+def present_objects(values: Evaluator) -> Iterator[str]:
+    """Yield the names of present objects."""
     for thing in values.spec.things:
-        if thing.kind == "object" and values.there(thing.name):
+        if thing.kind == "object" and values.is_present(thing.name):
             yield thing.name
 
 
 @lru_cache(maxsize=4096)
 def color_word(color: str) -> str:
-    """A colour as a person names it: its word, or that of the colour most like it."""
+    """Return the word of a colour, or of the most similar named colour."""
     if color in COLORS:
         return color
     if color in SHADES:
@@ -57,30 +57,27 @@ def color_word(color: str) -> str:
 
 @cache
 def _named() -> dict[str, Array]:
-    """CIELAB of the colours that have names."""
+    """CIELAB of the named colours."""
     return {word: lab(color) for word, color in COLORS.items()}
 
 
-def together(names: Sequence[str], values: Values) -> str | None:
-    """Several members of a set, or things that are called alike, in words that fit them all and nothing else.
-
-    By colour and noun if that is the same, else by noun; None if no such words fit them alone.
-    """
+def group_expression(names: Sequence[str], values: Evaluator) -> str | None:
+    """Return words that describe exactly these objects, by colour and noun or by noun; None if there are none."""
     things = [values.spec.thing(name) for name in names]
     alike = len({thing.set or values.has(thing.name, "called") for thing in things}) == 1
     if len(names) < 2 or not alike or not (things[0].set or values.has(names[0], "called")):
         return None
     for words in (_plain, noun):
         first = words(names[0], values)
-        fit = [other for other in present(values) if words(other, values) == first]
+        fit = [other for other in present_objects(values) if words(other, values) == first]
         if sorted(fit) == sorted(names):
             own = noun(names[0], values)
             return f"the {first.removesuffix(own)}{_plural(names[0], own, values)}"
     return None
 
 
-def _plural(name: str, noun: str, values: Values) -> str:
-    """What several are called: as the spec says, or by the rules of spelling."""
+def _plural(name: str, noun: str, values: Evaluator) -> str:
+    """Return the plural: from the spec, or by spelling rules."""
     if values.has(name, "plural"):
         return values.text(name, "plural")
     if noun.endswith(("s", "x", "ch", "sh")):
@@ -88,8 +85,8 @@ def _plural(name: str, noun: str, values: Values) -> str:
     return f"{noun[:-1]}ies" if noun.endswith("y") and noun[-2:-1] not in "aeiou" else f"{noun}s"
 
 
-def noun(name: str, values: Values) -> str:
-    """What kind of thing an object is: what it is called, its shape, or its own name if it has parts or is a mesh."""
+def noun(name: str, values: Evaluator) -> str:
+    """Return the noun of an object: its label, its shape, or its name if it has parts or is a mesh."""
     if values.has(name, "called"):
         return values.text(name, "called")
     if values.parts(name) or values.has(name, "file") or not values.has(name, "shape"):
@@ -97,7 +94,7 @@ def noun(name: str, values: Values) -> str:
     return values.text(name, "shape")
 
 
-def _plain(name: str, values: Values) -> str:
+def _plain(name: str, values: Evaluator) -> str:
     what = noun(name, values)
     formless = values.parts(name) or values.has(name, "file") or not values.has(name, "shape")
     if formless and not (values.has(name, "called") and values.has(name, "color")):
@@ -112,7 +109,7 @@ def _article(noun: str) -> str:
 # ---------------------------------------------------------------- what tells apart
 
 
-def _material(name: str, rivals: list[str], values: Values) -> Iterator[str]:
+def _material(name: str, rivals: list[str], values: Evaluator) -> Iterator[str]:
     if not all(values.has(n, "material") for n in (name, *rivals)):
         return
     mine = values.text(name, "material")
@@ -121,27 +118,27 @@ def _material(name: str, rivals: list[str], values: Values) -> Iterator[str]:
         yield f"{_plain(name, values).removesuffix(what)}{_MADE.get(mine, mine)} {what}"
 
 
-def _size(name: str, rivals: list[str], values: Values) -> Iterator[str]:
+def _size(name: str, rivals: list[str], values: Evaluator) -> Iterator[str]:
     def edge(n: str) -> float:
         return float(volume(values, n) ** (1 / 3))
 
     words = ("larger", "smaller") if len(rivals) == 1 else ("largest", "smallest")
-    for word in _extreme(edge(name), [edge(r) for r in rivals], words, lambda a, b: a > b * LARGER):
+    for word in _extreme(edge(name), [edge(r) for r in rivals], words, lambda a, b: a > b * SIZE_RATIO):
         yield f"{word} {_plain(name, values)}"
 
 
-def _side(name: str, rivals: list[str], values: Values) -> Iterator[str]:
+def _side(name: str, rivals: list[str], values: Evaluator) -> Iterator[str]:
     yield from _placed(name, rivals, values, 0, ("on the right", "on the left"))
 
 
-def _depth(name: str, rivals: list[str], values: Values) -> Iterator[str]:
+def _depth(name: str, rivals: list[str], values: Evaluator) -> Iterator[str]:
     yield from _placed(name, rivals, values, 1, ("at the back", "at the front"))
 
 
-def _placed(name: str, rivals: list[str], values: Values, axis: int, words: tuple[str, str]) -> Iterator[str]:
-    way = front(values)
-    here, *there = (seen(way, *values.pose(n).position[:2])[axis] for n in (name, *rivals))
-    for word in _extreme(here, there, words, lambda a, b: a > b + ASIDE):
+def _placed(name: str, rivals: list[str], values: Evaluator, axis: int, words: tuple[str, str]) -> Iterator[str]:
+    way = common_direction(values)
+    here, *there = (view_coordinates(way, *values.pose(n).position[:2])[axis] for n in (name, *rivals))
+    for word in _extreme(here, there, words, lambda a, b: a > b + MIN_OFFSET):
         yield f"{_plain(name, values)} {word}"
 
 

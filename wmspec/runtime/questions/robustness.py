@@ -1,4 +1,4 @@
-"""Whether an answer holds when every free body begins a little aside: a question about chaos has no answer."""
+"""Stability of answers when free bodies are displaced: chaotic outcomes have no answer."""
 
 from __future__ import annotations
 
@@ -8,32 +8,32 @@ from wmspec.core.diagnostics import GraphicsError, WmsError
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import Answer, Reject
-from wmspec.runtime.questions.question_context import Asking
-from wmspec.runtime.questions.runs import Run, free, nudged
+from wmspec.runtime.questions.question_context import QuestionContext
+from wmspec.runtime.questions.runs import Run, free_bodies, nudged
 
-#: Unless the spec says how far: by 0.5 mm, once, where something free moves. A spec's own distance is tried twice.
-NUDGE, NUDGES, NUDGES_SAID = 0.0005, 1, 2
+#: Defaults: 0.5 mm, once, where a free body moves. A distance from the spec is tried twice.
+DEFAULT_NUDGE, DEFAULT_NUDGES, SPEC_NUDGES = 0.0005, 1, 2
 
 
-def stable(asking: Asking, answer: Answer, key: tuple[object, ...]) -> None:
-    """Raise Reject if the answer does not hold after a nudge, in a direction that depends on `key`."""
+def require_stable(asking: QuestionContext, answer: Answer, key: tuple[object, ...]) -> None:
+    """Raise Reject if the answer changes under a nudge, in a direction drawn from `key`."""
     for by, run in _nudges(asking, key):
         try:
-            why = KINDS[answer.kind].disturbed(asking, answer, run, by)
+            why = KINDS[answer.kind].change_under_nudge(asking, answer, run, by)
         except GraphicsError:
             raise
         except WmsError as error:
-            raise Reject("unstable", f"set aside by {by * 1000:g} mm: {error}") from None
+            raise Reject("unstable", f"displaced by {by * 1000:g} mm: {error}") from None
         if why:
             raise Reject("unstable", why)
 
 
-def _nudges(asking: Asking, key: tuple[object, ...]) -> Iterator[tuple[float, Run]]:
-    """How far (m) everything free is set aside, and what happens then."""
+def _nudges(asking: QuestionContext, key: tuple[object, ...]) -> Iterator[tuple[float, Run]]:
+    """Yield displacements (m) of free bodies and the resulting runs."""
     run, distance = asking.run, asking.question.stable
-    loose = set(free(run.scene))
+    loose = set(free_bodies(run.scene))
     if not (loose & run.movers() if distance is None else loose):
         return
-    by = NUDGE if distance is None else evaluate(distance, asking.values)
-    for k in range(NUDGES if distance is None else NUDGES_SAID):
+    by = DEFAULT_NUDGE if distance is None else evaluate(distance, asking.values)
+    for k in range(DEFAULT_NUDGES if distance is None else SPEC_NUDGES):
         yield by, nudged(run, by, (*key, k), asking.pair)

@@ -1,4 +1,4 @@
-"""Where a body would be seen in a picture if nothing else were there."""
+"""The silhouette of a body in a picture without occluders."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from PIL import Image, ImageDraw
 
 from wmspec.core.memoize import cached_on
 from wmspec.sim.scene.model import Array, Body, Camera, Pose, Scene
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.scene.model.transform import apply, compose, identity
-from wmspec.sim.scene.render.camera import find, project
+from wmspec.sim.scene.render.camera import find_camera, project
 from wmspec.sim.shapes import Shape
 from wmspec.sim.shapes.facets import tessellate
 
-#: How wide silhouettes are drawn (px), the smaller ones larger than they are seen, because a polygon covers its edge.
-WIDE, MOST_FINER = 1024, 16
+#: Width (px) of drawn silhouettes; small ones are enlarged, because polygons cover their edges.
+SILHOUETTE_WIDTH, MAX_UPSCALE = 1024, 16
 
 
 @dataclass(frozen=True)
 class Silhouette:
-    """How many pixels (not whole ones) a body covers within the picture, and on it and around it together.
+    """Pixels (fractional) that a body covers inside the picture, and in total.
 
-    What lies further outside than the picture is wide counts no more.
+    Parts further outside than the width of the picture do not count.
     """
 
     inside: float
@@ -32,8 +32,8 @@ class Silhouette:
 
 
 def silhouette(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], size: tuple[int, int]) -> Silhouette:
-    """The silhouette of body number `index` in a picture of (width, height), from a camera, bodies at their poses."""
-    camera, poses = placed(scene, look[0], look[1]), look[1]
+    """Return the silhouette of body `index` in a picture (width, height), given camera and poses."""
+    camera, poses = camera_in_world(scene, look[0], look[1]), look[1]
     width, height = size
     polygons = [p for p in _polygons(scene.bodies[index], poses[index], camera, size) if len(p) > 2]
     if not polygons:
@@ -44,7 +44,7 @@ def silhouette(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], siz
     high = np.ceil(np.clip(points.max(axis=0), -frame, 2 * frame)).astype(int)
     if (high <= low).any():
         return Silhouette(0.0, 0.0)
-    finer = min(max(WIDE // int((high - low).max()), 1), MOST_FINER)
+    finer = min(max(SILHOUETTE_WIDTH // int((high - low).max()), 1), MAX_UPSCALE)
     across, down = (finer * (high - low)).tolist()
     image = Image.new("1", (across, down))
     draw = ImageDraw.Draw(image)
@@ -58,24 +58,24 @@ def silhouette(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], siz
 
 
 def box(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], size: tuple[int, int]) -> Array | None:
-    """The corners (2, 2) of an upright box in the picture around body number `index`: what covers its silhouette.
+    """Return the corners (2, 2) of a box in the picture around the silhouette of body `index`.
 
-    None where a part of it may be behind the camera.
+    None if part of it may be behind the camera.
     """
-    camera, pose = placed(scene, *look), look[1][index]
+    camera, pose = camera_in_world(scene, *look), look[1][index]
     points, depth = project(camera, apply(pose, cached_on(scene.bodies[index], _corners)), *size)
     return np.stack([points.min(axis=0), points.max(axis=0)]) if (depth > camera.near).all() else None
 
 
 def _corners(body: Body) -> Array:
-    """The corners (8, 3) m of the box around all that is visible of a body, in its frame."""
-    low, high = upright([geom for geom in body.geoms if geom.visible], identity())
+    """Return the corners (8, 3) m of the box around the visible geoms of a body, in its frame."""
+    low, high = world_box([geom for geom in body.geoms if geom.visible], identity())
     return np.array(list(product(*zip(low.tolist(), high.tolist(), strict=True))))
 
 
-def placed(scene: Scene, camera: str, poses: tuple[Pose, ...]) -> Camera:
-    """A camera of the scene in the world, also if it rides on a body."""
-    declared = find(scene, camera)
+def camera_in_world(scene: Scene, camera: str, poses: tuple[Pose, ...]) -> Camera:
+    """Return a camera in the world, attached ones included."""
+    declared = find_camera(scene, camera)
     if declared.body is None:
         return declared
     carrier = next(i for i, b in enumerate(scene.bodies) if b.name == declared.body)
@@ -83,7 +83,7 @@ def placed(scene: Scene, camera: str, poses: tuple[Pose, ...]) -> Camera:
 
 
 def _polygons(body: Body, pose: Pose, camera: Camera, size: tuple[int, int]) -> list[Array]:
-    """The pixel coordinates of polygons (n, 2) that together cover what is seen of a body."""
+    """Return pixel polygons (n, 2) that together cover a body."""
     polygons: list[Array] = []
     for geom in body.geoms:
         if geom.visible:
@@ -102,5 +102,5 @@ def _outlines(shape: Shape, pose: Pose, camera: Camera, size: tuple[int, int]) -
     points = points[before]
     try:
         return [points[ConvexHull(points).vertices]]
-    except (QhullError, ValueError):  # seen edge on, or behind the camera
+    except (QhullError, ValueError):  # edge-on, or behind the camera
         return []

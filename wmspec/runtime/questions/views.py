@@ -1,4 +1,4 @@
-"""The views of a task: from where, when, and what is kept of each."""
+"""The views of a task: camera, time, and channels."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ View = tuple[str, float]
 
 
 def views_of(spec: TaskSpec, values: Environment) -> list[View]:
-    """The views that a task shows, in order."""
+    """Return the views that a task shows, in order."""
     return [(o.camera, time) for o in spec.observations for time in evaluate(o.times, values)]
 
 
 def channels_of(spec: TaskSpec) -> frozenset[Channel]:
-    """What is kept of every picture shown: the colours, and what any of the observations asks for."""
+    """Return the channels of every shown picture: colour, and those that observations request."""
     return frozenset[Channel]({"rgb"}).union(*(o.channels for o in spec.observations))

@@ -1,4 +1,4 @@
-"""What pictures show of a body: how much of it, how much of it is hidden, and how it stands out."""
+"""Visibility of a body in pictures: size, occlusion, contrast."""
 
 from __future__ import annotations
 
@@ -15,26 +15,25 @@ from wmspec.runtime.questions.silhouette import Silhouette, box, silhouette
 from wmspec.runtime.questions.views import View
 from wmspec.sim.scene.model import Frame
 
-#: What lies so many pixels around a body is what it stands out from, in a picture of 256 x 256.
-AROUND = 3 / 256
+#: Width of the surround of a body, relative to the picture.
+SURROUND_WIDTH = 3 / 256
 
 
 def visible(observed: Observed, name: str, camera: str) -> float:
-    """The share of the picture that shows the body, the least over the views of the camera."""
-    return min(_over_views(observed, name, camera, share))
+    """Return the smallest share of the picture that shows the body, over the views of the camera."""
+    return min(_over_views(observed, name, camera, visible_share))
 
 
 def occluded(observed: Observed, name: str, camera: str) -> float:
-    """The share of the body within the picture that others hide, the most over the views of the camera."""
-    return max(_over_views(observed, name, camera, hidden))
+    """Return the largest share of the body inside the picture that is occluded, over the views of the camera."""
+    return max(_over_views(observed, name, camera, hidden_share))
 
 
 def contrast(observed: Observed, name: str, camera: str) -> float:
-    """The difference (CIEDE2000) of the body's colour from what is around it, the least over the views of the camera.
-
-    0 where it is not seen.
+    """Return the smallest colour difference (CIEDE2000) to the surround, over the views of the camera; 0 if not
+    visible.
     """
-    return min(_over_views(observed, name, camera, lambda o, i, view: outstanding(o.picture(*view), i)))
+    return min(_over_views(observed, name, camera, lambda o, i, view: surround_contrast(o.picture(*view), i)))
 
 
 def _over_views(
@@ -44,29 +43,29 @@ def _over_views(
     return [measure(observed, index, view) for view in observed.views_of(camera)]
 
 
-def share(observed: Observed, index: int, view: View) -> float:
-    """The share of a picture that shows a body, 0..1."""
+def visible_share(observed: Observed, index: int, view: View) -> float:
+    """Return the share of a picture that shows a body, 0..1."""
     return patch(observed.picture(*view), index).share
 
 
-def hidden(observed: Observed, index: int, view: View) -> float:
-    """The share of a body within the picture that others hide, 0..1; 1 if it is outside the picture."""
+def hidden_share(observed: Observed, index: int, view: View) -> float:
+    """Return the occluded share of a body inside the picture, 0..1; 1 if it is outside."""
     whole = outline(observed, index, view).inside
     seen = patch(observed.picture(*view), index).pixels
     return min(max(1 - seen / whole, 0.0), 1.0) if whole > 0 else 1.0
 
 
 def outline(observed: Observed, index: int, view: View) -> Silhouette:
-    """The silhouette of a body in a view."""
+    """Return the silhouette of a body in a view."""
     camera, time = view
     height, width = observed.picture(camera, time).ids.shape
     return silhouette(observed.scene, index, (camera, observed.poses(time)), (width, height))
 
 
-def hidden_at_most(observed: Observed, index: int, view: View) -> float:
-    """No more than this share of a body is hidden by others; 1 if a part of it is outside the picture.
+def hidden_share_bound(observed: Observed, index: int, view: View) -> float:
+    """Return an upper bound of the occluded share of a body; 1 if part of it is outside the picture.
 
-    Other than `hidden` it draws no silhouette, and is enough where plenty is seen.
+    Unlike `hidden_share` it draws no silhouette; it suffices where much is visible.
     """
     camera, time = view
     frame = observed.picture(camera, time)
@@ -77,8 +76,8 @@ def hidden_at_most(observed: Observed, index: int, view: View) -> float:
     return 1 - patch(frame, index).pixels / float(np.prod(np.ptp(around, axis=0) + 2))
 
 
-def outstanding(frame: Frame, index: int) -> float:
-    """How much the mean colour of a body differs (CIEDE2000) from the pixels next to it, on average; 0 if unseen."""
+def surround_contrast(frame: Frame, index: int) -> float:
+    """Return the mean colour difference (CIEDE2000) between a body and adjacent pixels; 0 if not visible."""
     return cached_on(frame, _outstanding, index)
 
 
@@ -86,7 +85,7 @@ def _outstanding(frame: Frame, index: int) -> float:
     own = patch(frame, index)
     if not own.pixels:
         return 0.0
-    wide = max(1, round(AROUND * len(frame.ids)))
+    wide = max(1, round(SURROUND_WIDTH * len(frame.ids)))
     (top, bottom), (left, right) = own.rows, own.columns
     near = np.s_[max(top - wide, 0) : bottom + wide + 1, max(left - wide, 0) : right + wide + 1]
     mask, colors = frame.ids[near] == index, frame.rgb[near]
@@ -97,7 +96,7 @@ def _outstanding(frame: Frame, index: int) -> float:
 
 
 def _grown(mask: NDArray[np.bool_], wide: int) -> NDArray[np.bool_]:
-    """Every pixel at most so many columns and so many rows away from one of the mask."""
+    """Return the mask dilated by a square of `wide` pixels."""
     grown = mask.copy()
     for side in (grown, grown.T):
         near = side.copy()

@@ -1,41 +1,41 @@
-"""Whether pictures show what a question is about: large enough, within the frame, not hidden, standing out."""
+"""Gate: pictures must show what a question is about, large enough, within the frame, unoccluded, with contrast."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from wmspec.compile.layout.values import Values
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.runtime.questions import visibility
 from wmspec.runtime.questions.model import Reject
 from wmspec.runtime.questions.observed import Observed
 from wmspec.runtime.questions.patch import patch
 from wmspec.runtime.questions.views import View
-from wmspec.sim.scene.render.appearance import vanished
+from wmspec.sim.scene.render.appearance import vanished_bodies
 
-#: A body that covers less of a picture than this cannot be seen in it. (A 6 x 6 patch of 256 x 256 pixels.)
-LEAST_VISIBLE = 36 / 256**2
-#: Of a body that can move, at least this share must be within the frame, and of that no more be hidden by others.
-LEAST_INSIDE, MOST_HIDDEN = 0.5, 0.7
-#: A body's colour must differ by this (CIEDE2000) from what is around it: what is seen at a glance.
-LEAST_CONTRAST = 5.0
+#: Smallest visible share of the picture: 6 x 6 of 256 x 256 pixels.
+MIN_VISIBLE_SHARE = 36 / 256**2
+#: Smallest share of a movable body inside the frame, and largest occluded share of that.
+MIN_INSIDE, MAX_HIDDEN = 0.5, 0.7
+#: Smallest colour difference (CIEDE2000) to the surround: visible at a glance.
+MIN_CONTRAST = 5.0
 
 
-def chains(values: Values) -> list[frozenset[str]]:
-    """The sets whose members joints tie to one another: ropes, each of which is seen as one thing."""
+def connected_sets(values: Evaluator) -> list[frozenset[str]]:
+    """Return the sets whose members are joined, such as ropes, which count as one object."""
     sets = {thing.name: thing.set for thing in values.spec.things if thing.kind == "object" and thing.set}
     tied = set[str]()
     for joint in values.spec.things:
-        if joint.kind == "joint" and values.has(joint.name, "to") and values.there(joint.name):
+        if joint.kind == "joint" and values.has(joint.name, "to") and values.is_present(joint.name):
             ends = values.ends(joint.name)
             tied |= {sets[ends[0]]} if ends[0] in sets and sets[ends[0]] == sets.get(ends[1]) else set()
     return [frozenset(name for name, of in sets.items() if of == chain) for chain in sorted(tied)]
 
 
-def shown(observed: Observed, names: Iterable[str], together: Iterable[frozenset[str]] = ()) -> None:
-    """Raise Reject unless at every moment that was looked at, one of the cameras shows each of the bodies well.
+def require_visible(observed: Observed, names: Iterable[str], together: Iterable[frozenset[str]] = ()) -> None:
+    """Raise Reject unless at every observed moment one camera shows each body well.
 
-    Of those that are seen `together` as one thing, so much as of one body must be seen. Cameras that ride see what they
-    come by: where only they look, a body must be well seen once. What carries such a camera need not be seen.
+    Sets in `together` need only as much visibility as one body. If only attached cameras show a body, once is enough.
+    The body that carries such a camera need not be visible.
     """
     riding = {c.name: c.body for c in observed.scene.cameras if c.body is not None}
     fixed = [view for view in observed.views if view[0] not in riding]
@@ -48,8 +48,10 @@ def shown(observed: Observed, names: Iterable[str], together: Iterable[frozenset
             _seen_once(observed, group, observed.views)
 
 
-def shown_in(option: str, observed: Observed, names: Iterable[str], together: Iterable[frozenset[str]] = ()) -> None:
-    """Raise Reject unless the one picture of an option shows each of the bodies well; a riding camera's need not."""
+def require_visible_in(
+    option: str, observed: Observed, names: Iterable[str], together: Iterable[frozenset[str]] = ()
+) -> None:
+    """Raise Reject unless the picture of an option shows each body well; for attached cameras it need not."""
     (view,) = observed.views
     if any(c.name == view[0] and c.body is not None for c in observed.scene.cameras):
         return
@@ -59,10 +61,10 @@ def shown_in(option: str, observed: Observed, names: Iterable[str], together: It
 
 
 def _there(observed: Observed, names: Iterable[str], together: Iterable[frozenset[str]]) -> list[tuple[str, ...]]:
-    """The bodies that are there, each by itself or with those that it is seen together with."""
-    wanted, whole = set(names), {name: group for group in together for name in group}
+    """Return the present bodies, alone or with their set."""
+    requested, whole = set(names), {name: group for group in together for name in group}
     there = [body.name for body in observed.scene.bodies]
-    groups = (tuple(n for n in there if n in whole.get(name, {name})) for name in there if name in wanted)
+    groups = (tuple(n for n in there if n in whole.get(name, {name})) for name in there if name in requested)
     return list(dict.fromkeys(groups))
 
 
@@ -77,32 +79,32 @@ def _seen_once(observed: Observed, group: tuple[str, ...], views: Sequence[View]
 
 
 def _unseen(observed: Observed, group: tuple[str, ...], view: View) -> str:
-    """Why a body, or bodies that are seen as one thing, are not well seen in a view; empty if they are, or are gone."""
-    if vanished(observed.scene, view[1]).issuperset(group):
+    """Return why a body or set is not visible in a view; '' if it is visible or absent."""
+    if vanished_bodies(observed.scene, view[1]).issuperset(group):
         return ""
     if len(group) == 1:
-        return unseen(observed, group[0], view)
+        return invisibility_reason(observed, group[0], view)
     frame = observed.picture(*view)
     pixels = sum(patch(frame, observed.index(name)).pixels for name in group)
     size = frame.ids.size
-    return f"{pixels} of {size} pixels of all {len(group)}" if pixels < LEAST_VISIBLE * size else ""
+    return f"{pixels} of {size} pixels of all {len(group)}" if pixels < MIN_VISIBLE_SHARE * size else ""
 
 
-def unseen(observed: Observed, name: str, view: View) -> str:
-    """Why a body is not well seen in a view; empty if it is."""
+def invisibility_reason(observed: Observed, name: str, view: View) -> str:
+    """Return why a body is not visible in a view; '' if it is."""
     index = observed.index(name)
     frame = observed.picture(*view)
     pixels = patch(frame, index).pixels
-    if pixels < LEAST_VISIBLE * frame.ids.size:
+    if pixels < MIN_VISIBLE_SHARE * frame.ids.size:
         return f"{pixels} of {frame.ids.size} pixels"
     can_move = observed.scene.bodies[index].motion != "static"
-    if can_move and visibility.hidden_at_most(observed, index, view) > MOST_HIDDEN:
+    if can_move and visibility.hidden_share_bound(observed, index, view) > MAX_HIDDEN:
         outline = visibility.outline(observed, index, view)
-        if outline.inside < LEAST_INSIDE * outline.all:
+        if outline.inside < MIN_INSIDE * outline.all:
             return f"{1 - outline.inside / outline.all:.0%} of it is outside the frame"
-        if pixels < (1 - MOST_HIDDEN) * outline.inside:
+        if pixels < (1 - MAX_HIDDEN) * outline.inside:
             return f"{1 - pixels / outline.inside:.0%} of it is hidden"
-    contrast = visibility.outstanding(frame, index)
-    if contrast < LEAST_CONTRAST:
-        return f"it hardly stands out: its colour differs by {contrast:.1f}, and {LEAST_CONTRAST:g} can be seen"
+    contrast = visibility.surround_contrast(frame, index)
+    if contrast < MIN_CONTRAST:
+        return f"its contrast is low: its colour differs by {contrast:.1f}, and {MIN_CONTRAST:g} can be seen"
     return ""

@@ -1,7 +1,7 @@
-"""Workers on the machines of a Ray cluster: each is an actor, with a worker process of its own where it is.
+"""Workers on a Ray cluster: each is an actor with a local worker process.
 
-Ray says where work is done, and what to do when a machine is lost; what a piece of work may cost is decided there as it
-is here. So the same pieces give the same results, and the same of them fail for the same reasons.
+Ray schedules jobs and recovers from lost machines. Timeouts and failures of jobs are handled as on one machine.
+Therefore the same jobs give the same results and failures.
 """
 
 from __future__ import annotations
@@ -17,54 +17,62 @@ from importlib import import_module
 from typing import Any, TypeVar
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.runtime.workers.pool import PATIENCE, Effort, Job, LocalWorkers, Lost, result, undisturbed
+from wmspec.runtime.workers.pool import (
+    MAX_RETRIES,
+    JobFailure,
+    LocalWorkers,
+    PoolConfig,
+    PoolJob,
+    defer_signals,
+    result,
+)
 
 T = TypeVar("T")
 
-#: The seconds for which a machine may be asked for its versions: it imports wmspec for the first time.
-FIRST = 300.0
+#: Timeout (s) for a machine's versions; it imports wmspec for the first time.
+STARTUP_TIMEOUT = 300.0
 
 
 @contextmanager
-def ray_cluster(address: str, workers: int | None, timeout: float, versions: Mapping[str, str]) -> Iterator[Effort]:
-    """What a cluster can do: that at `address` ("auto": the one of this machine), or one started here if it is empty.
+def ray_cluster(address: str, workers: int | None, timeout: float, versions: Mapping[str, str]) -> Iterator[PoolConfig]:
+    """Provide the workers of the cluster at `address` ("auto": this machine's), or of a new one if it is empty.
 
-    `workers`: so many, or one for each of its processors. `versions`: those of wmspec and engines, which decide what
-    comes out. Raises WmsError if there is no Ray, no cluster, or a machine of other versions.
+    `workers` is their number; None means one per processor. `versions` are those of wmspec and the engines, which
+    determine the results. Raises WmsError if Ray or the cluster is missing, or a machine has other versions.
     """
-    with nullcontext() if _ray().is_initialized() else _joined(address, workers):
-        _check(versions)
+    with nullcontext() if _ray().is_initialized() else _connected(address, workers):
+        _require_versions(versions)
         processors = int(_ray().cluster_resources().get("CPU", 0))
-        yield Effort(workers or max(1, processors), timeout, RayWorkers)
+        yield PoolConfig(workers or max(1, processors), timeout, RayWorkers)
 
 
 class RayWorkers:
-    """One worker of the cluster, and another in its place if its machine is lost."""
+    """One worker of the cluster, replaced if its machine is lost."""
 
     def __init__(self) -> None:
         self._losses = 0
         self._begin()
 
-    def take(self, job: Job, others: Iterable[Job]) -> None:  # noqa: ARG002  as `Workers` has it
-        """Have the job done."""
-        with undisturbed():
+    def take(self, job: PoolJob, others: Iterable[PoolJob]) -> None:  # noqa: ARG002  as `Workers` has it
+        """Submit a job."""
+        with defer_signals():
             job.future = self._actor.do.remote(job.work, job.piece, job.timeout).future()
 
-    def done(self, jobs: Sequence[Job]) -> bool:
-        """Whether the first of its jobs is done; where its machine is lost, another takes over.
+    def done(self, jobs: Sequence[PoolJob]) -> bool:
+        """Whether the first job is done; if its machine is lost, restart it on another.
 
-        Nobody may wait here for that one: it may have to wait until the others have no more to do.
+        This must not wait for the new machine, which may become available only after other jobs finish.
         """
         if not jobs[0].future.done():
             return False
-        if not _gone(jobs[0]) or self._losses == PATIENCE:
+        if not _is_node_lost(jobs[0]) or self._losses == MAX_RETRIES:
             return True
         self._losses += 1
         self._renew(jobs)
         return False
 
-    def result(self, job: Job, others: Iterable[Job]) -> Any:  # noqa: ARG002
-        """What a job that is done gives. Raises what it raises, BrokenProcessPool if all its machines were lost."""
+    def result(self, job: PoolJob, others: Iterable[PoolJob]) -> Any:  # noqa: ARG002
+        """Return the result of a finished job. Raises its error, or BrokenProcessPool if all machines were lost."""
         from ray.exceptions import RayError, RayTaskError
 
         self._losses = 0
@@ -76,20 +84,20 @@ class RayWorkers:
             raise BrokenProcessPool from None
 
     def finish(self) -> None:
-        """Let another have its processor."""
+        """Release the processor."""
         self.stop()
 
     def stop(self) -> None:
-        """End it, whatever it is doing."""
-        with undisturbed():
+        """Kill the worker."""
+        with defer_signals():
             _ray().kill(self._actor)
 
     def _begin(self) -> None:
-        with undisturbed():
+        with defer_signals():
             self._actor: Any = _remote(_Actor, num_cpus=1).remote()
 
-    def _renew(self, jobs: Iterable[Job]) -> None:
-        undone = [job for job in jobs if not job.future.done() or _gone(job)]
+    def _renew(self, jobs: Iterable[PoolJob]) -> None:
+        undone = [job for job in jobs if not job.future.done() or _is_node_lost(job)]
         self.stop()
         self._begin()
         for job in undone:
@@ -97,21 +105,21 @@ class RayWorkers:
 
 
 class _Actor:
-    """What runs on a machine of the cluster."""
+    """The actor that runs on a machine of the cluster."""
 
     def __init__(self) -> None:
         self._workers = LocalWorkers(1)
 
-    def do(self, work: Callable[..., T], piece: tuple[Any, ...], timeout: float) -> T | Lost:
-        """The piece of work, as it is done without a cluster."""
-        job = Job(work, piece, timeout)
+    def do(self, work: Callable[..., T], piece: tuple[Any, ...], timeout: float) -> T | JobFailure:
+        """Return the result of a job, computed as without a cluster."""
+        job = PoolJob(work, piece, timeout)
         self._workers.take(job, ())
-        done: T | Lost = result(job, (), self._workers)
+        done: T | JobFailure = result(job, (), self._workers)
         return done
 
 
-def _gone(job: Job) -> bool:
-    """Whether a job that is over came to nothing, since its worker, or what that had made, is gone with its machine."""
+def _is_node_lost(job: PoolJob) -> bool:
+    """True if a finished job failed because its node was lost."""
     from ray.exceptions import RayError, RayTaskError
 
     error = job.future.exception()
@@ -119,19 +127,19 @@ def _gone(job: Job) -> bool:
 
 
 @contextmanager
-def _joined(address: str, workers: int | None) -> Iterator[None]:
-    """Being a part of a cluster. Raises WmsError if there is none."""
-    with ThreadPoolExecutor(1) as thread:  # what Ray starts ends with the thread that starts it
+def _connected(address: str, workers: int | None) -> Iterator[None]:
+    """Connect to a cluster within the context. Raises WmsError if there is none."""
+    with ThreadPoolExecutor(1) as thread:  # processes of Ray end with the thread that starts them
         try:
-            _join(thread, address, workers)
+            _start_ray(thread, address, workers)
             yield
         finally:
-            with undisturbed():
+            with defer_signals():
                 _ray().shutdown()
 
 
-def _join(thread: ThreadPoolExecutor, address: str, workers: int | None) -> None:
-    """Begin Ray in a thread: in the main one it takes SIGTERM for itself, and a signal would leave it half begun."""
+def _start_ray(thread: ThreadPoolExecutor, address: str, workers: int | None) -> None:
+    """Initialize Ray in a thread: in the main thread it handles SIGTERM, and a signal could interrupt the start."""
     ray = _ray()
     if not address and any(map(str.isspace, sys.executable)):
         raise WmsError(
@@ -140,8 +148,8 @@ def _join(thread: ThreadPoolExecutor, address: str, workers: int | None) -> None
         )
     quiet = {"log_to_driver": False, "logging_level": logging.ERROR, "include_dashboard": None if address else False}
     try:
-        _answers(address)
-        with undisturbed():
+        _require_reachable(address)
+        with defer_signals():
             thread.submit(ray.init, address or "local", num_cpus=None if address else workers, **quiet).result()
     except (ValueError, RuntimeError, OSError) as error:
         reason = " ".join(str(error).split())[:300].rstrip(".")
@@ -151,8 +159,8 @@ def _join(thread: ThreadPoolExecutor, address: str, workers: int | None) -> None
         ) from error
 
 
-def _answers(address: str) -> None:
-    """Raise OSError or ValueError if nobody is at an address, which takes Ray minutes to say."""
+def _require_reachable(address: str) -> None:
+    """Raise OSError or ValueError if an address does not respond; Ray would take minutes to report it."""
     if address and address != "auto":
         host, colon, port = address.rpartition(":")
         if not (host and colon and port.isdecimal()) or "//" in host:
@@ -160,24 +168,24 @@ def _answers(address: str) -> None:
         socket.create_connection((host.strip("[]"), int(port)), timeout=10).close()
 
 
-def _check(versions: Mapping[str, str]) -> None:
+def _require_versions(versions: Mapping[str, str]) -> None:
     """Raise WmsError unless every machine of the cluster has these versions."""
     from ray.exceptions import RayError
     from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 
     ray = _ray()
     nodes = {node["NodeID"]: node["NodeManagerHostname"] for node in ray.nodes() if node["Alive"]}
-    asked = {
+    pending = {
         node: _remote(_versions, num_cpus=0, scheduling_strategy=NodeAffinitySchedulingStrategy(node, soft=False))
         for node in nodes
     }
-    # Not by `ray.get`, which gives another exit code to who is told to end meanwhile.
-    answers = {node: there.remote(tuple(versions)).future() for node, there in asked.items()}
+    # Not `ray.get`, which changes the exit code if a signal arrives meanwhile.
+    answers = {node: there.remote(tuple(versions)).future() for node, there in pending.items()}
     for node, answer in answers.items():
         try:
-            there = answer.result(timeout=FIRST)
+            there = answer.result(timeout=STARTUP_TIMEOUT)
         except (RayError, TimeoutError) as error:
-            reason = " ".join(str(error).split())[-300:] or f"it has not answered for {FIRST:g} s"
+            reason = " ".join(str(error).split())[-300:] or f"it has not answered for {STARTUP_TIMEOUT:g} s"
             raise WmsError(
                 f"the machine {nodes[node]} of the cluster cannot run wmspec: {reason}",
                 help="install the same wmspec, with the same engines, on every machine",
@@ -197,12 +205,12 @@ def _versions(names: Iterable[str]) -> dict[str, str]:
 
 
 def _remote(what: Any, **options: Any) -> Any:
-    """A function or class as Ray's; Mesa would start a thread per core in every worker."""
+    """Return a function or class as Ray's; limits Mesa, which would start a thread per core in every worker."""
     return _ray().remote(runtime_env={"env_vars": {"LP_NUM_THREADS": "0"}}, **options)(what)
 
 
 def _ray() -> Any:
-    """Ray, which is half typed. Raises WmsError if it is not installed."""
+    """Return the module ray, which has incomplete types. Raises WmsError if it is not installed."""
     try:
         return import_module("ray")
     except ImportError:

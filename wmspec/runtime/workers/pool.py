@@ -1,4 +1,4 @@
-"""Work in several processes: results in order; work that fails, dies or hangs costs nothing but its own piece."""
+"""A process pool with ordered results; a job that fails, crashes or hangs affects no other job."""
 
 from __future__ import annotations
 
@@ -26,33 +26,33 @@ from wmspec.core.diagnostics import GraphicsError, WmsError
 T = TypeVar("T")
 Piece = tuple[Any, ...]
 
-#: A worker is replaced after so many pieces of work, which bounds whatever an engine leaks.
-PIECES_PER_WORKER = 1000
-#: So many pieces are with a worker at a time, so that it need not wait for the next.
-AHEAD = 2
-#: So many times in a row workers may vanish before they say what they do, until the job that is waited for is lost.
-PATIENCE = 10
+#: Number of jobs after which a worker is replaced, which bounds memory leaks of engines.
+MAX_JOBS_PER_WORKER = 1000
+#: Number of jobs queued per worker, so that it never idles.
+PREFETCH = 2
+#: Number of consecutive times that workers may vanish before starting, until the awaited job fails.
+MAX_RETRIES = 10
 
 
 @dataclass(frozen=True)
-class Effort:
-    """How hard to try: worker processes, and the seconds that a piece of work may take.
+class PoolConfig:
+    """Worker processes, and the timeout (s) of a job.
 
-    Without workers, all is done in this process, where nothing stops a piece that hangs. `hire` gives a worker that is
-    not a process of this machine.
+    Without workers, jobs run in this process, where a hanging job cannot be stopped. `worker_factory` creates a
+    worker that is not a process of this machine.
     """
 
     workers: int
     timeout: float
-    hire: Callable[[], Workers] | None = None
+    worker_factory: Callable[[], Workers] | None = None
 
 
 @dataclass(frozen=True)
-class Lost:
-    """A piece of work that came to nothing, and why.
+class JobFailure:
+    """A job without a result, and the reason.
 
-    `timeout` and `crashed` (twice each) depend on the machine and on what else it does: the same piece may succeed at
-    another time. An `error` is its own; `crash` is the exception, if it was an unexpected one.
+    `timeout` and `crashed` (twice each) depend on the machine and its load: the same job may succeed later. An `error`
+    is deterministic.
     """
 
     kind: Literal["timeout", "crashed", "error"]
@@ -60,44 +60,43 @@ class Lost:
     crash: Crash | None = field(default=None, compare=False)
 
 
-def in_order(
+def map_ordered(
     work: Callable[..., T],
     pieces: Iterable[tuple[Any, ...]],
-    effort: Effort,
+    effort: PoolConfig,
     weight: Callable[[tuple[Any, ...]], int] = lambda _: 1,
-) -> Generator[T | Lost, None, None]:
-    """`work(*piece)` for every piece, in order, with only as many under way as keep the workers busy.
+) -> Generator[T | JobFailure, None, None]:
+    """Yield `work(*piece)` for every piece, in order, with a bounded number of pieces in progress.
 
-    A piece may take as many times the seconds as is its `weight`. Close it to stop them. Raises GraphicsError if a
-    worker does: then this machine cannot draw, whatever the piece.
+    The timeout of a piece is multiplied by its `weight`. Close the generator to stop the workers. Raises GraphicsError
+    if a worker does: the machine then cannot render any piece.
     """
     if effort.workers == 0:
-        yield from (_done(work, *piece) for piece in pieces)
+        yield from (_run_job(work, *piece) for piece in pieces)
     elif first := list(islice(every := iter(pieces), effort.workers)):
         yield from _in_workers(work, chain(first, every), effort, len(first), weight)
 
 
-def by_units(
+def map_batches(
     work: Callable[..., T],
     units: Iterable[Sequence[Piece]],
-    effort: Effort,
+    effort: PoolConfig,
     weight: Callable[[Piece], int] = lambda _: 1,
-) -> Generator[tuple[Piece, T | Lost], None, None]:
-    """`work(*piece)` for every piece of every unit, each with its piece, as they are done.
+) -> Generator[tuple[Piece, T | JobFailure], None, None]:
+    """Yield every piece of every unit with `work(*piece)`, as they finish.
 
-    All pieces of a unit are done by one worker, one after the other, so that it can use again what it knows from the
-    one for the next. Otherwise as `in_order`.
+    One worker processes all pieces of a unit in order, so that its caches apply. Otherwise like `map_ordered`.
     """
     if effort.workers == 0:
-        yield from ((piece, _done(work, *piece)) for unit in units for piece in unit)
+        yield from ((piece, _run_job(work, *piece)) for unit in units for piece in unit)
         return
     first = list(islice(rest := iter(units), effort.workers))
-    waiting, seats = chain(first, rest), list[_Seat]()
+    waiting, seats = chain(first, rest), list[_WorkerSlot]()
     try:
-        seats += (_Seat((effort.hire or LocalWorkers)()) for _ in first)
+        seats += (_WorkerSlot((effort.worker_factory or LocalWorkers)()) for _ in first)
         while True:
             for seat in seats:
-                seat.fill(waiting, lambda piece: Job(work, piece, effort.timeout * weight(piece)))
+                seat.fill(waiting, lambda piece: PoolJob(work, piece, effort.timeout * weight(piece)))
             for seat in [seat for seat in seats if not seat.jobs]:
                 seat.workers.finish()
                 seats.remove(seat)
@@ -109,7 +108,7 @@ def by_units(
                     job = seat.jobs.popleft()
                     yield job.piece, cast(T, result(job, seat.jobs, seat.workers))
     except BaseException:
-        with undisturbed():
+        with defer_signals():
             for seat in seats:
                 seat.workers.stop()
         raise
@@ -118,15 +117,15 @@ def by_units(
 def _in_workers(
     work: Callable[..., T],
     pieces: Iterable[tuple[Any, ...]],
-    effort: Effort,
+    effort: PoolConfig,
     workers: int,
     weight: Callable[[tuple[Any, ...]], int],
-) -> Generator[T | Lost, None, None]:
-    under_way: deque[Job] = deque()
+) -> Generator[T | JobFailure, None, None]:
+    under_way: deque[PoolJob] = deque()
     pool = LocalWorkers(workers)
     try:
         for piece in pieces:
-            under_way.append(Job(work, piece, effort.timeout * weight(piece)))
+            under_way.append(PoolJob(work, piece, effort.timeout * weight(piece)))
             pool.take(under_way[-1], under_way)
             if len(under_way) > 4 * workers:
                 yield cast(T, result(under_way.popleft(), under_way, pool))
@@ -138,8 +137,8 @@ def _in_workers(
     pool.finish()
 
 
-def result(job: Job, others: Iterable[Job], pool: Workers) -> Any:
-    """What became of a job, which is tried twice, while others are under way."""
+def result(job: PoolJob, others: Iterable[PoolJob], pool: Workers) -> Any:
+    """Return the result of a job, which is tried twice, while others are in progress."""
     try:
         try:
             return pool.result(job, others)
@@ -147,16 +146,16 @@ def result(job: Job, others: Iterable[Job], pool: Workers) -> Any:
             pool.take(job, others)
             return pool.result(job, others)
     except FutureTimeout:
-        return Lost("timeout", f"took longer than {job.timeout:g} s, twice")
+        return JobFailure("timeout", f"took longer than {job.timeout:g} s, twice")
     except ProcessExpired as error:
-        return Lost("crashed", f"the worker process died twice (exit code {error.exitcode})")
+        return JobFailure("crashed", f"the worker process died twice (exit code {error.exitcode})")
     except BrokenProcessPool:
-        return Lost("crashed", "the worker processes died before they began")
+        return JobFailure("crashed", "the worker processes died before they began")
 
 
 @dataclass
-class Job:
-    """A piece of work, the seconds that it may take, and its result to come."""
+class PoolJob:
+    """Arguments of one call, its timeout (s), and its future."""
 
     work: Callable[..., Any]
     piece: tuple[Any, ...]
@@ -165,16 +164,16 @@ class Job:
 
 
 @dataclass
-class _Seat:
-    """One worker, what it has to do of its unit, and the jobs that were given to it."""
+class _WorkerSlot:
+    """One worker, the remaining pieces of its unit, and its queued jobs."""
 
     workers: Workers
     unit: deque[Piece] = field(default_factory=deque)
-    jobs: deque[Job] = field(default_factory=deque)
+    jobs: deque[PoolJob] = field(default_factory=deque)
 
-    def fill(self, units: Iterator[Sequence[Piece]], job: Callable[[Piece], Job]) -> None:
-        """Give it the next pieces, of another unit if its own is done."""
-        while len(self.jobs) < AHEAD:
+    def fill(self, units: Iterator[Sequence[Piece]], job: Callable[[Piece], PoolJob]) -> None:
+        """Queue the next pieces, from another unit when its own is done."""
+        while len(self.jobs) < PREFETCH:
             if not self.unit:
                 self.unit.extend(next(units, ()))
             if not self.unit:
@@ -184,48 +183,48 @@ class _Seat:
 
 
 class Workers(Protocol):
-    """Those who do jobs, wherever they are."""
+    """An executor of jobs, local or remote."""
 
-    def take(self, job: Job, others: Iterable[Job]) -> None:
-        """Have a job done, while others are under way."""
+    def take(self, job: PoolJob, others: Iterable[PoolJob]) -> None:
+        """Submit a job, while others are in progress."""
 
-    def done(self, jobs: Sequence[Job]) -> bool:
-        """Whether the first of their jobs is done, or given up."""
+    def done(self, jobs: Sequence[PoolJob]) -> bool:
+        """Whether the first of its jobs is done or abandoned."""
 
-    def result(self, job: Job, others: Iterable[Job]) -> Any:
-        """What a job gives."""
+    def result(self, job: PoolJob, others: Iterable[PoolJob]) -> Any:
+        """Return the result of a job."""
 
     def finish(self) -> None:
-        """Wait until all that was taken is done."""
+        """Wait until all submitted jobs are done."""
 
     def stop(self) -> None:
-        """End them, whatever they are doing."""
+        """Kill the workers."""
 
 
 class LocalWorkers:
-    """The processes that do the work.
+    """Worker processes on this machine.
 
-    Where one dies before it has said which job it took, pebble gives up all of them. Others then take over what
-    was under way, and only if that happens `PATIENCE` times in a row the job that is waited for is lost.
+    If one dies before it reports its job, pebble abandons all of them. New processes then resume the jobs in progress.
+    The awaited job fails only if that happens `MAX_RETRIES` times in a row.
     """
 
     def __init__(self, count: int = 1) -> None:
         self._count = count
         self._begin()
 
-    def take(self, job: Job, others: Iterable[Job]) -> None:
-        """Have the job done."""
+    def take(self, job: PoolJob, others: Iterable[PoolJob]) -> None:
+        """Submit a job."""
         if not self._pool.active:
             self._renew(other for other in others if other is not job)
         self._schedule(job)
 
-    def done(self, jobs: Sequence[Job]) -> bool:
-        """Whether the first of their jobs is done, or given up."""
+    def done(self, jobs: Sequence[PoolJob]) -> bool:
+        """Whether the first of its jobs is done or abandoned."""
         return bool(jobs[0].future.done() or not self._pool.active)
 
-    def result(self, job: Job, others: Iterable[Job]) -> Any:
-        """What the job gives. Raises what pebble does, BrokenProcessPool if the processes die again and again."""
-        for _ in range(PATIENCE):
+    def result(self, job: PoolJob, others: Iterable[PoolJob]) -> Any:
+        """Return the result of a job. Raises pebble's errors, BrokenProcessPool if the processes keep dying."""
+        for _ in range(MAX_RETRIES):
             while not wait([job.future], timeout=1).done and self._pool.active:
                 pass
             try:
@@ -237,62 +236,61 @@ class LocalWorkers:
         raise BrokenProcessPool
 
     def finish(self) -> None:
-        """Wait until all that was taken is done."""
-        with undisturbed():
+        """Wait until all submitted jobs are done."""
+        with defer_signals():
             self._pool.close()
             self._pool.join()
 
     def stop(self) -> None:
-        """End the processes, whatever they are doing."""
-        with undisturbed():
+        """Kill the processes."""
+        with defer_signals():
             self._pool.stop()
             self._pool.join()
 
     def _begin(self) -> None:
-        pool = {"max_workers": self._count, "max_tasks": PIECES_PER_WORKER, "context": _Context()}
-        self._pool: Any = ProcessPool(**pool, initializer=_seldom_collected)
-        with undisturbed():
-            _ = self._pool.active  # asked for this, it begins
+        pool = {"max_workers": self._count, "max_tasks": MAX_JOBS_PER_WORKER, "context": _Context()}
+        self._pool: Any = ProcessPool(**pool, initializer=_relax_gc)
+        with defer_signals():
+            _ = self._pool.active  # reading this starts the processes
 
-    def _renew(self, jobs: Iterable[Job]) -> None:
+    def _renew(self, jobs: Iterable[PoolJob]) -> None:
         undone = [j for j in jobs if not j.future.done() or isinstance(j.future.exception(), BrokenProcessPool)]
         self.stop()
         self._begin()
         for job in undone:
             self._schedule(job)
 
-    def _schedule(self, job: Job) -> None:
-        with undisturbed():
-            job.future = self._pool.schedule(_done, args=(job.work, *job.piece), timeout=job.timeout)
+    def _schedule(self, job: PoolJob) -> None:
+        with defer_signals():
+            job.future = self._pool.schedule(_run_job, args=(job.work, *job.piece), timeout=job.timeout)
 
 
-def _seldom_collected() -> None:
-    """Look for cycles of objects seldom: specs and scenes are many objects and have none, and looking takes a fifth."""
+def _relax_gc() -> None:
+    """Raise GC thresholds: specs and scenes are acyclic, and collection costs ~20 %."""
     gc.set_threshold(100_000, 20, 100)
 
 
-def _done(work: Callable[..., T], *piece: Any) -> T | Lost:
-    """The work, where it is done, or what went wrong with it."""
+def _run_job(work: Callable[..., T], *piece: Any) -> T | JobFailure:
+    """Return the result of a job, or its failure; runs in the worker."""
     try:
         return work(*piece)
     except GraphicsError:
         raise
     except MemoryError:
-        return Lost("crashed", "there was not enough memory")
+        return JobFailure("crashed", "there was not enough memory")
     except WmsError as error:
-        return Lost("error", str(error))
+        return JobFailure("error", str(error))
     except Exception as error:  # noqa: BLE001  whatever it is, it must not cost the other pieces
         crash = Crash.of(error, skip=1)  # this frame
-        return Lost("error", crash.line, crash)
+        return JobFailure("error", crash.line, crash)
 
 
 @contextmanager
-def undisturbed() -> Iterator[None]:
-    """What signals do, they do afterwards.
+def defer_signals() -> Iterator[None]:
+    """Defer signals until the block ends.
 
-    Where one raises an exception while a queue wakes its reader, the next word to the reader is lost (in
-    `threading.Condition.notify`): the processes never end, nor does what waits for them. Ray aborts, or ends by an exit
-    code of its own.
+    If a signal handler raises while a queue notifies its reader (in `threading.Condition.notify`), the notification is
+    lost, and the processes never end. Ray aborts, or exits with its own code.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -311,35 +309,35 @@ def undisturbed() -> Iterator[None]:
             signal.raise_signal(signalled)
 
 
-class Helper:
-    """One process that stays, for one piece of work after the other: who waits for it is safe from whatever it does."""
+class HelperProcess:
+    """One persistent process for successive jobs; its crashes and hangs do not affect the caller."""
 
     def __init__(self, timeout: float) -> None:
         self._workers = LocalWorkers(1)
         self._timeout = timeout
 
-    def do(self, work: Callable[..., T], *piece: Any) -> T | Lost:
-        """`work(*piece)`, or what became of it; it is tried once."""
-        job = Job(work, piece, self._timeout)
+    def do(self, work: Callable[..., T], *piece: Any) -> T | JobFailure:
+        """Return `work(*piece)` or its failure; it is tried once."""
+        job = PoolJob(work, piece, self._timeout)
         try:
             self._workers.take(job, ())
             return cast(T, self._workers.result(job, ()))
         except GraphicsError as error:
-            return Lost("error", str(error))
+            return JobFailure("error", str(error))
         except FutureTimeout:
-            return Lost("timeout", f"took longer than {self._timeout:g} s")
+            return JobFailure("timeout", f"took longer than {self._timeout:g} s")
         except ProcessExpired as error:
-            return Lost("crashed", f"the worker process died (exit code {error.exitcode})")
+            return JobFailure("crashed", f"the worker process died (exit code {error.exitcode})")
         except BrokenProcessPool:
-            return Lost("crashed", "the worker process died before it began")
+            return JobFailure("crashed", "the worker process died before it began")
 
     def close(self) -> None:
-        """Stop it, whatever it is doing."""
+        """Kill it."""
         self._workers.stop()
 
 
 class _Worker(SpawnProcess):
-    """A process that imports wmspec and not the script that asked for it, which therefore needs no `__main__` guard."""
+    """A process that does not import the main script, which therefore needs no `__main__` guard."""
 
     def start(self) -> None:
         script = sys.modules["__main__"]

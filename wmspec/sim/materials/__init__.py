@@ -1,7 +1,7 @@
-"""What things can be made of, as far as the eye can tell: a table of materials, and shades of one colour.
+"""Visual materials and shades of one colour.
 
-A material is an image in shades of grey, which the colour of the object tints, and how it shines. The images repeat
-without seams; `tools/looks.py` makes them.
+A material is a grey image, tinted by the colour of the object, and its gloss. Images tile seamlessly; `tools/looks.py`
+generates them.
 """
 
 from __future__ import annotations
@@ -12,15 +12,15 @@ from pathlib import Path
 Color = tuple[float, float, float]
 
 TEXTURES = Path(__file__).parent / "textures"
-SIZE = 256
-"""The side of every image (texels)."""
+TEXTURE_SIZE = 256
+"""Side of each image (texels)."""
 
 
 @dataclass(frozen=True)
 class Material:
-    """A look: an image (or None) with `texels` of it on a metre, the numbers of UsdPreviewSurface, and its own colour.
+    """A look: an image (or None) with `texels` per metre, parameters of UsdPreviewSurface, and a default colour.
 
-    `color` (sRGB 0..1) is that of an object that says only what it is made of.
+    `color` (sRGB 0..1) applies to objects without a colour.
     """
 
     meaning: str
@@ -32,13 +32,13 @@ class Material:
 
     @property
     def path(self) -> Path | None:
-        """The image's file."""
+        """Path of the image file."""
         return TEXTURES / self.image if self.image else None
 
     @property
     def repeats(self) -> float:
-        """How often the image is repeated on a metre: the scale of the material's UsdTransform2d."""
-        return self.texels / SIZE
+        """Repetitions of the image per metre: the scale of the material's UsdTransform2d."""
+        return self.texels / TEXTURE_SIZE
 
 
 MATERIALS: dict[str, Material] = {
@@ -64,11 +64,25 @@ MATERIALS: dict[str, Material] = {
     "asphalt": Material("tar with grit", (0.30, 0.30, 0.32), 0.95, image="asphalt.png", texels=640),
     "grass": Material("a lawn", (0.33, 0.52, 0.20), 0.95, image="grass.png", texels=400),
 }  # fmt: skip
-"""Material by its name in the language."""
+"""Materials by name in the language."""
 
-SAFE = ("red", "orange", "yellow", "green", "cyan", "blue", "purple", "pink", "brown", "white", "gray", "black")
-"""The colours to ask about: any two differ by a CIEDE2000 of 16 or more to most eyes, and of 9.5 or more to those with
-a colour vision deficiency of any kind (Machado, Oliveira and Fernandes, IEEE TVCG 15, 2009)."""
+DISTINCT_COLORS = (
+    "red",
+    "orange",
+    "yellow",
+    "green",
+    "cyan",
+    "blue",
+    "purple",
+    "pink",
+    "brown",
+    "white",
+    "gray",
+    "black",
+)
+"""Colours for questions: any two differ by a CIEDE2000 of at least 16 for normal vision, and 9.5 for every colour
+vision deficiency (Machado, Oliveira and Fernandes, IEEE TVCG 15, 2009).
+"""
 
 SHADES: dict[str, Color] = {
     "blue_1": (0.84, 0.90, 0.98),
@@ -79,4 +93,4 @@ SHADES: dict[str, Color] = {
     "blue_6": (0.07, 0.17, 0.58),
     "blue_7": (0.03, 0.07, 0.30),
 }
-"""Blue (sRGB) from light to dark, in steps of equal difference (a CIEDE2000 of 12)."""
+"""Blue (sRGB) from light to dark in equal steps (a CIEDE2000 of 12)."""

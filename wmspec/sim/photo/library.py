@@ -1,7 +1,7 @@
-"""Mitsuba itself: imported when it is first used, in the variant that this machine's variables ask for.
+"""Mitsuba, imported on first use in the variant that environment variables select.
 
-It interprets every path (`scalar_rgb`), which needs nothing and gives the same bytes everywhere; or, where the variable
-of its own that names LLVM is set, it compiles them (`llvm_ad_rgb`), which takes less time and rounds otherwise.
+`scalar_rgb` interprets every path, has no further dependencies and gives equal bytes everywhere. With Mitsuba's
+variable for LLVM set, `llvm_ad_rgb` compiles paths: faster, with different rounding.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from wmspec.core.native_output import silence
 REQUIREMENT = "wmspec[photo]"
 DISTRIBUTIONS = ("mitsuba", "mitsuba-oidn")
 LLVM = "DRJIT_LIBLLVM_PATH"
-"""Mitsuba's own variable: the path of libLLVM."""
+"""Mitsuba's environment variable with the path of libLLVM."""
 
 _NAME = re.compile(r"libLLVM(?:-|\.so\.)(\d+)[\d.]*(?:\.so)?(?:\.[\d.]+)?")
 OLDEST_LLVM = 19
-"""Measured: with 14 and 15 Mitsuba 3.9 ends the process."""
+"""With LLVM 14 and 15, Mitsuba 3.9 aborts the process."""
 
 
 def variant() -> str:
-    """How Mitsuba computes here. Raises WmsError if the LLVM that is asked for will not do."""
+    """Return the Mitsuba variant. Raises WmsError if the requested LLVM is unsuitable."""
     path = os.environ.get(LLVM, "")
     if not path:
         return "scalar_rgb"
@@ -41,7 +41,7 @@ def variant() -> str:
 
 
 def llvm_version(path: str) -> int:
-    """The major version of a libLLVM; 0 if there is none, or one from before 16, which could not be asked."""
+    """Return the major version of a libLLVM; 0 if it is missing or older than 16."""
     major = ctypes.c_uint(0)
     try:
         ctypes.CDLL(path).LLVMGetVersion(ctypes.byref(major), None, None)
@@ -51,7 +51,7 @@ def llvm_version(path: str) -> int:
 
 
 def newest_llvm() -> str:
-    """The newest LLVM where systems keep their libraries, if it is new enough; by its name, without loading it."""
+    """Return the newest suitable LLVM of the system by file name, without loading it."""
     found = [(int(name[1]), str(path)) for path in _libraries() if (name := _NAME.fullmatch(path.name))]
     return max((path for path in found if path[0] >= OLDEST_LLVM), default=(0, ""))[1]
 
@@ -63,7 +63,7 @@ def _libraries() -> Iterator[Path]:
 
 
 def mitsuba() -> Any:
-    """Mitsuba, in the right variant. Raises WmsError if it, or its denoiser, is not installed."""
+    """Return Mitsuba in the right variant. Raises WmsError if it or its denoiser is missing."""
     chosen = variant()
     try:
         with silence():
@@ -81,7 +81,7 @@ def mitsuba() -> Any:
 
 
 def versions() -> dict[str, str]:
-    """What decides the bytes of its pictures. Raises WmsError if it is not installed."""
+    """Return the versions that determine the bytes of pictures. Raises WmsError if Mitsuba is missing."""
     mitsuba()
     found = {name: version(name) for name in DISTRIBUTIONS}
     return found | {"mitsuba": f"{found['mitsuba']} {variant()}"}

@@ -1,4 +1,4 @@
-"""The photo look of a scene: colours by paths of light, bodies and distances by an engine's renderer."""
+"""The photo renderer: path-traced colours, ids and depth from an engine's renderer."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from wmspec.sim.scene.model import Frame, Scene, Shot
 from wmspec.sim.scene.model import Renderer as Parity
 
 
-class Renderer:
-    """Draws one scene; `parity` is an engine's renderer of it, which is closed with this one.
+class PhotoRenderer:
+    """Draws one scene; `parity` is an engine's renderer of it and is closed with this one.
 
     Raises WmsError if Mitsuba is missing.
     """
@@ -17,18 +17,18 @@ class Renderer:
         self._tracer, self._parity = Tracer(scene, size, samples), parity
 
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
-        """Draw the bodies where the shot places them."""
+        """Draw the bodies at the poses of the shot."""
         frame = self._parity.draw(shot, depth=depth)
         return Frame(self._tracer.draw(shot), frame.ids, frame.depth)
 
     def repaint(self, scene: Scene) -> bool:
-        """Draw a scene from now on that differs in colours only, if the engine's renderer can."""
+        """Switch to a scene that differs in colours only, if the engine's renderer can."""
         if not self._parity.repaint(scene):
             return False
         self._tracer.paint(scene)
         return True
 
     def close(self) -> None:
-        """Let go of everything."""
+        """Release all resources."""
         self._parity.close()
         del self._tracer

@@ -1,4 +1,4 @@
-"""The colours of a picture: a few paths of light for each pixel, smoothed by Open Image Denoise."""
+"""Path-traced colours: few paths per pixel, denoised by Open Image Denoise."""
 
 from __future__ import annotations
 
@@ -11,32 +11,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.sim.photo.library import mitsuba
-from wmspec.sim.photo.light import SKY, SUN, panels, surroundings
+from wmspec.sim.photo.light import SKY, SUN, ceiling_lights, environment_map
 from wmspec.sim.photo.materials import Material, material
 from wmspec.sim.scene.model import Array, Camera, Geom, Pose, Scene, Shot, Surface
 from wmspec.sim.scene.model.transform import apply, compose, rotate, rotation
-from wmspec.sim.scene.render.camera import seeing
+from wmspec.sim.scene.render.camera import world_camera
 from wmspec.sim.scene.render.color import to_linear
-from wmspec.sim.scene.render.picture import check
+from wmspec.sim.scene.render.picture import require_all_poses
 from wmspec.sim.scene.render.texcoords import texcoords
 from wmspec.sim.scene.render.tonemap import tonemap
 from wmspec.sim.shapes.facets import Facets
 
-SAMPLES = 8
-"""Paths a pixel, where none are asked for."""
+DEFAULT_SAMPLES = 8
+"""Paths per pixel."""
 
 BOUNCES = 5
-GLASS = 8
-"""So many surfaces of glass besides: two vessels in a row."""
+GLASS_BOUNCES = 8
+"""Additional bounces for glass: two vessels in a row."""
 
-GUIDES = 8
-"""Samples of the plain colours, which tell the denoiser of edges and images: they cost a tenth of a path."""
+GUIDE_SAMPLES = 8
+"""Samples of albedo that guide the denoiser; they cost a tenth of a path."""
 
-BLOCK = 32
-"""Pixels are sampled in blocks of this side, each with its own seed. Mitsuba's own choice depends on how many cores
-there are, and so would the bytes."""
+SEED_BLOCK = 32
+"""Pixels are sampled in square blocks of this side, each with its own seed. Mitsuba's default depends on the number of
+cores, and so would the bytes.
+"""
 
-LIKE_USD = np.array([-1.0, 1.0, -1.0])
+USD_CAMERA_AXES = np.array([-1.0, 1.0, -1.0])
 """Mitsuba's camera looks along +z with +x to the left; USD's along -z with +x to the right."""
 
 Image = NDArray[np.float32]
@@ -45,7 +46,7 @@ Image = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class _Piece:
-    """What is drawn of a body: its number, where it is in the body, its triangles and its material."""
+    """A drawn shape: body number, pose in the body, triangles and material."""
 
     body: int
     pose: Pose
@@ -54,48 +55,50 @@ class _Piece:
 
 
 class Tracer:
-    """Draws the colours of one scene, in pictures of (width, height) pixels with so many `samples` for each.
+    """Draws the colours of one scene in pictures of `size` (width, height) pixels with `samples` per pixel.
 
     Raises WmsError if Mitsuba is missing.
     """
 
     def __init__(self, scene: Scene, size: tuple[int, int], samples: int | None = None) -> None:
         self._mi: Any = mitsuba()
-        self._size, self._samples = size, samples or SAMPLES
-        self._plain: Any = self._mi.load_dict({"type": "path", "max_depth": 1, "block_size": BLOCK})
+        self._size, self._samples = size, samples or DEFAULT_SAMPLES
+        self._plain: Any = self._mi.load_dict({"type": "path", "max_depth": 1, "block_size": SEED_BLOCK})
         self.paint(scene)
 
     def paint(self, scene: Scene) -> None:
-        """Draw this scene from now on."""
+        """Switch to another scene."""
         self._scene, self._pieces = scene, _pieces(scene)
         clear = any(piece.material.clear for piece in self._pieces)
-        kind, longest = ("volpath", BOUNCES + GLASS) if clear else ("path", BOUNCES)  # volpath sees lamps through glass
+        kind, longest = (
+            ("volpath", BOUNCES + GLASS_BOUNCES) if clear else ("path", BOUNCES)
+        )  # volpath connects to lamps through glass
         self._paths: Any = self._mi.load_dict(
-            {"type": kind, "max_depth": longest, "rr_depth": 64, "hide_emitters": True, "block_size": BLOCK}
+            {"type": kind, "max_depth": longest, "rr_depth": 64, "hide_emitters": True, "block_size": SEED_BLOCK}
         )
-        around = self._mi.Bitmap(surroundings(scene.light, scene.background))
+        around = self._mi.Bitmap(environment_map(scene.light, scene.background))
         upright = self._mi.ScalarTransform4f().rotate([1, 0, 0], 90)
         self._light: Any = self._mi.load_dict({"type": "envmap", "bitmap": around, "to_world": upright})
 
     def draw(self, shot: Shot) -> NDArray[np.uint8]:
-        """Bytes (h, w, 3), with the bodies where the shot places them."""
-        check(self._scene, shot)
-        camera = seeing(self._scene, shot)
+        """Return bytes (h, w, 3) with the bodies at the poses of the shot."""
+        require_all_poses(self._scene, shot)
+        camera = world_camera(self._scene, shot)
         light = self._taken(self._paths, self._lit(shot, camera), camera, self._samples)
-        color = self._taken(self._plain, self._glowing(shot), camera, GUIDES)
+        color = self._taken(self._plain, self._glowing(shot), camera, GUIDE_SAMPLES)
         return tonemap(self._developed(light, color))
 
     def _lit(self, shot: Shot, camera: Camera) -> Any:
-        """Mitsuba's scene with every body where the shot has it: made anew, of materials and light that are kept."""
+        """Return Mitsuba's scene of a shot, rebuilt from cached materials and lights."""
         shapes = self._shapes(shot, self._pieces, lambda piece: ("bsdf", piece.material.scattering))
         still = (piece for piece in self._pieces if self._scene.bodies[piece.body].motion == "static")
         bounds = (_bounds(compose(shot.poses[piece.body], piece.pose), piece.facets) for piece in still)
-        for number, corners in enumerate(panels(self._scene.light, bounds, camera.pose.position)):
+        for number, corners in enumerate(ceiling_lights(self._scene.light, bounds, camera.pose.position)):
             shapes[f"panel{number}"] = self._panel(*corners)
         return self._mi.load_dict({"type": "scene", "light": self._light, **shapes})
 
     def _glowing(self, shot: Shot) -> Any:
-        """The same with nothing but surfaces that shine in their plain colours, and no glass before them."""
+        """Return the scene with emissive plain colours and without glass."""
         solid = [piece for piece in self._pieces if not piece.material.clear]
         shapes = self._shapes(
             shot,
@@ -124,20 +127,20 @@ class Tracer:
         return shapes
 
     def _panel(self, low: Array, high: Array) -> Any:
-        """A rectangle that shines down as the sun and the sky do, and is not seen itself."""
+        """Return a rectangle that emits sun and sky light downwards and is invisible."""
         sun = self._scene.light
         middle, half = (low + high) / 2, (high - low) / 2
         placed = self._mi.ScalarTransform4f().translate(middle.tolist()).scale([half[0], half[1], 1])
         strength = sun.diffuse * SUN + sun.ambient * SKY
         shine = {"type": "area", "radiance": {"type": "rgb", "value": [strength] * 3}}
-        glass = {"type": "null"}  # the ceiling is seen through it
+        glass = {"type": "null"}  # the ceiling stays visible
         return {"type": "rectangle", "to_world": placed.rotate([1, 0, 0], 180), "emitter": shine, "bsdf": glass}
 
     def _taken(self, integrator: Any, world: Any, camera: Camera, samples: int) -> Image:
-        """What an integrator makes of the picture (h, w, 4): linear light, and how much of a pixel is covered."""
+        """Return the picture (h, w, 4) of an integrator: linear light and coverage."""
         width, height = self._size
         placed = np.eye(4)
-        placed[:3, :3], placed[:3, 3] = rotation(camera.pose.orientation) * LIKE_USD, camera.pose.position
+        placed[:3, :3], placed[:3, 3] = rotation(camera.pose.orientation) * USD_CAMERA_AXES, camera.pose.position
         film = {
             "type": "hdrfilm",
             "width": width,
@@ -162,7 +165,7 @@ class Tracer:
         return np.nan_to_num(np.array(image, np.float32), posinf=0, neginf=0)
 
     def _developed(self, light: Image, color: Image) -> Array:
-        """Smooth linear light (h, w, 3) on the scene's background, of light and plain colours (h, w, 4)."""
+        """Return denoised linear light (h, w, 3) over the background, from light and albedo (h, w, 4)."""
         import mitsuba_oidn
 
         background = to_linear(self._scene.background)

@@ -1,1 +1,1 @@
-"""The plain scene that every backend executes and renders: read from USD, free of USD types."""
+"""The scene that every backend executes and renders: read from USD, free of USD types."""

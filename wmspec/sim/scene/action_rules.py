@@ -1,4 +1,4 @@
-"""What makes sense of actions: what they can be done to, and in which order."""
+"""Checks of actions: valid targets, finite numbers, order in time."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from wmspec.sim.scene.model import (
     Teleport,
     Vanish,
 )
-from wmspec.sim.scene.physics.paths import astray, overlaps
+from wmspec.sim.scene.physics.paths import misplaced_paths, overlaps
 
 _MOVED, _FREE = ("kinematic",), ("dynamic",)
 MOTIONS = {
@@ -40,11 +40,11 @@ MOTIONS = {
     Paint: (*_FREE, *_MOVED, "static"),
     Vanish: (*_FREE, *_MOVED),
 }
-"""What an action can be done to."""
+"""The kinds of bodies that each action accepts."""
 
 
 def problems(action: Action, motions: Mapping[str, str], joints: Mapping[str, Joint]) -> Iterator[Diagnostic]:
-    """What is wrong with one action; `motions` of the bodies and `joints` by their names."""
+    """Yield the errors of one action, given the `motions` of bodies and the `joints` by name."""
     if isinstance(action, Steer):
         if action.joint not in joints or joints[action.joint].drive is None:
             yield Diagnostic(f"there is no joint '{action.joint}' with a drive", help="give the joint one")
@@ -53,12 +53,12 @@ def problems(action: Action, motions: Mapping[str, str], joints: Mapping[str, Jo
         if action.body not in motions:
             yield Diagnostic(f"there is no body '{action.body}'", help=f"there are {', '.join(motions)}")
         elif motions[action.body] not in needed:
-            motion, wanted = motions[action.body], " or ".join(needed)
-            yield Diagnostic(f"it moves '{action.body}', which is {motion}, expected a {wanted} body")
+            motion, expected = motions[action.body], " or ".join(needed)
+            yield Diagnostic(f"it moves '{action.body}', which is {motion}, expected a {expected} body")
     if isinstance(action, Grip) and motions.get(action.hand) != "kinematic":
-        yield Diagnostic(f"there is no kinematic body '{action.hand}' that could hold anything")
+        yield Diagnostic(f"there is no kinematic body '{action.hand}' to grip with")
     if not (action.start >= 0 and all(np.isfinite(v).all() for v in _numbers(action))):
-        yield Diagnostic("its start is negative, or one of its numbers is not finite")
+        yield Diagnostic("its start is negative or a number is not finite")
     elif isinstance(action, Follow):
         yield from _way(action)
     elif isinstance(action, Glide | Force | Grip) and action.stop < action.start:
@@ -68,13 +68,13 @@ def problems(action: Action, motions: Mapping[str, str], joints: Mapping[str, Jo
 def _way(action: Follow) -> Iterator[Diagnostic]:
     n = len(action.times)
     if n < 2 or action.points.shape != (n, 3) or (action.orientations is not None and len(action.orientations) != n):
-        yield Diagnostic(f"it has {n} times, expected at least 2, and as many points and orientations")
+        yield Diagnostic(f"it has {n} times, expected at least 2, and the same number of points and orientations")
     elif action.times[0] != 0 or not (np.diff(action.times) > 0).all():
-        yield Diagnostic(f"its times are {action.times.tolist()}, expected them to grow from 0")
+        yield Diagnostic(f"its times are {action.times.tolist()}, expected increasing times from 0")
 
 
 def _numbers(action: Action) -> list[ArrayLike]:
-    """Everything of an action that must be finite."""
+    """Return all numbers of an action that must be finite."""
     match action:
         case Launch():
             return [action.start, action.linear, action.angular]
@@ -97,12 +97,12 @@ def _numbers(action: Action) -> list[ArrayLike]:
 
 
 def sequence(scene: Scene) -> Iterator[Diagnostic]:
-    """What is wrong between the actions of a body."""
+    """Yield conflicts between the actions of one body."""
     for first, second in overlaps(scene.actions, scene.bodies):
         yield Diagnostic(
             f"it starts while {first.name} still moves '{second.body}'",
             PrimPlace(f"action {second.name}"),
-            "let one end first",
+            "end the first one before",
         )
     releases = {action.body: action for action in scene.actions if isinstance(action, Release)}
     for action in scene.actions:
@@ -112,13 +112,13 @@ def sequence(scene: Scene) -> Iterator[Diagnostic]:
                 yield Diagnostic(
                     f"'{action.body}' is held until {release.start} s",
                     PrimPlace(f"action {action.name}"),
-                    "let it start then",
+                    "start at that time or later",
                 )
-    for follow, here in astray(scene):
+    for follow, here in misplaced_paths(scene):
         yield (
             Diagnostic(
-                f"its way begins at {follow.points[0]} m, but '{follow.body}' is at {here} m then, or turned otherwise",
+                f"its path starts at {follow.points[0]} m, but '{follow.body}' is at {here} m or rotated otherwise",
                 PrimPlace(f"action {follow.name}"),
-                "begin it there, or teleport the body first",
+                "start the path there or teleport the body before",
             )
         )

@@ -1,4 +1,4 @@
-"""The shape of a backend: what a physics engine offers, and what it says of itself without being imported."""
+"""The interface of backends, and the metadata that is readable without importing the engine."""
 
 from __future__ import annotations
 
@@ -11,75 +11,78 @@ from wmspec.sim.scene.model import Renderer, Scene, Trace
 
 @dataclass(frozen=True)
 class Graphics:
-    """What an engine draws with, where that is not itself."""
+    """The graphics API of an engine that does not draw by itself."""
 
     api: Literal["EGL", "Vulkan"]
-    #: The oldest Mesa whose software driver will do, where there is no GPU.
+    #: The oldest supported Mesa for software rendering.
     mesa: tuple[int, int]
-    #: Environment variables that choose another driver, unless they name the `api`.
+    #: Environment variables that select a driver; other values than the `api` break it.
     variables: tuple[str, ...] = ()
-    #: Whether the driver is chosen as the engine is imported: a wrong choice then spoils executing too.
+    #: Whether the import of the engine selects the driver, so that a wrong driver breaks execution too.
     on_import: bool = False
 
 
 @dataclass(frozen=True)
 class Compiled:
-    """How pip compiles an engine where there is no wheel."""
+    """How pip compiles an engine that has no wheel."""
 
-    #: The newest Python that has a wheel.
+    #: The newest Python version with a wheel.
     wheels_until: tuple[int, int]
-    #: What the build must find installed.
+    #: Packages that the build needs.
     needs: tuple[str, ...] = ()
-    #: Variables before the command, such as `CFLAGS=-O2`.
+    #: Environment variables of the build, such as `CFLAGS=-O2`.
     variables: str = ""
 
 
 @dataclass(frozen=True)
 class Info:
-    """What an engine says of itself. Reading it imports no engine."""
+    """Metadata of an engine; reading it imports no engine."""
 
-    #: As on the command line, in traces and datasets; the name of the entry point.
+    #: The name of the entry point, used on the command line, in traces and in datasets.
     name: str
-    #: As its makers write it.
+    #: The official spelling.
     title: str
-    #: The Python module that it is imported as.
+    #: The Python module.
     module: str
-    #: The Python distribution whose version is the engine's.
+    #: The Python distribution that carries the version.
     distribution: str
-    #: What pip installs to have it.
+    #: The requirement for pip.
     requirement: str
-    #: At least so many steps are computed a second: a multiple of the scene's rate.
+    #: Minimum step rate, Hz, rounded up to a multiple of the sample rate.
     steps_per_second: int
-    #: What scenes may ask for and it can't do.
+    #: Unsupported and approximated features.
     lacks: tuple[Lack, ...] = ()
-    #: Whether it draws; False if it only executes.
+    #: Whether the engine draws.
     draws: bool = True
     graphics: Graphics | None = None
     compiled: Compiled | None = None
 
 
 class Backend(Protocol):
-    """What every backend offers: a module, or an object, that an entry point of the group `wmspec.backends` names.
+    """The interface of a backend: a module or object named by an entry point of the group `wmspec.backends`.
 
-    Importing it imports no engine, so that `info` can be read where the engine is not installed.
+    Importing it imports no engine, so that `info` is readable without the engine.
     """
 
     @property
     def info(self) -> Info:
-        """What the engine says of itself."""
+        """Metadata of the engine."""
         ...
 
     def execute(self, scene: Scene) -> Trace:
-        """Run the episode. Raises WmsError for a scene that it can't honour, EngineError when it loses track of it."""
+        """Execute the episode of a scene.
+
+        Raises WmsError for a scene that the engine does not support, EngineError if the engine fails.
+        """
         ...
 
     def renderer(self, scene: Scene, width: int, height: int) -> Renderer:
-        """Make a renderer of the scene's bodies and cameras.
+        """Return a renderer of the bodies and cameras of a scene.
 
-        Raises WmsError if the engine does not draw, GraphicsError if the machine lacks graphics libraries.
+        Raises WmsError if the engine does not draw, GraphicsError if graphics libraries are missing.
         """
         ...
 
     def native(self, scene: Scene) -> dict[str, str]:
-        """The episode in the engine's own form: file name -> text, usable without wmspec."""
+        """Return the episode in the engine's own format, usable without wmspec: file name -> text."""
         ...

@@ -1,4 +1,4 @@
-"""What stages may ask for, and what of it engines lack: the refusals, `wmspec doctor` and the docs."""
+"""Features of stages, and which engines lack them: source of refusals, `wmspec doctor` and the capability matrix."""
 
 from __future__ import annotations
 
@@ -9,144 +9,145 @@ from math import atan, degrees
 
 from wmspec.core.diagnostics import Diagnostic, Report, StageError
 from wmspec.core.places import PrimPlace
-from wmspec.sim.scene.joints.articulations import ascent, closing, trees
+from wmspec.sim.scene.joints.articulations import ancestors, loop_joints, trees
 from wmspec.sim.scene.joints.drives import too_damped, too_stiff
 from wmspec.sim.scene.model import Joint, Scene
 from wmspec.sim.scene.physics.contact import colliders
-from wmspec.sim.scene.physics.speed import fastest, steps, thinnest
-from wmspec.sim.scene.regime_thresholds import ENTERED
+from wmspec.sim.scene.physics.speed import max_speed, min_thickness, step_multiplier
+from wmspec.sim.scene.regime_thresholds import MAX_ENTERED_FRACTION
 
-Where = Iterator[tuple[str, str]]
-"""Prim paths, and what is asked of each."""
+Occurrences = Iterator[tuple[str, str]]
+"""Pairs of prim path and description."""
 
 
-def _nowhere(_scene: Scene) -> Where:
+def _nowhere(_scene: Scene) -> Occurrences:
     yield from ()
 
 
 @dataclass(frozen=True)
 class Capability:
-    """Something that a stage may ask for; `asked` finds where a scene does."""
+    """A feature that a stage may use; `asked` finds its uses in a scene."""
 
     name: str
-    asked: Callable[[Scene], Where] = _nowhere
+    occurrences: Callable[[Scene], Occurrences] = _nowhere
 
 
 @dataclass(frozen=True)
 class Lack:
-    """What an engine can't do, why, and what to do instead."""
+    """A feature that an engine lacks, the reason and the alternative."""
 
     capability: Capability
     reason: str
-    #: Whether it is executed nearly so, as the reason says, instead of being refused.
-    nearly: bool = False
+    #: Whether the engine approximates the feature instead of refusing it.
+    approximate: bool = False
 
 
 def require(lacks: Iterable[Lack], scene: Scene, *, strict: bool = False) -> None:
-    """Raise StageError with the prim path of everything in a valid scene that an engine lacks.
+    """Raise StageError with the prim paths of all features of a valid scene that an engine lacks.
 
-    If `strict`, what it does only nearly is lacking too.
+    With `strict`, approximated features count as lacking.
     """
     report = Report(StageError)
     for lack in lacks:
-        if strict or not lack.nearly:
+        if strict or not lack.approximate:
             report.include(
-                Diagnostic(what, PrimPlace(path), lack.reason) for path, what in lack.capability.asked(scene)
+                Diagnostic(what, PrimPlace(path), lack.reason) for path, what in lack.capability.occurrences(scene)
             )
     report.stop_if_failed()
 
 
-def approximated(lacks: Iterable[Lack], scene: Scene) -> tuple[Diagnostic, ...]:
-    """What of a valid scene an engine executes only nearly as it is meant, as warnings."""
+def approximation_warnings(lacks: Iterable[Lack], scene: Scene) -> tuple[Diagnostic, ...]:
+    """Return a warning for each feature of a valid scene that an engine approximates."""
     return tuple(
         Diagnostic(f"{what} ({lack.reason})", PrimPlace(path), severity="warning")
         for lack in lacks
-        if lack.nearly
-        for path, what in lack.capability.asked(scene)
+        if lack.approximate
+        for path, what in lack.capability.occurrences(scene)
     )
 
 
-NEARLY = "nearly: "
-"""How the reason begins of what an engine does, though not exactly."""
+APPROXIMATE = "nearly: "
+"""Prefix of the reason of an approximated feature."""
 
 
-def table(engines: Mapping[str, Iterable[Lack]]) -> list[tuple[str, dict[str, str]]]:
-    """What can be asked for, and for each engine why it lacks it, or nothing.
+def capability_table(engines: Mapping[str, Iterable[Lack]]) -> list[tuple[str, dict[str, str]]]:
+    """Return all features and, for each engine, the reason why it lacks or approximates them, or ''.
 
-    First what is known to be asked for, then what some engine says that it lacks, then what none is ever given. What an
-    engine does nearly so begins with `NEARLY`.
+    Common features come first, then features that some engine lacks, then features that no engine supports.
     """
     rows: dict[str, dict[str, str]] = {capability.name: {} for capability in COMMON}
     for engine, lacks in engines.items():
         for lack in lacks:
-            rows.setdefault(lack.capability.name, {})[engine] = f"{NEARLY if lack.nearly else ''}{lack.reason}"
-    rows |= {name: dict.fromkeys(engines, why) for name, why in NEVER.items()}
+            rows.setdefault(lack.capability.name, {})[engine] = (
+                f"{APPROXIMATE if lack.approximate else ''}{lack.reason}"
+            )
+    rows |= {name: dict.fromkeys(engines, why) for name, why in NEVER_SUPPORTED.items()}
     return [(name, {engine: reasons.get(engine, "") for engine in engines}) for name, reasons in rows.items()]
 
 
-# ---------------------------------------------------------------- where scenes ask
+# ---------------------------------------------------------------- occurrences in scenes
 
 
-def _meshes(scene: Scene) -> Where:
+def _meshes(scene: Scene) -> Occurrences:
     for body in scene.bodies:
         if any(not geom.shape.prims for geom in colliders(body)):
             yield body.path, "a mesh that collides"
 
 
-def _jointed(scene: Scene) -> Where:
+def _jointed(scene: Scene) -> Occurrences:
     yield from ((joint.path, f"a joint ({joint.kind})") for joint in scene.joints)
 
 
-def _filtered(scene: Scene) -> Where:
+def _filtered(scene: Scene) -> Occurrences:
     paths = {body.name: body.path for body in scene.bodies}
-    yield from ((paths[first], f"{second} that passes through it") for first, second in scene.filtered)
+    yield from ((paths[first], f"{second} that does not collide with it") for first, second in scene.filtered)
 
 
-def _cones(scene: Scene) -> Where:
+def _cones(scene: Scene) -> Occurrences:
     yield from ((j.path, "a ball joint with limits") for j in scene.joints if j.kind == "ball" and j.limits)
 
 
-def _touching_neighbours(scene: Scene) -> Where:
+def _touching_neighbours(scene: Scene) -> Occurrences:
     dynamic = {body.name for body in scene.bodies if body.motion == "dynamic"}
     for j in scene.joints:
         if j.collides and j.kind != "ball" and {j.first, j.second} <= dynamic:
             yield j.path, "the bodies of a joint that touch each other"
 
 
-def _materials(scene: Scene) -> Where:
+def _materials(scene: Scene) -> Occurrences:
     for body in scene.bodies:
         if body.motion != "static" and len({geom.friction for geom in colliders(body)}) > 1:
             yield body.path, "a moving body with pieces of different friction or restitution"
 
 
-def _many(scene: Scene, most: int) -> Where:
+def _many(scene: Scene, most: int) -> Occurrences:
     for body in scene.bodies:
         hulls = [geom.shape.primitive is None for geom in colliders(body)]
         if body.motion != "static" and hulls.count(False) + any(hulls) > most:
             yield body.path, f"a moving body of {len(hulls)} pieces"
 
 
-def _rough(scene: Scene, most: float) -> Where:
+def _rough(scene: Scene, most: float) -> Occurrences:
     for body in scene.bodies:
         friction = max((geom.friction.dynamic for geom in colliders(body)), default=0.0)
         if friction > most:
             yield body.path, f"friction {friction:g}, above {most:g}"
 
 
-def _stiff(scene: Scene, rate: int) -> Where:
+def _stiff(scene: Scene, rate: int) -> Occurrences:
     yield from ((joint.path, _drive(joint)) for joint in too_stiff(scene, rate))
 
 
-def _hasty(scene: Scene, rate: int) -> Where:
+def _hasty(scene: Scene, rate: int) -> Occurrences:
     joints = {joint.name: joint for joint in (*too_stiff(scene, rate), *too_damped(scene, rate))}
     yield from ((joint.path, _drive(joint)) for joint in joints.values())
 
 
-def _damped(scene: Scene, rate: int) -> Where:
+def _damped(scene: Scene, rate: int) -> Occurrences:
     yield from ((joint.path, _drive(joint)) for joint in too_damped(scene, rate))
 
 
-def _sticking(scene: Scene) -> Where:
+def _sticking(scene: Scene) -> Occurrences:
     for body in scene.bodies:
         for f in dict.fromkeys(geom.friction for geom in colliders(body)):
             if f.static != f.dynamic:
@@ -157,36 +158,36 @@ def _sticking(scene: Scene) -> Where:
                 )
 
 
-def _hitting(scene: Scene, gives: float, most: int) -> Where:
-    speed, path = fastest(scene)
-    thin, depth = thinnest(scene), gives * speed / most
-    if steps(scene, gives, most) == most and depth > ENTERED * thin:
-        entered = f"{1e3 * depth:.2g} mm deep into what is {1e3 * thin:.2g} mm thick"
-        yield path, f"an impact at {speed:.3g} m/s, which goes {entered}"
+def _hitting(scene: Scene, gives: float, most: int) -> Occurrences:
+    speed, path = max_speed(scene)
+    thin, depth = min_thickness(scene), gives * speed / most
+    if step_multiplier(scene, gives, most) == most and depth > MAX_ENTERED_FRACTION * thin:
+        entered = f"{1e3 * depth:.2g} mm deep into a body {1e3 * thin:.2g} mm thick"
+        yield path, f"an impact at {speed:.3g} m/s that penetrates {entered}"
 
 
-def _loops(scene: Scene) -> Where:
-    yield from ((scene.joints[j].path, "a joint that closes a loop") for j in closing(scene))
+def _loops(scene: Scene) -> Occurrences:
+    yield from ((scene.joints[j].path, "a joint that closes a loop") for j in loop_joints(scene))
 
 
-def _mimics(scene: Scene) -> Where:
+def _mimics(scene: Scene) -> Occurrences:
     yield from ((joint.path, f"a joint that mimics {joint.mimic.leader}") for joint in scene.joints if joint.mimic)
 
 
-def _mimics_apart(scene: Scene) -> Where:
+def _mimics_apart(scene: Scene) -> Occurrences:
     tree = {scene.joints[link.joint].name: i for i, tree in enumerate(trees(scene)) for link in tree if link.joint >= 0}
     for joint in scene.joints:
         if joint.mimic and tree[joint.name] != tree[joint.mimic.leader]:
-            yield joint.path, f"a joint that mimics {joint.mimic.leader}, of a mechanism apart"
+            yield joint.path, f"a joint that mimics {joint.mimic.leader}, of another mechanism"
 
 
-def _mimics_past(scene: Scene) -> Where:
+def _mimics_past(scene: Scene) -> Occurrences:
     links = {link.body: link for tree in trees(scene) for link in tree}
     held = {scene.joints[link.joint].name: link.body for link in links.values() if link.joint >= 0}
     above = {link.body: link.parent for link in links.values() if link.kind not in ("ball", "free")}
     for joint in scene.joints:
         if joint.mimic:
-            one, other = (ascent(held[name], above) for name in (joint.name, joint.mimic.leader))
+            one, other = (ancestors(held[name], above) for name in (joint.name, joint.mimic.leader))
             passed = {*one[:-1], *other[:-1]} - (set(one[1:]) & set(other[1:]))
             if one[-1] != other[-1] or not all(links[body].kind in ("hinge", "slider") for body in passed):
                 yield joint.path, f"a joint that mimics {joint.mimic.leader}, with a ball or fixed joint between"
@@ -194,12 +195,10 @@ def _mimics_past(scene: Scene) -> Where:
 
 def _drive(joint: Joint) -> str:
     assert joint.drive is not None
-    return (
-        f"a drive of stiffness {joint.drive.stiffness:g} and damping {joint.drive.damping:g}, stiff for what it moves"
-    )
+    return f"a drive of stiffness {joint.drive.stiffness:g} and damping {joint.drive.damping:g}, stiff for its load"
 
 
-# ---------------------------------------------------------------- what may be asked for
+# ---------------------------------------------------------------- features
 
 PRIMITIVES = Capability("boxes, spheres, cylinders, cones, capsules")
 ROLLING_CYLINDERS = Capability("discs that roll on: cylinders shorter than thick")
@@ -232,36 +231,36 @@ SEVERAL_MATERIALS = Capability("several materials in a moving body", _materials)
 
 
 def fast_impacts(gives: float, most: int) -> Capability:
-    """Fast impacts on thin bodies, where contacts give way by `gives` (s) times the speed (`physics.speed`)."""
+    """Fast impacts on thin bodies, where contacts yield by `gives` (s) times the speed (see `physics.speed`)."""
     return Capability("fast impacts on thin bodies", partial(_hitting, gives=gives, most=most))
 
 
 def stiff_drives(rate: int) -> Capability:
-    """Drives that vibrate faster than `rate` steps per second can follow."""
+    """Drives that oscillate too fast for `rate` steps per second."""
     return Capability("drives however stiff", partial(_stiff, rate=rate))
 
 
 def fine_drives(rate: int) -> Capability:
-    """Drives that would need more than the usual `rate` of steps per second."""
+    """Drives that need more than the usual `rate` of steps per second."""
     return Capability("drives that need smaller steps", partial(_hasty, rate=rate))
 
 
 def damped_drives(rate: int) -> Capability:
-    """Drives that brake in less than `rate` steps per second can follow."""
+    """Drives that decay too fast for `rate` steps per second."""
     return Capability("drives however damped", partial(_damped, rate=rate))
 
 
 def pieces_above(most: int) -> Capability:
-    """Moving bodies of more than so many pieces, where all hulls together count as one."""
+    """Moving bodies with more than `most` geoms, where all hulls together count as one."""
     return Capability(f"moving bodies of more than {most} pieces", partial(_many, most=most))
 
 
 def friction_above(most: float) -> Capability:
-    """Coefficients of friction above a limit."""
+    """Friction coefficients above a limit."""
     return Capability(f"friction above {most:g}", partial(_rough, most=most))
 
 
-NEVER = {
+NEVER_SUPPORTED = {
     "joints that break, gears, tendons, distance joints": (
         "the reader refuses them, as trees of joints, and loops of such, are what all engines solve alike"
     ),
@@ -270,4 +269,4 @@ NEVER = {
     "several PhysicsScenes": "all bodies are in one; deactivate the others",
     "values and transforms that are animated": "author one value; move bodies by WmsActions",
 }
-"""What no engine is given, and why: refused before. docs/stage.md lists the rest of it."""
+"""Features that the reader refuses for every engine, and why. docs/stage.md lists the others."""

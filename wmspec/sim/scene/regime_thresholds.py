@@ -1,43 +1,43 @@
-"""What is hard for engines, in numbers that rules on specs share with those on scenes; importing it costs nothing."""
+"""Thresholds of regimes in which engines differ, shared by rules on specs and on scenes. Imports are cheap."""
 
 from math import atan
 
-BOUNCY = 0.2
-"""Restitution of a pair from which on it matters which impact of a row comes first."""
-STEEP = 0.7
-"""Contacts steeper than this (cosine to the vertical) carry weight, and impacts go along the others; a cylinder whose
-axis is steeper stands."""
-FAST = 5.0
-"""From which speed (m/s) on impacts are looked at: slower ones are executed as they always were."""
-ENTERED = 0.5
-"""The part of the thinnest body that another may enter: from its middle on it would be pushed out behind."""
-FINEST = 16
-"""How many times as many steps as usual are made for what is hard at most."""
+ELASTIC_RESTITUTION = 0.2
+"""Restitution of a pair above which the order of simultaneous impacts matters."""
+STEEP_COSINE = 0.7
+"""Cosine to the vertical. Steeper contact normals carry weight, others transmit impacts. A cylinder with a steeper
+axis stands."""
+FAST_IMPACT = 5.0
+"""Speed (m/s) above which impacts are refined."""
+MAX_ENTERED_FRACTION = 0.5
+"""Fraction of the thinnest body that another may enter; beyond the middle it is ejected on the far side."""
+MAX_STEP_MULTIPLIER = 16
+"""Largest factor by which the step rate is increased."""
 
-LANDS, HEAVIER = 0.5, 5.0
-"""From which speed (m/s) on, and how many times as heavy, things are looked at that land on what rests."""
-TIPS = 0.85
-"""From which part of the angle at which a cylinder tips on, some engines tip it."""
-SWINGS = 3.0
-"""How fast (rad/s) the two of a double pendulum turn against each other, or faster, when their energy is looked at."""
-SPINS, KEPT = 30.0, 0.003
-"""From which spin (rad/s) on, what turns on by itself is looked at, and by which part its energy may change."""
-BALANCED = 1e-3
-"""What turns about an axis this near to its centre of mass, in its radii of gyration, is a wheel and does not swing."""
+HEAVY_LANDING_SPEED, HEAVY_LANDING_RATIO = 0.5, 5.0
+"""Speed (m/s) and mass ratio above which landings on a resting body are flagged."""
+TIPPING_FRACTION = 0.85
+"""Fraction of the tipping angle above which some engines tip a cylinder."""
+FAST_DOUBLE_PENDULUM = 3.0
+"""Relative angular speed (rad/s) above which the energy of a double pendulum is checked."""
+FAST_SPIN, MAX_ENERGY_CHANGE = 30.0, 0.003
+"""Angular speed (rad/s) above which free rotation is checked, and its allowed relative change of energy."""
+WHEEL_OFFSET = 1e-3
+"""Distance of axis and centre of mass, in radii of gyration, below which a body is a wheel and not a pendulum."""
 
-ROOM = 1e-4
-"""m: how far the capsule in a cylinder stays within its ends, where there is room."""
+CAPSULE_CLEARANCE = 1e-4
+"""m: clearance between the inscribed capsule of a cylinder and its ends."""
 
 
-def leaning(radius: float, height: float, angle: float) -> bool:
-    """Whether a cylinder (m) whose axis is turned so far (rad) from the vertical still stands, but only just."""
+def is_leaning(radius: float, height: float, angle: float) -> bool:
+    """Whether a cylinder (m) tilted by `angle` (rad) still stands, close to tipping."""
     tips = atan(2 * radius / height)
-    return TIPS * tips < angle < tips
+    return TIPPING_FRACTION * tips < angle < tips
 
 
-def disc(radius: float, height: float, *, stands: bool = False) -> bool:
-    """Whether a cylinder (m) is shorter than it is thick: then no capsule fits into it for it to roll on.
+def is_disc(radius: float, height: float, *, stands: bool = False) -> bool:
+    """Whether a cylinder (m) is too short to contain a capsule to roll on.
 
-    Into one that is as long as thick a ball fits, but on its end it would stand on the ball: not if it `stands`.
+    A cylinder as long as wide contains a ball, but must not stand on it if it `stands`.
     """
-    return height < 2 * radius * (1 - 1e-9) or (stands and height < 2 * radius + 2 * ROOM)
+    return height < 2 * radius * (1 - 1e-9) or (stands and height < 2 * radius + 2 * CAPSULE_CLEARANCE)

@@ -1,4 +1,4 @@
-"""A script that plays an episode with an engine and numpy alone: the code that plays it here, and the data, as text."""
+"""Native scripts: the text of a program that executes an episode with an engine and numpy alone."""
 
 from __future__ import annotations
 
@@ -8,11 +8,19 @@ from pprint import pformat
 from typing import Any
 
 from wmspec.sim.scene.model import Scene
-from wmspec.sim.scene.model.transform import conjugate, cross, multiply, rotate, rotated, turned, turning
+from wmspec.sim.scene.model.transform import (
+    conjugate,
+    cross,
+    from_rotation_vector,
+    multiply,
+    rotate,
+    rotate_one,
+    to_rotation_vector,
+)
 from wmspec.sim.scene.physics.episode import (
-    MEET,
-    TORN,
-    TOUCH,
+    BREAK_LENGTH,
+    TOUCH_BEGIN,
+    TOUCH_END,
     Aim,
     Drag,
     Episode,
@@ -22,26 +30,26 @@ from wmspec.sim.scene.physics.episode import (
     Push,
     Recording,
     Track,
-    act,
-    begin,
-    beginnings,
-    expected,
-    mounted,
-    observe,
+    apply_events,
+    apply_forces,
+    apply_grips,
+    broken_grips,
+    event_steps,
+    kinematic_recording,
     play,
-    take,
-    told,
-    torn,
+    record_state,
+    scripted_states,
+    to_body_frames,
 )
 
 _COMMON: tuple[Callable[..., Any], ...] = (
     conjugate,
     multiply,
     cross,
-    rotated,
+    rotate_one,
     rotate,
-    turning,
-    turned,
+    from_rotation_vector,
+    to_rotation_vector,
     Kick,
     Push,
     Drag,
@@ -52,15 +60,15 @@ _COMMON: tuple[Callable[..., Any], ...] = (
     Episode,
     Recording,
     play,
-    told,
-    expected,
-    begin,
-    beginnings,
-    act,
-    observe,
-    take,
-    torn,
-    mounted,
+    kinematic_recording,
+    scripted_states,
+    apply_events,
+    event_steps,
+    apply_forces,
+    record_state,
+    apply_grips,
+    broken_grips,
+    to_body_frames,
 )
 _HEAD = '''"""Plays the episode "{name}" in {engine} and writes its trace to trace.npz, next to this file.
 
@@ -96,7 +104,7 @@ _MAIN = """if __name__ == "__main__":
 """
 
 
-def script(
+def episode_script(
     engine: str,
     module: str,
     scene: Scene,
@@ -105,12 +113,18 @@ def script(
     values: Mapping[str, object],
     world: str,
 ) -> str:
-    """The text of a script.
+    """Return the text of a script.
 
-    Functions and classes (`parts`), literals by name (`values`), and the lines that make a `world` from them. `values`
-    must contain the `EPISODE`; their `repr` must be their Python text.
+    `parts` are functions and classes to copy, `values` are literals by name whose `repr` is valid Python (with
+    `EPISODE`), and `world` are the lines that create the world.
     """
-    values = {"NAMES": [body.name for body in scene.bodies], "MEET": MEET, "TOUCH": TOUCH, "TORN": TORN, **values}
+    values = {
+        "NAMES": [body.name for body in scene.bodies],
+        "TOUCH_BEGIN": TOUCH_BEGIN,
+        "TOUCH_END": TOUCH_END,
+        "BREAK_LENGTH": BREAK_LENGTH,
+        **values,
+    }
     sections = [
         _HEAD.format(name=scene.name, engine=engine, module=module),
         *(inspect.getsource(part) for part in (*_COMMON, *parts)),

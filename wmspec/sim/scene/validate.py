@@ -1,4 +1,4 @@
-"""What no engine can execute, said before one returns nonsense for it: they accept any number without complaint."""
+"""Rejects scenes that are physically meaningless; engines accept any number and return nonsense."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from wmspec.core.diagnostics import Diagnostic, Report, StageError
-from wmspec.core.limits import POSES, SECONDS
+from wmspec.core.limits import EPISODE_POSES, EPISODE_SECONDS
 from wmspec.core.memoize import cached_on
 from wmspec.core.places import PrimPlace
 from wmspec.sim.scene.action_rules import problems as action_problems
@@ -16,11 +16,11 @@ from wmspec.sim.scene.action_rules import sequence
 from wmspec.sim.scene.joints.joints import problems as joint_problems
 from wmspec.sim.scene.model import Body, Geom, Scene
 
-_UNIT = 1e-6  # how far a quaternion's length may be from 1
+_UNIT = 1e-6  # tolerance of a unit quaternion's length
 
 
 def validate(scene: Scene) -> None:
-    """Raise StageError with the prim path of everything in the scene that is not physically meaningful."""
+    """Raise StageError with the prim paths of everything that is not physically meaningful."""
     report = Report(StageError)
     report.include(_whole(scene))
     for body in scene.bodies:
@@ -37,7 +37,7 @@ def validate(scene: Scene) -> None:
 def _whole(scene: Scene) -> Iterator[Diagnostic]:
     if not scene.bodies:
         yield Diagnostic(
-            "there is no body and no geometry, so nothing can happen", PrimPlace(scene.name), "is this the right stage?"
+            "the stage has no body and no geometry", PrimPlace(scene.name), "check that this is the right stage"
         )
     names = [body.name for body in scene.bodies]
     yield from (
@@ -49,10 +49,12 @@ def _whole(scene: Scene) -> Iterator[Diagnostic]:
         yield Diagnostic(
             f"the episode lasts {scene.duration} s at {scene.rate} Hz, expected 0 s or more and a positive rate"
         )
-    elif scene.duration > SECONDS.most:
-        yield Diagnostic(f"the episode lasts {scene.duration:g} s and {SECONDS.sentence}", help=SECONDS.help)
-    elif scene.duration * scene.rate * len(scene.bodies) > POSES.most:
-        yield Diagnostic(f"the episode {POSES.sentence}", help=POSES.help)
+    elif scene.duration > EPISODE_SECONDS.most:
+        yield Diagnostic(
+            f"the episode lasts {scene.duration:g} s and {EPISODE_SECONDS.sentence}", help=EPISODE_SECONDS.help
+        )
+    elif scene.duration * scene.rate * len(scene.bodies) > EPISODE_POSES.most:
+        yield Diagnostic(f"the episode {EPISODE_POSES.sentence}", help=EPISODE_POSES.help)
     if not np.isfinite(scene.gravity).all():
         yield Diagnostic(f"gravity is {scene.gravity}, expected three finite numbers")
 
@@ -68,7 +70,7 @@ def _body(body: Body) -> Iterator[Diagnostic]:
     if not abs(np.linalg.norm(body.pose.orientation) - 1) < _UNIT:
         yield Diagnostic(f"its orientation {body.pose.orientation} is not a unit quaternion")
     if body.motion != "dynamic" and any(np.any(v) for v in numbers[1:]):
-        yield Diagnostic(f"it is {body.motion} but has a velocity", help="make it dynamic, or move it by an action")
+        yield Diagnostic(f"it is {body.motion} but has a velocity", help="make it dynamic or move it with an action")
     if min(body.linear_damping, body.angular_damping) < 0:
         yield Diagnostic("its damping is negative")
     if body.motion == "dynamic":

@@ -1,6 +1,6 @@
-"""Shapes: one file each, and the table of those that the language knows.
+"""Shapes, one file each, and the table of those in the language.
 
-A new shape is a new file, which fills in `wmspec.sim.shapes.shape.Shape`, and a line in the table.
+A new shape is a new file that implements `wmspec.sim.shapes.shape.Shape`, and a line in the table.
 """
 
 from wmspec.sim.shapes.box import Box as Box
@@ -20,7 +20,7 @@ from wmspec.sim.shapes.torus import Torus as Torus
 from wmspec.sim.shapes.tube import Tube as Tube
 from wmspec.sim.shapes.wedge import Wedge as Wedge
 
-#: The word for a shape in the language -> the shape.
+#: Shapes by their word in the language.
 SHAPES: dict[str, type[Shape]] = {
     "box": Box,
     "cube": Cube,
@@ -39,6 +39,6 @@ SHAPES: dict[str, type[Shape]] = {
 }
 
 
-def word(shape: Shape) -> str:
-    """The word for a shape of the table."""
+def shape_word(shape: Shape) -> str:
+    """Return the word of a shape in the table."""
     return next(word for word, kind in SHAPES.items() if kind is type(shape))

@@ -1,4 +1,4 @@
-"""A box along its own axes, and the cube, whose edges are alike."""
+"""Boxes along their own axes, and cubes."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.core.space import Vector, times
-from wmspec.sim.shapes.rounded import RoundedBox, edges
+from wmspec.core.space import Vector, scale
+from wmspec.sim.shapes.rounded import RoundedBox, box_edges
 from wmspec.sim.shapes.shape import AXES, Flat, Gprim, Prim, Shape, Tensor
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Box(Shape):
-    """As far as `half` (3,) m from the origin along its axes."""
+    """A box with half edges `half` (3,) m around the origin."""
 
     half: Vector
 
@@ -26,20 +26,20 @@ class Box(Shape):
 
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
-        """Its `size` is its three edges, or all of them."""
+        """`size` is the three edges, or one length for all."""
         if "round" in words:
             return RoundedBox.from_words(words)
-        x, y, z = edges(words)
+        x, y, z = box_edges(words)
         return Box((x / 2, y / 2, z / 2))
 
     @property
     def words(self) -> Mapping[str, Any]:
-        """Its three edges."""
+        """The three edges."""
         return {"size": tuple(2 * half for half in self.half)}
 
     @property
     def volume(self) -> float:
-        """That of any table."""
+        """8 half_x half_y half_z."""
         x, y, z = self.half
         return 8.0 * (x * y * z)
 
@@ -50,18 +50,18 @@ class Box(Shape):
         return ((y + z, 0.0, 0.0), (0.0, x + z, 0.0), (0.0, 0.0, x + y))
 
     def reach(self, direction: Vector) -> float:
-        """To its corner."""
+        """Distance of the extreme corner."""
         x, y, z = self.half
         return abs(direction[0]) * x + abs(direction[1]) * y + abs(direction[2]) * z
 
     @property
-    def flats(self) -> tuple[Flat, ...]:
-        """The upper one first, on which things rest."""
+    def flat_faces(self) -> tuple[Flat, ...]:
+        """The six faces, top first."""
         x, y, z = self.half
-        return ((AXES[2], z), ((0.0, 0.0, -1.0), z), *around(x, y), (AXES[0], x))
+        return ((AXES[2], z), ((0.0, 0.0, -1.0), z), *side_faces(x, y), (AXES[0], x))
 
     def facets(self) -> Facets:
-        """Six sides, each with the whole image."""
+        """Six faces, each with the whole image."""
         import numpy as np
 
         from wmspec.sim.shapes.facets import join, side
@@ -71,34 +71,34 @@ class Box(Shape):
 
     @property
     def primitive(self) -> tuple[str, tuple[float, ...]]:
-        """All engines have it."""
+        """A box in all engines."""
         x, y, z = self.half
         return "box", (float(x), float(y), float(z))
 
     def prim(self) -> Gprim:
-        """USD's cube, scaled."""
-        return cube(times(2.0, self.half))
+        """A scaled USD cube."""
+        return cube_prim(scale(2.0, self.half))
 
     @classmethod
     def read(cls, prim: Prim) -> tuple[Shape, float]:
-        """Scaled in any way."""
+        """Any scale is valid."""
         size = prim.positive("size", 2.0) / 2
         x, y, z = (abs(scale) * size for scale in prim.scale)
         return Box((x, y, z)), 0.0
 
 
 class Cube(Box):
-    """The word for a box of one edge; the shape is a Box."""
+    """The word for a box with equal edges; the shape is a Box."""
 
     lengths = frozenset({1})
     prims = ()
 
 
-def around(x: float, y: float) -> tuple[Flat, ...]:
-    """The sides of a box that look to ±y and to -x, so far (m) from the origin."""
+def side_faces(x: float, y: float) -> tuple[Flat, ...]:
+    """Return the faces of a box towards ±y and -x at these distances (m)."""
     return (((0.0, 1.0, 0.0), y), ((0.0, -1.0, 0.0), y), ((-1.0, 0.0, 0.0), x))
 
 
-def cube(scale: Vector, offset: Vector = (0.0, 0.0, 0.0)) -> Gprim:
-    """USD's cube of 1 m, scaled and moved."""
+def cube_prim(scale: Vector, offset: Vector = (0.0, 0.0, 0.0)) -> Gprim:
+    """Return USD's cube of 1 m, scaled and translated."""
     return Gprim("Cube", (("size", "double", 1.0, False),), (0.5, 0.5, 0.5), offset, scale)

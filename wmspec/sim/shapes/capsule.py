@@ -1,4 +1,4 @@
-"""A capsule: a cylinder along z with half balls as its ends."""
+"""Capsules: a cylinder along z with hemispherical ends."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from wmspec.core.space import Vector
-from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, UnfitError, across_and_up, round_gprim
+from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, UnfitError, round_gprim, width_and_height
 
 if TYPE_CHECKING:
     from wmspec.sim.shapes.facets import Facets
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Capsule(Shape):
-    """All that is nearer than `radius` to a straight line along z, which is `height` long (m)."""
+    """All points within `radius` of a segment along z of length `height` (m)."""
 
     radius: float
     height: float
@@ -28,25 +28,25 @@ class Capsule(Shape):
 
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
-        """Its `size` and its `height` are the whole height; with a `size` alone it is half as wide."""
-        across, up = across_and_up(words, slim=0.5, tall=True)
+        """`size` and `height` are the total height; with `size` alone the width is half of it."""
+        across, up = width_and_height(words, slim=0.5, tall=True)
         if up <= across:
             raise UnfitError("is not higher than it is wide")
         return cls(across / 2, up - across)
 
     @property
     def words(self) -> Mapping[str, Any]:
-        """Its whole height."""
+        """The total height and radius."""
         return {"radius": self.radius, "height": self.height + 2 * self.radius}
 
     @property
     def volume(self) -> float:
-        """A cylinder and a ball."""
+        """Cylinder plus sphere."""
         return math.pi * self.radius**2 * self.height + 4 / 3 * math.pi * self.radius**3
 
     @property
     def tensor(self) -> Tensor:
-        """A cylinder and two half balls, moved out by Huygens and Steiner."""
+        """Cylinder plus two hemispheres, by the parallel axis theorem."""
         r, h = self.radius, self.height
         straight = math.pi * r**2 * h
         ends = 4 / 3 * math.pi * r**3
@@ -56,40 +56,40 @@ class Capsule(Shape):
         return ((across, 0.0, 0.0), (0.0, across, 0.0), (0.0, 0.0, along))
 
     def reach(self, direction: Vector) -> float:
-        """That of its line, and of a ball."""
+        """Segment plus sphere."""
         return math.hypot(*direction) * self.radius + abs(direction[2]) * self.height / 2
 
     def facets(self) -> Facets:
-        """Rings of a globe that is pulled apart at its equator."""
+        """Rings of a sphere, separated at the equator."""
         from wmspec.sim.shapes.facets import rounded
 
         return rounded(self.radius, self.height)
 
     def unwrapped(self, facets: Facets, every: Array) -> Array:
-        """Wound once around, and along a meridian."""
-        from wmspec.sim.shapes.texcoords import wound
+        """Wrapped once around, and along a meridian."""
+        from wmspec.sim.shapes.texcoords import wrapped_texcoords
 
-        return wound(facets, self.radius, math.pi * self.radius + self.height, every)
+        return wrapped_texcoords(facets, self.radius, math.pi * self.radius + self.height, every)
 
     @property
     def primitive(self) -> tuple[str, tuple[float, ...]]:
-        """All engines have it."""
+        """A capsule in all engines."""
         return "capsule", (float(self.radius), float(self.height))
 
     def depth_at(self, point: Array) -> tuple[float, Array]:
-        """Below the ball around the nearest point of its line."""
-        from wmspec.sim.shapes.sides import round_
+        """Depth below the sphere around the nearest point of the segment."""
+        from wmspec.sim.shapes.sides import round_depth
 
         nearest = min(max(float(point[2]), -self.height / 2), self.height / 2)
-        return round_(self.radius, point - [0.0, 0.0, nearest])
+        return round_depth(self.radius, point - [0.0, 0.0, nearest])
 
     def prim(self) -> Gprim:
-        """USD's own."""
+        """USD's capsule."""
         return round_gprim("Capsule", self.radius, self.height, self.radius + self.height / 2)
 
     @classmethod
     def read(cls, prim: Prim) -> tuple[Shape, float]:
-        """Scaled equally along all axes."""
+        """The scale must be uniform."""
         factor = prim.uniform()
         height = prim.least("height", 1.0)
         return cls(prim.radius(0.5) * factor, height * factor), 0.0

@@ -1,4 +1,4 @@
-"""A cone along z, centred on half its height."""
+"""Cones along z, centred at half height."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from wmspec.core.space import Vector
-from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, across_and_up, round_gprim
+from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, round_gprim, width_and_height
 
 if TYPE_CHECKING:
     from wmspec.sim.shapes.facets import Facets
     from wmspec.sim.shapes.shape import Array
 
-SIDES = 48  # of the solid that collides
+CONE_SIDES = 48  # of the collision hull
 
 
 @dataclass(frozen=True)
 class Cone(Shape):
-    """A base of a `radius` (m) at -`height` / 2, its apex at +`height` / 2."""
+    """Base of `radius` (m) at -`height` / 2, apex at +`height` / 2."""
 
     radius: float
     height: float
@@ -31,13 +31,13 @@ class Cone(Shape):
 
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
-        """Its `size` is its diameter and its height."""
-        across, up = across_and_up(words, tall=True)
+        """`size` is diameter and height."""
+        across, up = width_and_height(words, tall=True)
         return cls(across / 2, up)
 
     @property
     def volume(self) -> float:
-        """That of any table."""
+        """π r² h / 3."""
         return math.pi * self.radius**2 * self.height / 3
 
     @property
@@ -52,12 +52,12 @@ class Cone(Shape):
         return ((across, 0.0, 0.0), (0.0, across, 0.0), (0.0, 0.0, 3 / 10 * self.radius**2))
 
     def reach(self, direction: Vector) -> float:
-        """To its apex or its rim."""
+        """Distance of apex or rim."""
         up = direction[2] * self.height / 2
         return max(up, math.hypot(direction[0], direction[1]) * self.radius - up)
 
     def facets(self) -> Facets:
-        """A side and a base."""
+        """Side and base."""
         from wmspec.sim.shapes.facets import Row, disc, join, lathe
 
         r, h = float(self.radius), float(self.height)
@@ -66,38 +66,38 @@ class Cone(Shape):
         return join([lathe(side), disc(r, -h / 2, -1.0)])
 
     def unwrapped(self, facets: Facets, every: Array) -> Array:
-        """Wound around the side, flat on the base."""
-        from wmspec.sim.shapes.texcoords import capped
+        """Wrapped around the side, planar on the base."""
+        from wmspec.sim.shapes.texcoords import capped_texcoords
 
-        return capped(facets, self.radius, math.hypot(self.height, self.radius), every)
+        return capped_texcoords(facets, self.radius, math.hypot(self.height, self.radius), every)
 
     def corners(self) -> Array:
         """Points around the base, and the apex."""
         import numpy as np
 
-        turn = np.arange(SIDES) * (2 * math.pi / SIDES)
-        base = np.full(SIDES, -self.height / 2)
+        turn = np.arange(CONE_SIDES) * (2 * math.pi / CONE_SIDES)
+        base = np.full(CONE_SIDES, -self.height / 2)
         rim = np.stack([self.radius * np.cos(turn), self.radius * np.sin(turn), base], axis=1)
         return np.vstack([rim, [0.0, 0.0, self.height / 2]])
 
     def depths_at(self, point: Array) -> list[tuple[float, Array]]:
-        """Its base and the slanting side."""
+        """Depth below base and side."""
         import numpy as np
 
-        from wmspec.sim.shapes.sides import below, round_
+        from wmspec.sim.shapes.sides import plane_depths, round_depth
 
         slant = math.hypot(self.radius, self.height)
-        depth, inwards = round_(0.0, point * [1.0, 1.0, 0.0])
+        depth, inwards = round_depth(0.0, point * [1.0, 1.0, 0.0])
         side = (depth * self.height + (self.height / 2 - point[2]) * self.radius) / slant
         slope = (inwards * self.height - np.array([0.0, 0.0, self.radius])) / slant
-        return [*below((((0.0, 0.0, -1.0), self.height / 2),), point), (float(side), slope)]
+        return [*plane_depths((((0.0, 0.0, -1.0), self.height / 2),), point), (float(side), slope)]
 
     def prim(self) -> Gprim:
-        """USD's own."""
+        """USD's cone."""
         return round_gprim("Cone", self.radius, self.height, self.height / 2)
 
     @classmethod
     def read(cls, prim: Prim) -> tuple[Shape, float]:
-        """Scaled equally across its axis."""
+        """The scale must be equal across the axis."""
         across, along = prim.around()
         return cls(prim.positive("radius", 1.0) * across, prim.positive("height", 2.0) * along), 0.0

@@ -1,4 +1,4 @@
-"""A cylinder along z, centred."""
+"""Cylinders along z, centred."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from wmspec.core.space import UP, Vector
-from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, across_and_up, round_gprim
+from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, round_gprim, width_and_height
 
 if TYPE_CHECKING:
     from wmspec.sim.shapes.facets import Facets
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Cylinder(Shape):
-    """As far as `radius` (m) from z, its caps at ±`height` / 2."""
+    """All points within `radius` (m) of z between caps at ±`height` / 2."""
 
     radius: float
     height: float
@@ -29,13 +29,13 @@ class Cylinder(Shape):
 
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
-        """Its `size` is its diameter and its height."""
-        across, up = across_and_up(words, tall=True)
+        """`size` is diameter and height."""
+        across, up = width_and_height(words, tall=True)
         return cls(across / 2, up)
 
     @property
     def volume(self) -> float:
-        """That of any table."""
+        """π r² h."""
         return math.pi * self.radius**2 * self.height
 
     @property
@@ -45,11 +45,11 @@ class Cylinder(Shape):
         return ((across, 0.0, 0.0), (0.0, across, 0.0), (0.0, 0.0, self.radius**2 / 2))
 
     def reach(self, direction: Vector) -> float:
-        """To its rim."""
+        """Distance of the rim."""
         return math.hypot(direction[0], direction[1]) * self.radius + abs(direction[2]) * self.height / 2
 
     def facets(self) -> Facets:
-        """A side and two caps."""
+        """Side and two caps."""
         from wmspec.sim.shapes.facets import Row, disc, join, lathe
 
         r, h = float(self.radius), float(self.height)
@@ -57,29 +57,29 @@ class Cylinder(Shape):
         return join([lathe(side), disc(r, -h / 2, -1.0), disc(r, h / 2, 1.0)])
 
     def unwrapped(self, facets: Facets, every: Array) -> Array:
-        """Wound around the side, flat on the caps."""
-        from wmspec.sim.shapes.texcoords import capped
+        """Wrapped around the side, planar on the caps."""
+        from wmspec.sim.shapes.texcoords import capped_texcoords
 
-        return capped(facets, self.radius, self.height, every)
+        return capped_texcoords(facets, self.radius, self.height, every)
 
     @property
     def primitive(self) -> tuple[str, tuple[float, ...]]:
-        """All engines have it."""
+        """A cylinder in all engines."""
         return "cylinder", (float(self.radius), float(self.height))
 
     def depths_at(self, point: Array) -> list[tuple[float, Array]]:
-        """Its caps and the tube."""
-        from wmspec.sim.shapes.sides import below, round_
+        """Depth below caps and side."""
+        from wmspec.sim.shapes.sides import plane_depths, round_depth
 
-        caps = below((((0.0, 0.0, -1.0), self.height / 2), (UP, self.height / 2)), point)
-        return [*caps, round_(self.radius, point * [1.0, 1.0, 0.0])]
+        caps = plane_depths((((0.0, 0.0, -1.0), self.height / 2), (UP, self.height / 2)), point)
+        return [*caps, round_depth(self.radius, point * [1.0, 1.0, 0.0])]
 
     def prim(self) -> Gprim:
-        """USD's own."""
+        """USD's cylinder."""
         return round_gprim("Cylinder", self.radius, self.height, self.height / 2)
 
     @classmethod
     def read(cls, prim: Prim) -> tuple[Shape, float]:
-        """Scaled equally across its axis."""
+        """The scale must be equal across the axis."""
         across, along = prim.around()
         return cls(prim.radius(1.0) * across, prim.positive("height", 2.0) * along), 0.0

@@ -1,4 +1,4 @@
-"""An outline that is drawn out: letters, brackets, stairs, arrows."""
+"""Extruded outlines: letters, brackets, stairs, arrows."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from wmspec.core.space import Pose, Vector
-from wmspec.sim.shapes.outline import Outline, convex, integral, runs, sound, triangles
+from wmspec.sim.shapes.outline import Outline, checked_outline, convex, integral, smooth_runs, triangles
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Extrude(Shape):
-    """`outline`: points (x, z) in m as seen from the front, anticlockwise; from -`depth` / 2 to `depth` / 2 along y."""
+    """`outline`: points (x, z) in m seen from the front, counter-clockwise; ±`depth` / 2 along y."""
 
     outline: Outline
     depth: float
@@ -31,27 +31,27 @@ class Extrude(Shape):
 
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
-        """The middle is where the outline has (0, 0). It is as deep as its `size` unless its `depth` is said."""
+        """The origin is (0, 0) of the outline. `depth` defaults to `size`."""
         depth = words.get("depth", words["size"])
         if isinstance(depth, tuple):
             raise UnfitError("needs a `depth`", "size")
-        return cls(sound(words.get("outline", ()), "outline"), depth)
+        return cls(checked_outline(words.get("outline", ()), "outline"), depth)
 
     @property
     def volume(self) -> float:
-        """Its outline's area, so deep."""
+        """Area of the outline times depth."""
         return self._area * self.depth
 
     @property
     def center(self) -> Vector:
-        """Its outline's."""
+        """Centroid of the outline."""
         x = integral(self.outline, lambda x, _: x**2 / 2) / self._area
         z = integral(self.outline, lambda x, z: x * z) / self._area
         return (x, 0.0, z)
 
     @property
     def tensor(self) -> Tensor:
-        """By the outline's second moments."""
+        """From second moments of the outline."""
         cx, _, cz = self.center
         x = integral(self.outline, lambda x, _: x**3 / 3) / self._area - cx**2
         z = integral(self.outline, lambda x, z: x * z**2) / self._area - cz**2
@@ -60,23 +60,23 @@ class Extrude(Shape):
         return ((y + z, 0.0, -xz), (0.0, x + z, 0.0), (-xz, 0.0, x + y))
 
     def reach(self, direction: Vector) -> float:
-        """To its furthest corner."""
+        """Distance of the extreme corner."""
         out = max(direction[0] * x + direction[2] * z for x, z in self.outline)
         return out + abs(direction[1]) * self.depth / 2
 
     @property
     def sizes(self) -> tuple[float, ...]:
-        """Its outline may be anywhere."""
+        """Coordinates of the outline may be negative."""
         return (self._area, self.depth)
 
     def facets(self) -> Facets:
-        """The sides along smooth runs of the outline, and both ends, each with the whole image."""
+        """Sides along smooth runs of the outline, and both ends, each with the whole image."""
         import numpy as np
 
         from wmspec.sim.shapes.facets import CREASE, facets, join, quads
 
         made = []
-        for run in runs(self.outline, CREASE):
+        for run in smooth_runs(self.outline, CREASE):
             (x, z), (nx, nz) = (np.array([row[k] for row in run]).T for k in (0, 1))
             y, s = np.full(len(run), self.depth / 2), np.linspace(0, 1, len(run))
             points = np.concatenate([np.stack([x, y, z], 1), np.stack([x, -y, z], 1)])
@@ -93,7 +93,7 @@ class Extrude(Shape):
         return join(made)
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
-        """Of convex parts of the outline."""
+        """Extrusions of convex parts of the outline."""
         return self._pieces
 
     @cached_property

@@ -1,8 +1,8 @@
-"""Triangles of shapes, the same for all engines, and what shapes make them with.
+"""Triangulations of shapes, equal for all engines, and their building blocks.
 
-Round shapes have 48 segments. Normals are smooth up to creases of 40 degrees. Texture coordinates `st` are USD's
-(t = 0 at the bottom of the image): a round side is wrapped once around the axis, s from +x by the right hand and t
-from bottom to top; flat caps and each face of a box show the whole image.
+Round shapes have 48 segments. Normals are smooth up to creases of 40 degrees. Texture coordinates `st` follow USD (t =
+0 at the bottom of the image): a round side is wrapped once around the axis, s from +x by the right-hand rule and t
+upwards; flat caps and each face of a box show the whole image.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
 
 SEGMENTS = 48
 CREASE = radians(40)
-RINGS = SEGMENTS // 4  # bands from the equator of a sphere to its pole
+RINGS = SEGMENTS // 4  # bands from the equator of a sphere to a pole
 
-Row = tuple[float, float, float, float, float]  # radius, z, normal's radial part, normal's z, t
+Row = tuple[float, float, float, float, float]  # radius, z, radial and z components of the normal, t
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,18 +40,18 @@ class Facets:
             array.setflags(write=False)
 
 
-KEPT = 1024
-"""So many shapes are remembered as triangles: a furnished room has some hundred, and a worker sees several."""
+MAX_CACHED_SHAPES = 1024
+"""Number of cached triangulations; a furnished room has about a hundred shapes, and a worker sees several rooms."""
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MAX_CACHED_SHAPES)
 def tessellate(shape: Shape) -> Facets:
-    """The triangles of a shape in its own frame (m); equal shapes give the same object."""
+    """Return the triangles of a shape in its own frame (m); equal shapes share one object."""
     return shape.facets()
 
 
 def rounded(radius: float, height: float) -> Facets:
-    """Two half spheres around a straight part; without one it's a sphere."""
+    """Return two hemispheres around a straight part of `height`; a sphere if it is 0."""
     length = pi * radius + height
     rows: list[Row] = []
     for end in (-1, 1):
@@ -65,11 +65,11 @@ def rounded(radius: float, height: float) -> Facets:
 
 
 def lathe(rows: list[Row]) -> Facets:
-    """A profile, from bottom to top, turned around z."""
+    """Return a profile, given from bottom to top, revolved around z."""
     r, z, out, up, t = np.array(rows, dtype=np.float64).T[:, :, None]
     s = np.linspace(0, 1, SEGMENTS + 1)[None, :]
     c, n = np.cos(2 * pi * s), np.sin(2 * pi * s)
-    c[:, -1], n[:, -1] = c[:, 0], n[:, 0]  # the seam closes exactly
+    c[:, -1], n[:, -1] = c[:, 0], n[:, 0]  # close the seam exactly
     grid = np.broadcast_arrays(r * c, r * n, z, out * c, out * n, up, s, t)
     x, y, z, nx, ny, nz, s, t = (a.reshape(-1) for a in grid)
     first = (np.arange(len(rows) - 1)[:, None] * (SEGMENTS + 1) + np.arange(SEGMENTS)).reshape(-1)
@@ -78,7 +78,7 @@ def lathe(rows: list[Row]) -> Facets:
 
 
 def disc(radius: float, z: float, sign: float) -> Facets:
-    """A cap at height `z`, facing along `sign` times z."""
+    """Return a cap at height `z` that faces along `sign` times z."""
     angle = np.arange(SEGMENTS) * 2 * pi / SEGMENTS
     ring = np.stack([np.cos(angle), sign * np.sin(angle)], axis=1)
     flat = np.concatenate([np.zeros((1, 2)), ring])
@@ -89,7 +89,7 @@ def disc(radius: float, z: float, sign: float) -> Facets:
 
 
 def side(half: Array, axis: int, sign: float) -> Facets:
-    """One face of a box: the image stands upright on the four sides, and has +y up on top."""
+    """Return one face of a box; the image is upright on the four sides and has +y up on top."""
     normal = np.zeros(3)
     normal[axis] = sign
     up = np.array([0.0, 0.0, 1.0]) if axis < 2 else np.array([0.0, 1.0, 0.0])
@@ -100,15 +100,15 @@ def side(half: Array, axis: int, sign: float) -> Facets:
 
 
 def quads(first: NDArray[np.integer], stride: int) -> NDArray[np.integer]:
-    """Two triangles for each cell of a grid, from its lower left corner; the next row is `stride` on."""
+    """Return two triangles for each grid cell, given its lower left corner; the next row is at +`stride`."""
     above = first + stride
     return np.concatenate([np.stack([first, first + 1, above + 1], 1), np.stack([first, above + 1, above], 1)])
 
 
 def smooth(points: Array, faces: NDArray[np.int32], st: Array | None = None) -> Facets:
-    """Any triangles: corners of a vertex share a normal as far as their faces meet at less than the crease angle.
+    """Return triangles with normals smoothed across edges below the crease angle.
 
-    Without texture coordinates `st` (n, 2), the image lies on the box around the points, seen from above.
+    Without `st` (n, 2), the image is projected from above onto the bounding box.
     """
     p, f = np.asarray(points, np.float64), np.asarray(faces, np.int32)
     t = np.asarray(st, np.float64) if st is not None else _planar(p)
@@ -121,7 +121,7 @@ def smooth(points: Array, faces: NDArray[np.int32], st: Array | None = None) -> 
 
 
 def _corner_normals(points: Array, faces: NDArray[np.int32], area: Array) -> Array:
-    """Unit normals (3 m, 3): for each corner the area-weighted sum of the faces around it within the crease angle."""
+    """Return unit normals (3 m, 3): area-weighted sums of the adjacent faces within the crease angle."""
     unit = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-30)
     _, place = np.unique(np.round(points, 7), axis=0, return_inverse=True)
     around: dict[int, list[int]] = {}
@@ -138,13 +138,13 @@ def _corner_normals(points: Array, faces: NDArray[np.int32], area: Array) -> Arr
 
 
 def _planar(points: Array) -> Array:
-    """Texture coordinates (n, 2) for a mesh that has none: its bounding box seen from above."""
+    """Return texture coordinates (n, 2) from above over the bounding box."""
     low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
     return np.asarray((points[:, :2] - low) / np.maximum(high - low, 1e-12))
 
 
 def join(parts: list[Facets]) -> Facets:
-    """All of these triangles."""
+    """Return the union of triangle sets."""
     start = np.cumsum([0] + [len(part.points) for part in parts[:-1]])
     return facets(
         np.concatenate([part.points for part in parts]),
@@ -154,13 +154,13 @@ def join(parts: list[Facets]) -> Facets:
     )
 
 
-def moved(what: Facets, by: Vector) -> Facets:
-    """The same triangles somewhere else."""
+def translated(what: Facets, by: Vector) -> Facets:
+    """Return the triangles moved by a vector."""
     return facets(what.points + np.array(by), what.normals, what.st, what.faces)
 
 
 def facets(points: Array, normals: Array, st: Array, faces: NDArray[np.integer]) -> Facets:
-    """Triangles without area (at poles) are dropped: some engines can't take them."""
+    """Return facets without degenerate triangles (at poles), which some engines reject."""
     a, b, c = points[faces[:, 0]], points[faces[:, 1]], points[faces[:, 2]]
     twice = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     kept = faces[twice > 1e-9 * twice.max(initial=0.0)]

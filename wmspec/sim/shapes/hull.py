@@ -1,4 +1,4 @@
-"""Convex hulls that stand for shapes which engines do not have: computed once, so that all collide the same points."""
+"""Convex hulls for shapes that engines lack, computed once so that all engines collide the same points."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from wmspec.core.space import Vector
 
 Array = NDArray[np.float64]
 
-_MOST = 250  # PhysX cooks at most 255 vertices
+_MAX_CORNERS = 250  # PhysX cooks at most 255 vertices
 _DIRECTIONS = 240
 
 
 def hull(points: Array) -> Any:
-    """The convex hull of points (n, 3), as a `trimesh.Trimesh`. Raises WmsError if they are flat."""
+    """Return the convex hull of points (n, 3) as a `trimesh.Trimesh`. Raises WmsError if they are coplanar."""
     return _hull(np.ascontiguousarray(points, np.float64).tobytes())
 
 
@@ -34,13 +34,13 @@ def _hull(numbers: bytes) -> Any:
     return trimesh.convex.convex_hull(points)
 
 
-def thinned(solid: Any, also: Sequence[Vector] = ()) -> Array:
-    """At most 240 of the corners of a hull that has more than 250: those furthest out in evenly spread directions.
+def limit_corners(solid: Any, also: Sequence[Vector] = ()) -> Array:
+    """Return at most 240 corners of a hull with more than 250: the extreme ones in evenly spread directions.
 
-    The directions are those of a Fibonacci sphere, and besides them up to ten that are given.
+    Directions are a Fibonacci sphere plus up to ten given ones.
     """
     points = np.asarray(solid.vertices, float)
-    if len(points) <= _MOST:
+    if len(points) <= _MAX_CORNERS:
         return points
     i = np.arange(_DIRECTIONS) + 0.5
     z, turn = 1 - 2 * i / _DIRECTIONS, i * pi * (3 - np.sqrt(5))

@@ -1,4 +1,4 @@
-"""What a lathe makes: a profile that is turned about z."""
+"""Solids of revolution: a profile revolved about z."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from wmspec.core.space import Pose, Vector
-from wmspec.sim.shapes.outline import Outline, convex, integral, runs, sound
+from wmspec.sim.shapes.outline import Outline, checked_outline, convex, integral, smooth_runs
 from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError
 
 if TYPE_CHECKING:
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from wmspec.sim.shapes.shape import Array
 
 SECTORS = 16
-"""Into how many pieces a ring is cut, each with a corner in its middle: on its side it is a polygon of 32 sides."""
+"""Number of parts of a ring, each with a corner in its middle: a polygon of 32 sides."""
 
 
 @dataclass(frozen=True)
 class Lathe(Shape):
-    """`profile`: the outline of one half, points (distance from z, height) in m, anticlockwise as (x, z)."""
+    """`profile`: the outline of one half, points (radius, height) in m, counter-clockwise as (x, z)."""
 
     profile: Outline
 
@@ -37,15 +37,15 @@ class Lathe(Shape):
 
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
-        """The middle is where the profile has (0, 0)."""
-        profile = sound(words.get("profile", ()), "profile")
+        """The origin is (0, 0) of the profile."""
+        profile = checked_outline(words.get("profile", ()), "profile")
         if any(r < 0 for r, _ in profile):
             raise UnfitError("has a profile on both sides of the axis; radii are 0 or more", "profile")
         return Lathe(profile)
 
     @property
     def volume(self) -> float:
-        """Of Pappus and Guldin."""
+        """Pappus's centroid theorem."""
         return math.pi * integral(self.profile, lambda r, _: r**2)
 
     @property
@@ -55,19 +55,19 @@ class Lathe(Shape):
 
     @property
     def tensor(self) -> Tensor:
-        """Exact, as of a round thing, not of its facets."""
+        """Exact, for the round solid and not its facets."""
         along = math.pi / 2 * integral(self.profile, lambda r, _: r**4) / self.volume
         height = math.pi * integral(self.profile, lambda r, z: r**2 * z**2) / self.volume - self.center[2] ** 2
         across = along / 2 + height
         return ((across, 0.0, 0.0), (0.0, across, 0.0), (0.0, 0.0, along))
 
     def reach(self, direction: Vector) -> float:
-        """To the furthest circle."""
+        """Distance of the extreme circle."""
         out = math.hypot(direction[0], direction[1])
         return max(out * r + direction[2] * z for r, z in self.profile)
 
     def floor(self, x: float, y: float) -> float | None:
-        """Where the profile is left first, from below."""
+        """Height at which the profile is first left from below."""
         r = max(math.hypot(x, y), 1e-9)
         ends = zip(self.profile, (*self.profile[1:], self.profile[0]), strict=True)
         crossed = [(a, b) for a, b in ends if min(a[0], b[0]) <= r < max(a[0], b[0])]
@@ -76,16 +76,16 @@ class Lathe(Shape):
 
     @property
     def sizes(self) -> tuple[float, ...]:
-        """Its profile may be anywhere."""
+        """Coordinates of the profile may be negative."""
         return (self.volume,)
 
     def facets(self) -> Facets:
-        """Each smooth run of the profile, turned; t goes along the whole profile."""
+        """Each smooth run of the profile, revolved; t runs along the whole profile."""
         from wmspec.sim.shapes.facets import CREASE, Row, join, lathe
 
         made, length = [], self._length
         gone = 0.0
-        for run in runs(self.profile, CREASE):
+        for run in smooth_runs(self.profile, CREASE):
             rows: list[Row] = []
             for i, ((r, z), (out, up)) in enumerate(run):
                 gone += math.dist(run[i - 1][0], (r, z)) if i else 0.0
@@ -95,13 +95,13 @@ class Lathe(Shape):
         return join(made)
 
     def unwrapped(self, facets: Facets, every: Array) -> Array:
-        """Wound around, and along the profile."""
-        from wmspec.sim.shapes.texcoords import wound
+        """Wrapped around, and along the profile."""
+        from wmspec.sim.shapes.texcoords import wrapped_texcoords
 
-        return wound(facets, max(r for r, _ in self.profile), self._length, every)
+        return wrapped_texcoords(facets, max(r for r, _ in self.profile), self._length, every)
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
-        """Of convex parts of the profile: those at the axis turned as a whole, the others in sectors."""
+        """Convex parts of the profile: revolved as a whole at the axis, in sectors elsewhere."""
         return self._pieces
 
     @cached_property
@@ -116,7 +116,7 @@ class Lathe(Shape):
 
 
 def _turned(part: Outline) -> list[Array]:
-    """The corners (n, 3) of the convex pieces of what a convex outline makes."""
+    """Return the corners (n, 3) of the convex parts of a revolved convex outline."""
     import numpy as np
 
     def at(turns: Array) -> Array:

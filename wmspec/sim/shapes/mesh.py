@@ -1,4 +1,4 @@
-"""A mesh of triangles, which collides as its convex hull."""
+"""Triangle meshes, which collide as their convex hull."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from wmspec.core.space import HERE, Pose, Vector
+from wmspec.core.space import IDENTITY, Pose, Vector
 from wmspec.sim.shapes.polygons import Polygons
 from wmspec.sim.shapes.shape import Shape, Tensor
 
-if TYPE_CHECKING:  # most specs have no meshes, and checking those should not wait for numpy
+if TYPE_CHECKING:  # most specs have no meshes and can be checked without numpy
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
@@ -24,14 +24,14 @@ def hulls(parts: Iterable[ArrayLike]) -> tuple[tuple[Shape, Pose], ...]:
     import numpy as np
 
     none: NDArray[np.int32] = np.empty((0, 3), np.int32)
-    return tuple((Mesh(np.asarray(points), none), HERE) for points in parts)
+    return tuple((Mesh(np.asarray(points), none), IDENTITY) for points in parts)
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh(Shape):
     """Triangles: `points` (n, 3), `faces` (m, 3) vertex indices, texture coordinates `st` (n, 2) or None.
 
-    What it weighs and how far it reaches is that of its convex hull.
+    Mass properties and extent are those of the convex hull.
     """
 
     points: Array
@@ -47,7 +47,7 @@ class Mesh(Shape):
         return hash(self._content)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without what is worked out: equal meshes are the same bytes."""
+        """Exclude cached values: equal meshes pickle to equal bytes."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property
@@ -59,47 +59,47 @@ class Mesh(Shape):
 
     @property
     def outline(self) -> Array:
-        """The points (n, 3) whose hull is touched."""
+        """The points (n, 3) of the collision hull."""
         return self.points
 
     @property
     def solid(self) -> Any:
-        """That hull, as a `trimesh.Trimesh`. Raises WmsError if it is flat."""
+        """The collision hull as a `trimesh.Trimesh`. Raises WmsError if it is flat."""
         from wmspec.sim.shapes.hull import hull
 
         return hull(self.outline)
 
     @property
     def volume(self) -> float:
-        """The hull's."""
+        """Of the hull."""
         return float(self.solid.volume)
 
     @property
     def center(self) -> Vector:
-        """The hull's."""
+        """Of the hull."""
         x, y, z = self.solid.center_mass.tolist()
         return (x, y, z)
 
     @property
     def tensor(self) -> Tensor:
-        """The hull's."""
+        """Of the hull."""
         x, y, z = (self.solid.moment_inertia / float(self.solid.mass)).tolist()
         return (tuple(x), tuple(y), tuple(z))
 
     def reach(self, direction: Vector) -> float:
-        """To its furthest point."""
+        """Distance of the extreme point."""
         return float((self.outline @ direction).max())
 
     @property
     def sizes(self) -> tuple[float, ...]:
-        """How large it is."""
+        """The size of the mesh."""
         import numpy as np
 
         return (float(np.ptp(self.points, axis=0).max()) if len(self.points) else 0.0,)
 
     @property
     def half_extent(self) -> Vector:
-        """To its furthest points."""
+        """Distance of the extreme points along the axes."""
         x, y, z = abs(self.points).max(axis=0).tolist()
         return (x, y, z)
 
@@ -117,7 +117,7 @@ class Mesh(Shape):
         return smooth(self.points, self.faces, self.st)
 
     def triangles(self) -> tuple[Array, NDArray[np.int32]]:
-        """As they were given."""
+        """As given."""
         return self.points, self.faces
 
     def unwrapped(self, facets: Facets, every: Array) -> Array:
@@ -126,16 +126,16 @@ class Mesh(Shape):
         return super().unwrapped(facets, every) if self.st is None else repeated
 
     def corners(self) -> Array:
-        """The hull's."""
-        from wmspec.sim.shapes.hull import thinned
+        """Of the hull."""
+        from wmspec.sim.shapes.hull import limit_corners
 
-        return thinned(self.solid)
+        return limit_corners(self.solid)
 
     def depths_at(self, point: Array) -> list[tuple[float, Array]]:
-        """The hull's."""
-        from wmspec.sim.shapes.sides import of_hull
+        """Of the hull."""
+        from wmspec.sim.shapes.sides import hull_depths
 
-        return of_hull(self.outline, point)
+        return hull_depths(self.outline, point)
 
     def prim(self) -> Polygons:
         """Its triangles."""

@@ -1,6 +1,6 @@
-"""Outlines in a plane: what they hold, whether they can be drawn, and the convex pieces that they fall into.
+"""Plane outlines: integrals, validity, convex decomposition.
 
-An outline is a tuple of points, the last of which is joined to the first. `sound` makes one go anticlockwise.
+An outline is a tuple of points; the last is joined to the first. `checked_outline` makes it counter-clockwise.
 """
 
 from __future__ import annotations
@@ -15,15 +15,18 @@ from wmspec.sim.shapes.shape import UnfitError
 Point = tuple[float, float]
 Outline = tuple[Point, ...]
 
-SLACK = 0.01
-"""A piece may be more than what it stands for by this part of the whole outline."""
+CONVEX_SLACK = 0.01
+"""Excess area of a convex part, relative to the whole outline."""
 
 _NODES = ((0.5 - math.sqrt(0.15), 5 / 18), (0.5, 8 / 18), (0.5 + math.sqrt(0.15), 5 / 18))
-"""Gauss and Legendre: exact for polynomials up to the fifth degree."""
+"""Gauss-Legendre nodes: exact for polynomials up to degree five."""
 
 
-def sound(points: Sequence[Point], name: str) -> Outline:
-    """The outline, anticlockwise. Raises UnfitError about the property `name` if it holds nothing or crosses itself."""
+def checked_outline(points: Sequence[Point], name: str) -> Outline:
+    """Return the outline counter-clockwise.
+
+    Raises UnfitError about the property `name` if it is degenerate or crosses itself.
+    """
     outline = tuple(b for a, b in zip((points[-1], *points), points, strict=False) if a != b) if points else ()
     if len(outline) < 3:
         raise UnfitError(f"needs three points or more in its {name}", name)
@@ -33,9 +36,9 @@ def sound(points: Sequence[Point], name: str) -> Outline:
 
 
 def integral(outline: Outline, of: Callable[[float, float], float]) -> float:
-    """The integral over the outline of the derivative of `of` by its first argument, at most of the fourth degree.
+    """Return the integral over the outline of the derivative of `of` by its first argument, up to degree four.
 
-    By Green's theorem that is the integral of `of` around it.
+    By Green's theorem this is the contour integral of `of`.
     """
     total = 0.0
     for (x, y), (u, v) in _edges(outline):
@@ -44,7 +47,7 @@ def integral(outline: Outline, of: Callable[[float, float], float]) -> float:
 
 
 def triangles(outline: Outline) -> list[tuple[int, int, int]]:
-    """The outline as triangles of its points, by clipping ears (Meisters, "Polygons have ears", 1975)."""
+    """Return a triangulation by ear clipping (Meisters, "Polygons have ears", 1975)."""
     left, ears = list(range(len(outline))), []
     while len(left) > 3:
         ear = next((i for i in range(len(left)) if _ear(outline, left, i)), 0)
@@ -55,12 +58,12 @@ def triangles(outline: Outline) -> list[tuple[int, int, int]]:
 
 @lru_cache(maxsize=256)
 def convex(outline: Outline) -> tuple[Outline, ...]:
-    """Few convex pieces that cover the outline: triangles, joined as long as they are convex, or almost.
+    """Return few convex parts that cover the outline: triangles merged while (almost) convex.
 
     Hertel and Mehlhorn, "Fast triangulation of simple polygons", 1983.
     """
     pieces = [list(one) for one in triangles(outline)]
-    spare = SLACK * _area(outline)
+    spare = CONVEX_SLACK * _area(outline)
     i = 0
     while i < len(pieces):
         for j in range(i + 1, len(pieces)):
@@ -74,10 +77,10 @@ def convex(outline: Outline) -> tuple[Outline, ...]:
     return tuple(tuple(outline[k] for k in piece) for piece in pieces)
 
 
-def runs(outline: Sequence[Point], crease: float) -> Iterator[list[tuple[Point, Point]]]:
-    """Points with unit normals outwards, in runs of edges that bend by less than `crease` (rad), which are smooth.
+def smooth_runs(outline: Sequence[Point], crease: float) -> Iterator[list[tuple[Point, Point]]]:
+    """Yield points with outward unit normals in runs of edges that bend by less than `crease` (rad).
 
-    A run that goes all the way around ends with its first point.
+    A closed run ends with its first point.
     """
     edges = list(_edges(outline))
     count = len(edges)
@@ -103,7 +106,7 @@ def _area(outline: Sequence[Point]) -> float:
 
 
 def _turn(a: Point, b: Point, c: Point) -> float:
-    """Twice the area of a triangle: above 0 if it goes anticlockwise."""
+    """Return twice the signed area of a triangle, positive if counter-clockwise."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
@@ -134,7 +137,7 @@ def _from(a: Point, b: Point) -> Point:
 
 
 def _near(a: Point, b: Point, c: Point, d: Point) -> bool:
-    """Whether the boxes around two edges meet."""
+    """Whether the bounding boxes of two edges intersect."""
     return all(max(min(a[i], b[i]), min(c[i], d[i])) <= min(max(a[i], b[i]), max(c[i], d[i])) for i in (0, 1))
 
 
@@ -148,7 +151,7 @@ def _ear(outline: Outline, left: Sequence[int], i: int) -> bool:
 
 
 def _joined(a: Sequence[int], b: Sequence[int]) -> list[int] | None:
-    """Two pieces as one, if they share an edge."""
+    """Return the union of two parts that share an edge, else None."""
     for i, k in enumerate(a):
         following = a[(i + 1) % len(a)]
         for j, m in enumerate(b):
@@ -159,7 +162,7 @@ def _joined(a: Sequence[int], b: Sequence[int]) -> list[int] | None:
 
 
 def _convex(outline: Outline, piece: Sequence[int], spare: float) -> list[int] | None:
-    """A piece without the points that bend inwards, if that makes it no larger than `spare` (m²); else None."""
+    """Return a part without its reflex points if that adds at most `spare` (m²), else None."""
     kept, added = list(piece), 0.0
     i = 0
     while i < len(kept):

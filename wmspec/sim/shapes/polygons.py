@@ -1,4 +1,4 @@
-"""Meshes as USD wants them, and shapes that USD does not have as meshes that say what they are."""
+"""Meshes in USD's form, and meshes that record the shape that they stand for."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wmspec.core.space import UP, Vector, add, cross, times, unit
+from wmspec.core.space import UP, Vector, add, cross, scale, unit
 
 if TYPE_CHECKING:
     import numpy as np
@@ -14,16 +14,15 @@ if TYPE_CHECKING:
 
     from wmspec.sim.shapes.shape import Shape
 
-NAME = "wms:shape"
-"""The attribute of a mesh that says which shape it is; `wms:shape:radius` and the like are the shape's numbers."""
+SHAPE_ATTRIBUTE = "wms:shape"
+"""The attribute of a mesh that names its shape; `wms:shape:radius` and the like hold its numbers."""
 
 
 @dataclass(frozen=True, eq=False)
 class Polygons:
-    """Points and faces, whose corners go round anticlockwise seen from outside; `st` of each point or None.
+    """Points and faces with corners counter-clockwise from outside; `st` per point or None.
 
-    `smooth` are the unit normals of the points; without them the faces are flat. `numbers` are attributes besides:
-    name, type, value.
+    `smooth` holds unit normals per point; without it faces are flat. `numbers` are extra attributes: name, type, value.
     """
 
     type: ClassVar[str] = "Mesh"
@@ -36,52 +35,52 @@ class Polygons:
 
     @cached_property
     def counts(self) -> tuple[int, ...]:
-        """The number of corners of each face."""
+        """Number of corners of each face."""
         return tuple(len(face) for face in self.faces)
 
     @cached_property
     def indices(self) -> tuple[int, ...]:
-        """The corners of all faces, one after the other."""
+        """Corners of all faces, concatenated."""
         return tuple(i for face in self.faces for i in face)
 
     @cached_property
     def normals(self) -> tuple[Vector, ...]:
-        """The unit vector that points out of each face."""
+        """Outward unit normal of each face."""
         return tuple(_normal(*(self.points[i] for i in face[:3])) for face in self.faces)
 
     @cached_property
     def extent(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """The lowest and the highest corner of the box around the points."""
+        """Lowest and highest corner of the bounding box."""
         columns = tuple(zip(*self.points, strict=True))
         return tuple(map(min, columns)), tuple(map(max, columns))
 
     @property
     def triangles(self) -> NDArray[np.int32]:
-        """The faces as fans of triangles (m, 3)."""
+        """The faces as triangle fans (m, 3)."""
         import numpy as np
 
         return np.array([(f[0], f[i], f[i + 1]) for f in self.faces for i in range(1, len(f) - 1)], np.int32)
 
 
 @lru_cache(maxsize=256)
-def named(shape: Shape) -> Polygons:
-    """The triangles of a shape, with the word for it in the language and its numbers."""
-    from wmspec.sim.shapes import word
+def shape_polygons(shape: Shape) -> Polygons:
+    """Return the triangles of a shape with its word in the language and its numbers."""
+    from wmspec.sim.shapes import shape_word
     from wmspec.sim.shapes.facets import tessellate
 
     facets = tessellate(shape)
-    numbers = tuple((f"{NAME}:{field.name}", *_typed(getattr(shape, field.name))) for field in fields(shape))
+    numbers = tuple((f"{SHAPE_ATTRIBUTE}:{field.name}", *_typed(getattr(shape, field.name))) for field in fields(shape))
     return Polygons(
         tuple((x, y, z) for x, y, z in facets.points.tolist()),
         tuple((a, b, c) for a, b, c in facets.faces.tolist()),
         tuple((s, t) for s, t in facets.st.tolist()),
         tuple((x, y, z) for x, y, z in facets.normals.tolist()),
-        ((NAME, "token", word(shape)), *numbers),
+        ((SHAPE_ATTRIBUTE, "token", shape_word(shape)), *numbers),
     )
 
 
 def _typed(value: Any) -> tuple[str, Any]:
-    """The type that USD has for a number, a point, or a tuple of either, and the value."""
+    """Return USD's type of a number, a point, or a tuple of either, and the value."""
     if isinstance(value, tuple) and value and isinstance(value[0], tuple):
         return f"double{len(value[0])}[]", value
     if isinstance(value, tuple):
@@ -90,5 +89,5 @@ def _typed(value: Any) -> tuple[str, Any]:
 
 
 def _normal(a: Vector, b: Vector, c: Vector) -> Vector:
-    across = cross(add(b, times(-1, a)), add(c, times(-1, a)))
+    across = cross(add(b, scale(-1, a)), add(c, scale(-1, a)))
     return unit(across) if any(across) else UP

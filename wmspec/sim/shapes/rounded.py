@@ -1,4 +1,4 @@
-"""A box with round edges and corners."""
+"""Boxes with rounded edges and corners."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from wmspec.core.space import Vector
-from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError, across_and_up
+from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError, width_and_height
 
 if TYPE_CHECKING:
     from wmspec.sim.shapes.facets import Facets
     from wmspec.sim.shapes.shape import Array
 
-_BENDS = 4  # edges of a quarter of a circle that is drawn
+_BENDS = 4  # edges of a drawn quarter circle
 
 
 @dataclass(frozen=True)
 class RoundedBox(Shape):
-    """All that is nearer than `round` to a box, together as far as `half` (3,) m from the origin along its axes."""
+    """All points within `round` of an inner box; half edges `half` (3,) m in total."""
 
     half: Vector
     round: float
@@ -32,8 +32,8 @@ class RoundedBox(Shape):
 
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
-        """Its `size` is that of the box around it."""
-        x, y, z = edges(words)
+        """`size` is that of the bounding box."""
+        x, y, z = box_edges(words)
         radius = words.get("round", min(x, y, z) / 10)
         if 2 * radius >= min(x, y, z):
             raise UnfitError("is thinner than its round edges", "round")
@@ -41,29 +41,29 @@ class RoundedBox(Shape):
 
     @property
     def words(self) -> Mapping[str, Any]:
-        """Its three edges, and how round they are."""
+        """The three edges and the radius."""
         return {"size": tuple(2 * half for half in self.half), "round": self.round}
 
     @property
     def volume(self) -> float:
-        """By Steiner: the box inside, slabs on its sides, quarters of cylinders on its edges, and a ball."""
+        """Steiner's formula: inner box, slabs, quarter cylinders, and a sphere."""
         (a, b, c), r = self._inner, self.round
         slabs, tubes = 8 * r * (a * b + b * c + c * a), 2 * math.pi * r**2 * (a + b + c)
         return 8 * a * b * c + slabs + tubes + 4 / 3 * math.pi * r**3
 
     @property
     def tensor(self) -> Tensor:
-        """By its second moments along each axis."""
+        """From second moments along each axis."""
         x, y, z = (self._moment(*(self._inner[(i + k) % 3] for k in range(3))) / self.volume for i in range(3))
         return ((y + z, 0.0, 0.0), (0.0, x + z, 0.0), (0.0, 0.0, x + y))
 
     def reach(self, direction: Vector) -> float:
-        """That of the box inside, and of a ball."""
+        """Inner box plus sphere."""
         inner = sum(abs(d) * h for d, h in zip(direction, self._inner, strict=True))
         return inner + math.hypot(*direction) * self.round
 
     def facets(self) -> Facets:
-        """Six sides whose outer rows are bent; each has the whole image."""
+        """Six faces with bent borders; each has the whole image."""
         import numpy as np
 
         from wmspec.sim.shapes.facets import facets, join, quads
@@ -88,7 +88,7 @@ class RoundedBox(Shape):
         return join(made)
 
     def corners(self) -> Array:
-        """Of each corner, the three points where its sides are flat, and seven between them."""
+        """For each corner, three points on the flat faces and seven between them."""
         import numpy as np
 
         ways = [np.array(way, float) for way in product((0, 1, 2), repeat=3) if max(way) == 2 or way == (1, 1, 1)]
@@ -98,17 +98,17 @@ class RoundedBox(Shape):
         return np.concatenate([sign * (np.array(self._inner) + self.round * unique) for sign in signs])
 
     def depth_at(self, point: Array) -> tuple[float, Array]:
-        """Below a flat side, or the ball around the nearest point of the box inside."""
+        """Depth below a flat face, or the sphere around the nearest point of the inner box."""
         import numpy as np
 
-        from wmspec.sim.shapes.sides import below, round_
+        from wmspec.sim.shapes.sides import plane_depths, round_depth
 
         inner = np.array(self._inner)
         if (np.abs(point) > inner).sum() > 1:
-            return round_(self.round, point - np.clip(point, -inner, inner))
+            return round_depth(self.round, point - np.clip(point, -inner, inner))
         axes = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
         flats = [((s * x, s * y, s * z), h) for (x, y, z), h in zip(axes, self.half, strict=True) for s in (-1.0, 1.0)]
-        return min(below(flats, point), key=lambda side: side[0])
+        return min(plane_depths(flats, point), key=lambda side: side[0])
 
     @property
     def _inner(self) -> Vector:
@@ -116,9 +116,9 @@ class RoundedBox(Shape):
         return (x - self.round, y - self.round, z - self.round)
 
     def _moment(self, a: float, b: float, c: float) -> float:
-        """The integral of x² over it, `a` being half the inner edge along x: a slice at a + u is a rounded rectangle.
+        """Return the integral of x², with inner half edges a, b, c. A slice at a + u is a rounded rectangle.
 
-        The corners of that are round by s = √(r² - u²), and its area is 4bc + 4(b + c)s + πs².
+        Its corner radius is s = √(r² - u²), its area 4bc + 4(b + c)s + πs².
         """
         r, pi = self.round, math.pi
         flat, bent = 4 * b * c, 4 * (b + c)
@@ -129,10 +129,10 @@ class RoundedBox(Shape):
         return middle + 2 * (a**2 * zeroth + 2 * a * first + second)
 
 
-def edges(words: Mapping[str, Any]) -> Vector:
-    """The three edges (m) that a `size` says."""
+def box_edges(words: Mapping[str, Any]) -> Vector:
+    """Return the three edges (m) of a `size`."""
     if isinstance(words["size"], tuple):
         x, y, z = words["size"]
         return (x, y, z)
-    across, up = across_and_up(words)
+    across, up = width_and_height(words)
     return (across, across, up)

@@ -1,9 +1,8 @@
-"""What a shape says of itself. Whoever writes a new one fills this in, and needs nothing else.
+"""The interface of shapes: everything that language, layout, stage, scene and engines need to know.
 
-The language, the layout, the stage, the scene and the engines ask for no more than what is here. Most answers have a
-default that holds for every convex solid, so a shape says how far it reaches, what it weighs and how it is drawn.
-Numbers are metres and plain tuples, with z upwards in the shape's own frame: checking a spec asks for these, and should
-not wait for numpy. What is drawn or collides as arrays is imported where it is asked for.
+Most methods have a default that is valid for every convex solid; a shape defines its support, mass properties and
+triangles. Numbers are metres in plain tuples with z up in the shape frame, because checking a spec must not import
+numpy. Array methods import it when called.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol, Self
 
-from wmspec.core.space import HERE, ORIGIN, UP, Pose, Vector, times
+from wmspec.core.space import IDENTITY, ORIGIN, UP, Pose, Vector, scale
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,16 +24,16 @@ if TYPE_CHECKING:
 
 Tensor = tuple[Vector, Vector, Vector]
 Flat = tuple[Vector, float]
-"""A flat side: its outward unit normal, and how far (m) it is from the origin."""
+"""A flat face: outward unit normal, and distance (m) from the origin."""
 Symmetry = Literal["ball", "axis", "none"]
 
 AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), UP)
 
 
 class UnfitError(ValueError):
-    """Sizes that make no such shape. The text goes on after its name, such as `is not higher than it is wide`.
+    """Invalid sizes. The text continues the name of the shape, such as `is not higher than it is wide`.
 
-    `name` is the property that is wrong, if it is one.
+    `name` is the wrong property, if it is one.
     """
 
     def __init__(self, reason: str, name: str = "") -> None:
@@ -44,9 +43,9 @@ class UnfitError(ValueError):
 
 @dataclass(frozen=True)
 class Parameter:
-    """A property that a shape has in the language besides `size`, `radius` and `height`; it may be left out.
+    """An optional property of a shape in the language, other than `size`, `radius` and `height`.
 
-    `kind` is what it takes, in the words of `wmspec.lang.check.tables.vocabulary.PARAMETERS`.
+    `kind` is its type, a key of `wmspec.lang.check.tables.vocabulary.PARAMETERS`.
     """
 
     kind: str
@@ -58,9 +57,9 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Gprim:
-    """A shape as a prim of USD: its type, its attributes (name, type, value, whether uniform), and its own transform.
+    """A shape as a USD prim: type, attributes (name, type, value, whether uniform), and its own transform.
 
-    The prim's middle is at `offset` (m) in the shape's frame, and it is `scale` times as large.
+    The prim is centred at `offset` (m) in the shape frame and scaled by `scale`.
     """
 
     type: str
@@ -71,8 +70,8 @@ class Gprim:
 
     @property
     def extent(self) -> tuple[Vector, Vector]:
-        """The lowest and the highest corner of the box around the prim, before its scale."""
-        return times(-1.0, self.half), self.half
+        """Lowest and highest corner of the bounding box before scaling."""
+        return scale(-1.0, self.half), self.half
 
 
 def round_gprim(type: str, radius: float, height: float, half: float) -> Gprim:
@@ -86,199 +85,199 @@ def round_gprim(type: str, radius: float, height: float, half: float) -> Gprim:
 
 
 class Prim(Protocol):
-    """What is asked of a prim of USD to read a shape from it. A number that makes no shape is refused there."""
+    """The part of a USD prim that shapes read. Invalid numbers are rejected here."""
 
     def positive(self, name: str, fallback: float) -> float:
-        """The attribute, which is above 0."""
+        """Return an attribute above 0."""
         ...
 
     def least(self, name: str, fallback: float) -> float:
-        """The attribute, which is at least 0."""
+        """Return an attribute of at least 0."""
         ...
 
     def radius(self, fallback: float) -> float:
-        """The one radius of a prim that may have two."""
+        """Return the single radius of a prim that may have two."""
         ...
 
     @property
     def scale(self) -> Vector:
-        """How much larger it is along its own axes; below 0 it is mirrored."""
+        """Return the scale along its axes; negative if mirrored."""
         ...
 
     def around(self) -> tuple[float, float]:
-        """How much larger it is across and along its axis; across, it is the same both ways."""
+        """Return the scales across and along its axis. Both scales across must be equal."""
         ...
 
     def uniform(self) -> float:
-        """How much larger it is, the same along all axes."""
+        """Return the uniform scale."""
         ...
 
 
 @dataclass(frozen=True)
 class Shape:
-    """A solid, homogeneous and centred as its own file says. Subclasses are frozen dataclasses of plain numbers."""
+    """A solid, homogeneous shape. Subclasses are frozen dataclasses of plain numbers."""
 
     parameters: ClassVar[frozenset[str]] = frozenset({"size"})
-    """Which properties of the language say how large it is."""
+    """Properties of the language that give its size."""
     properties: ClassVar[Mapping[str, Parameter]] = {}
-    """What those are that only some shapes have."""
+    """Further properties of this shape only."""
     lengths: ClassVar[frozenset[int]] = frozenset({1})
-    """How many lengths its `size` may have."""
+    """Valid numbers of lengths in `size`."""
     prims: ClassVar[tuple[str, ...]] = ()
-    """The types of USD prims that are read as this shape by `read`."""
+    """Types of USD prims that `read` accepts."""
     symmetry: ClassVar[Symmetry] = "none"
-    """Which turns change nothing that can be seen: all of them, those about z, none."""
+    """Rotations that leave its appearance unchanged: all, those about z, or none."""
     convex: ClassVar[bool] = True
-    """Whether it is its own convex hull."""
+    """Whether it equals its convex hull."""
     rim: ClassVar[bool] = False
     """Whether it has a round edge, on which engines differ."""
 
     hollow: ClassVar[bool] = False
-    """Whether things can lie in it: then it has a `floor`."""
+    """Whether objects fit inside; it then has a `floor`."""
 
     # ------------------------------------------------------------ the language
 
     @classmethod
-    def takes(cls, name: str) -> bool:
-        """Whether the language can say this of it."""
+    def accepts(cls, name: str) -> bool:
+        """Whether the language allows this property for it."""
         return name in cls.parameters or name in cls.properties
 
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
-        """The shape that the language's properties describe. Raises UnfitError if they describe none.
+        """Return the shape for properties of the language. Raises UnfitError if they are invalid.
 
-        `words` holds `size`, and of `radius`, `height` and its own properties those that are given.
+        `words` holds `size` and those of `radius`, `height` and its own properties that are given.
         """
         raise NotImplementedError
 
     @property
     def words(self) -> Mapping[str, Any]:
-        """The language's properties that describe it. By default they are called as its numbers are."""
+        """Return its properties in the language; by default its fields."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     # ------------------------------------------------------------ what it is
 
     @property
     def volume(self) -> float:
-        """How much room it takes, m³."""
+        """Volume, m³."""
         raise NotImplementedError
 
     @property
     def center(self) -> Vector:
-        """Its centre of mass."""
+        """Centre of mass."""
         return ORIGIN
 
     @property
     def tensor(self) -> Tensor:
-        """The tensor of inertia of 1 kg of it about its centre of mass, m²."""
+        """Inertia tensor for 1 kg about the centre of mass, m²."""
         raise NotImplementedError
 
     def reach(self, direction: Vector) -> float:
-        """How far (m) it goes from its origin along a unit vector: its support function."""
+        """Return the support function: the extent (m) from the origin along a unit vector."""
         raise NotImplementedError
 
     def floor(self, x: float, y: float) -> float | None:
-        """How high (m) the lowest part of it is that is above or below a place of its own, or None if none is."""
+        """Return the lowest height (m) of the cavity at (x, y), or None outside."""
         raise NotImplementedError
 
     @property
-    def flats(self) -> tuple[Flat, ...]:
-        """All sides of a solid that has flat ones only, on which things can rest; none for what is round."""
+    def flat_faces(self) -> tuple[Flat, ...]:
+        """Return all faces of a polyhedron, on which objects can rest; none for round shapes."""
         return ()
 
     @property
     def sizes(self) -> Sequence[float]:
-        """The numbers that must be above 0: by default all that it is made of."""
+        """Return the numbers that must be positive; by default all fields."""
         return tuple(_numbers(getattr(self, field.name) for field in fields(self)))
 
     @property
     def half_extent(self) -> Vector:
-        """Half the edges of the upright box around its origin that holds it."""
-        x, y, z = (max(self.reach(axis), self.reach(times(-1.0, axis))) for axis in AXES)
+        """Half edges of the axis-aligned box around the origin."""
+        x, y, z = (max(self.reach(axis), self.reach(scale(-1.0, axis))) for axis in AXES)
         return (x, y, z)
 
     def bounds(self, turn: Array) -> Array:
-        """The lowest and highest coordinates (2, 3) m of it, turned by a matrix (3, 3)."""
+        """Return lowest and highest coordinates (2, 3) m after rotation by a matrix (3, 3)."""
         import numpy as np
 
         rows: list[Vector] = [(x, y, z) for x, y, z in turn.tolist()]
-        low, high = [-self.reach(times(-1.0, row)) for row in rows], [self.reach(row) for row in rows]
+        low, high = [-self.reach(scale(-1.0, row)) for row in rows], [self.reach(row) for row in rows]
         return np.array([low, high])
 
     # ------------------------------------------------------------ how it is drawn
 
     def facets(self) -> Facets:
-        """Its triangles. Ask `wmspec.sim.shapes.facets.tessellate`, which keeps them."""
+        """Return its triangles. Use `wmspec.sim.shapes.facets.tessellate`, which caches them."""
         raise NotImplementedError
 
     def triangles(self) -> tuple[Array, NDArray[np.int32]]:
-        """Points (n, 3) and faces (m, 3) as plainly as they can be said."""
+        """Return a minimal triangulation: points (n, 3) and faces (m, 3)."""
         from wmspec.sim.shapes.facets import tessellate
 
         facets = tessellate(self)
         return facets.points, facets.faces
 
     def unwrapped(self, facets: Facets, every: Array) -> Array:
-        """Texture coordinates (n, 2) for an image that is repeated `every` (2,) times on a metre."""
-        from wmspec.sim.shapes.texcoords import flat
+        """Return texture coordinates (n, 2) of an image repeated `every` (2,) times per metre."""
+        from wmspec.sim.shapes.texcoords import planar_texcoords
 
-        return flat(facets, every)
+        return planar_texcoords(facets, every)
 
     # ------------------------------------------------------------ how it collides
 
     @property
     def primitive(self) -> tuple[str, tuple[float, ...]] | None:
-        """What all engines have for it, or None.
+        """Return the equivalent primitive of all engines, or None.
 
-        Box (half its edges), sphere (radius), cylinder or capsule (radius, height of the straight part, along z).
+        Box (half edges), sphere (radius), cylinder or capsule (radius, height of the straight part, along z).
         """
         return None
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
-        """Convex shapes, and where they are, that collide for it."""
-        return ((self, HERE),)
+        """Return the convex collision shapes and their poses."""
+        return ((self, IDENTITY),)
 
     def corners(self) -> Array:
-        """The corners (n, 3), n <= 250, of the convex solid that collides for what is no primitive."""
+        """Return the corners (n, 3), n <= 250, of the collision hull of a shape without a primitive."""
         from wmspec.sim.shapes.facets import tessellate
-        from wmspec.sim.shapes.hull import hull, thinned
+        from wmspec.sim.shapes.hull import hull, limit_corners
 
-        return thinned(hull(tessellate(self).points), also=[*AXES, *(times(-1.0, axis) for axis in AXES)])
+        return limit_corners(hull(tessellate(self).points), also=[*AXES, *(scale(-1.0, axis) for axis in AXES)])
 
     def depth_at(self, point: Array) -> tuple[float, Array]:
-        """How far (m) a point is below the surface (negative: outside), and how that grows with the point (3,)."""
+        """Return the depth (m) of a point below the surface (negative outside) and its gradient (3,)."""
         return min(self.depths_at(point), key=lambda side: side[0])
 
     def depths_at(self, point: Array) -> list[tuple[float, Array]]:
-        """The same of each of its sides, where it is convex."""
-        from wmspec.sim.shapes.sides import below, of_hull
+        """Return the same for each side of a convex shape."""
+        from wmspec.sim.shapes.sides import hull_depths, plane_depths
 
-        return below(self.flats, point) if self.flats else of_hull(self.corners(), point)
+        return plane_depths(self.flat_faces, point) if self.flat_faces else hull_depths(self.corners(), point)
 
     # ------------------------------------------------------------ how it stands in USD
 
     def prim(self) -> Gprim | Polygons:
-        """What it is on a stage: one of USD's own shapes, or a mesh.
+        """Return its USD form: a gprim, or a mesh.
 
-        By default a mesh that says its name and numbers, from which `wmspec.sim.usd` reads the very same shape.
+        By default a mesh that records name and numbers, from which `wmspec.sim.usd` restores the same shape.
         """
-        from wmspec.sim.shapes.polygons import named
+        from wmspec.sim.shapes.polygons import shape_polygons
 
-        return named(self)
+        return shape_polygons(self)
 
     @classmethod
     def read(cls, prim: Prim) -> tuple[Shape, float]:
-        """The shape of a prim of one of its `prims`, and how far (m) along z it is from the prim's origin."""
+        """Return the shape of a prim of one of its `prims`, and its offset (m) along z from the prim."""
         raise NotImplementedError
 
     @classmethod
-    def remade(cls, numbers: Mapping[str, Any]) -> Self:
-        """The shape of these numbers by their names: what `wmspec.sim.shapes.polygons.named` has written."""
+    def from_record(cls, numbers: Mapping[str, Any]) -> Self:
+        """Return the shape of recorded numbers, as written by `wmspec.sim.shapes.polygons.shape_polygons`."""
         return cls(**numbers)
 
 
-def across_and_up(words: Mapping[str, Any], slim: float = 1.0, tall: bool = False) -> tuple[float, float]:
-    """Width and height (m) of what has one `size`: `slim` times as wide, or twice its `radius`, maybe of a `height`."""
+def width_and_height(words: Mapping[str, Any], slim: float = 1.0, tall: bool = False) -> tuple[float, float]:
+    """Return width and height (m) for a `size`, `radius` or `height`; `slim` is the default aspect ratio."""
     across, up = words["size"] * slim, words["size"]
     if "radius" in words:
         across = up = 2 * words["radius"]

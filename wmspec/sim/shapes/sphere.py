@@ -1,4 +1,4 @@
-"""A sphere around the origin."""
+"""Spheres around the origin."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from wmspec.core.space import Vector
-from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, across_and_up
+from wmspec.sim.shapes.shape import Gprim, Prim, Shape, Tensor, width_and_height
 
 if TYPE_CHECKING:
     from wmspec.sim.shapes.facets import Facets
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sphere(Shape):
-    """All that is nearer than `radius` (m)."""
+    """All points within `radius` (m)."""
 
     radius: float
 
@@ -27,12 +27,12 @@ class Sphere(Shape):
 
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
-        """Its `size` is its diameter."""
-        return cls(across_and_up(words)[0] / 2)
+        """`size` is the diameter."""
+        return cls(width_and_height(words)[0] / 2)
 
     @property
     def volume(self) -> float:
-        """That of any table."""
+        """4/3 π r³."""
         return 4 / 3 * math.pi * self.radius**3
 
     @property
@@ -42,37 +42,37 @@ class Sphere(Shape):
         return ((moment, 0.0, 0.0), (0.0, moment, 0.0), (0.0, 0.0, moment))
 
     def reach(self, direction: Vector) -> float:
-        """As far every way."""
+        """The radius."""
         return math.hypot(*direction) * self.radius
 
     def facets(self) -> Facets:
-        """Rings of a globe."""
+        """Rings of a sphere."""
         from wmspec.sim.shapes.facets import rounded
 
         return rounded(self.radius, 0.0)
 
     def unwrapped(self, facets: Facets, every: Array) -> Array:
-        """Wound once around, and along a meridian."""
-        from wmspec.sim.shapes.texcoords import wound
+        """Wrapped once around, and along a meridian."""
+        from wmspec.sim.shapes.texcoords import wrapped_texcoords
 
-        return wound(facets, self.radius, math.pi * self.radius, every)
+        return wrapped_texcoords(facets, self.radius, math.pi * self.radius, every)
 
     @property
     def primitive(self) -> tuple[str, tuple[float, ...]]:
-        """All engines have it."""
+        """A sphere in all engines."""
         return "sphere", (float(self.radius),)
 
     def depth_at(self, point: Array) -> tuple[float, Array]:
-        """Below the ball."""
-        from wmspec.sim.shapes.sides import round_
+        """Depth below the sphere."""
+        from wmspec.sim.shapes.sides import round_depth
 
-        return round_(self.radius, point)
+        return round_depth(self.radius, point)
 
     def prim(self) -> Gprim:
-        """USD's own."""
+        """USD's sphere."""
         return Gprim("Sphere", (("radius", "double", self.radius, False),), (self.radius,) * 3)
 
     @classmethod
     def read(cls, prim: Prim) -> tuple[Shape, float]:
-        """Scaled equally along all axes."""
+        """The scale must be uniform."""
         return cls(prim.positive("radius", 1.0) * prim.uniform()), 0.0

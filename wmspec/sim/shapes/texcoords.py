@@ -1,7 +1,7 @@
-"""How a repeated image lies on a shape, so many times on a metre.
+"""Texture coordinates of repeated images.
 
-It lies flat on the faces of a box, on caps and on meshes without texture coordinates of their own; around an axis it is
-repeated a whole number of times, so that it closes, and along the axis from the bottom.
+Images are planar on box faces, caps and meshes without texture coordinates. Around an axis they repeat a whole number
+of times, so that they close, and along the axis from the bottom.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from wmspec.sim.shapes.facets import Facets
 Array = NDArray[np.float64]
 
 _WAYS = {0: (1, 2), 1: (0, 2), 2: (0, 1)}
-"""Axis of a flat side's normal -> the axes of the image's s and t."""
+"""Axis of a face normal -> axes of s and t."""
 
 
-def flat(facets: Facets, every: Array) -> Array:
-    """Seen along each normal's largest part: upright on the sides, +y up on top, never mirrored."""
+def planar_texcoords(facets: Facets, every: Array) -> Array:
+    """Return coordinates projected along the largest component of each normal: upright on sides, +y up on top."""
     st = np.zeros_like(facets.st)
     largest = np.abs(facets.normals).argmax(axis=1)
     for axis, (right, up) in _WAYS.items():
@@ -31,15 +31,15 @@ def flat(facets: Facets, every: Array) -> Array:
     return turned
 
 
-def wound(facets: Facets, radius: float, length: float, every: Array) -> Array:
-    """Around the axis, s a whole number of times, and t along a profile of `length` (m)."""
+def wrapped_texcoords(facets: Facets, radius: float, length: float, every: Array) -> Array:
+    """Return coordinates around the axis, s a whole number of times, t along a profile of `length` (m)."""
     around = max(1, round(2 * pi * radius * every[0]))
     st: Array = facets.st * [around, length * every[1]]
     return st
 
 
-def capped(facets: Facets, radius: float, length: float, every: Array) -> Array:
-    """Wound around the side, flat on the caps."""
+def capped_texcoords(facets: Facets, radius: float, length: float, every: Array) -> Array:
+    """Return coordinates wrapped around the side and planar on the caps."""
     caps = np.abs(facets.normals[:, 2:]) > 1 - 1e-9
-    st: Array = np.where(caps, flat(facets, every), wound(facets, radius, length, every))
+    st: Array = np.where(caps, planar_texcoords(facets, every), wrapped_texcoords(facets, radius, length, every))
     return st

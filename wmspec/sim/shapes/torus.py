@@ -1,4 +1,4 @@
-"""A torus: a ring around z."""
+"""Tori around z."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from wmspec.core.space import Pose, Vector
 from wmspec.sim.shapes.lathe import Lathe
-from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError, across_and_up
+from wmspec.sim.shapes.shape import Parameter, Shape, Tensor, UnfitError, width_and_height
 from wmspec.sim.shapes.tube import THICKNESS
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ _DRAWN, _TOUCHED = 24, 12  # corners of the round profile
 
 @dataclass(frozen=True)
 class Torus(Shape):
-    """All that is nearer than `thick` / 2 to a circle of a `radius` (m) around z."""
+    """All points within `thick` / 2 of a circle of `radius` (m) around z."""
 
     radius: float
     thick: float
@@ -35,8 +35,8 @@ class Torus(Shape):
 
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
-        """Its `size` is its outer diameter; the ring is a quarter of that thick unless it is said."""
-        across, _ = across_and_up(words)
+        """`size` is the outer diameter; the thickness defaults to a quarter of it."""
+        across, _ = width_and_height(words)
         thick = words.get("thickness", across / 4)
         if thick >= across / 2:
             raise UnfitError("has no hole", "thickness")
@@ -44,34 +44,34 @@ class Torus(Shape):
 
     @property
     def words(self) -> Mapping[str, Any]:
-        """Its outer radius, and how thick the ring is."""
+        """The outer radius and the thickness."""
         return {"radius": self.radius + self.thick / 2, "thickness": self.thick}
 
     @property
     def volume(self) -> float:
-        """Of Pappus and Guldin."""
+        """Pappus's centroid theorem."""
         return math.pi**2 * self.radius * self.thick**2 / 2
 
     @property
     def tensor(self) -> Tensor:
-        """Of a torus with the radii R and r: (R² + 3/4 r²) along the axis, R² / 2 + 5/8 r² across."""
+        """For radii R and r: R² + 3/4 r² along the axis, R² / 2 + 5/8 r² across."""
         big, small = self.radius**2, self.thick**2 / 4
         across = big / 2 + 5 / 8 * small
         return ((across, 0.0, 0.0), (0.0, across, 0.0), (0.0, 0.0, big + 3 / 4 * small))
 
     def reach(self, direction: Vector) -> float:
-        """That of its circle, and of a ball."""
+        """Circle plus sphere."""
         return math.hypot(direction[0], direction[1]) * self.radius + math.hypot(*direction) * self.thick / 2
 
     def facets(self) -> Facets:
-        """A round profile, turned."""
+        """A revolved circle."""
         return self._turned(_DRAWN).facets()
 
     def unwrapped(self, facets: Facets, every: Array) -> Array:
-        """Wound around, both ways."""
-        from wmspec.sim.shapes.texcoords import wound
+        """Wrapped in both directions."""
+        from wmspec.sim.shapes.texcoords import wrapped_texcoords
 
-        return wound(facets, self.radius, math.pi * self.thick, every)
+        return wrapped_texcoords(facets, self.radius, math.pi * self.thick, every)
 
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """Sectors of the ring."""
@@ -82,7 +82,7 @@ class Torus(Shape):
         return self._turned(_TOUCHED).pieces()
 
     def _turned(self, corners: int) -> Lathe:
-        """The lathe of a profile with so many corners."""
+        """Return the lathe of a profile with `corners` corners."""
         turns = [2 * math.pi * i / corners for i in range(corners)]
         small = self.thick / 2
         return Lathe(tuple((self.radius + small * math.cos(t), small * math.sin(t)) for t in turns))

@@ -1,4 +1,4 @@
-"""A tube along z: a cylinder with a round hole."""
+"""Tubes along z: cylinders with a round hole."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from wmspec.sim.shapes.lathe import Lathe
-from wmspec.sim.shapes.shape import Parameter, Shape, UnfitError, across_and_up
+from wmspec.sim.shapes.shape import Parameter, Shape, UnfitError, width_and_height
 
 THICKNESS = Parameter("length", "of the wall of a tube, of the ring of a torus, of a sweep", above=0)
 
 
 @dataclass(frozen=True)
 class Tube(Lathe):
-    """A lathe whose profile is upright and rectangular."""
+    """A lathe with an upright rectangular profile."""
 
     parameters = frozenset({"size", "radius", "height"})
     properties: ClassVar[Mapping[str, Parameter]] = {"thickness": THICKNESS}
 
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
-        """Its `size` is its outer diameter and its height; its wall is a tenth of the diameter unless it is said."""
-        across, up = across_and_up(words, tall=True)
+        """`size` is outer diameter and height; the wall defaults to a tenth of the diameter."""
+        across, up = width_and_height(words, tall=True)
         wall = words.get("thickness", across / 10)
         if wall >= across / 2:
             raise UnfitError("is filled by its own wall", "thickness")
@@ -31,6 +31,6 @@ class Tube(Lathe):
 
     @property
     def words(self) -> Mapping[str, Any]:
-        """Its outer radius, its height and its wall."""
+        """The outer radius, the height and the wall."""
         (inner, low), (outer, _), (_, high), _ = self.profile
         return {"radius": outer, "height": high - low, "thickness": outer - inner}

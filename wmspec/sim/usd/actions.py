@@ -1,6 +1,6 @@
-"""Our own schema WmsAction: what is done to bodies and to the drives of joints.
+"""Reads WmsAction: actions on bodies and joint drives.
 
-The fallbacks of the schema are repeated here, since USD knows them only if it met the schema before its first stage.
+Schema fallbacks are repeated here, because USD knows them only if the schema was registered before the first stage.
 """
 
 from __future__ import annotations
@@ -31,19 +31,18 @@ from wmspec.sim.scene.model import (
     Vanish,
 )
 from wmspec.sim.scene.physics.paths import overlaps
-from wmspec.sim.usd.frames import World, quaternion
-from wmspec.sim.usd.prims import refuse, seconds, target, value
+from wmspec.sim.usd.frames import StageFrame, quaternion
+from wmspec.sim.usd.prims import refuse, seconds, single_target, value
 
 
-def action(prim: Usd.Prim, bodies: Mapping[str, Body], joints: Mapping[str, Joint], world: World) -> Action:
-    """The action; `bodies` and `joints` by their paths.
+def action(prim: Usd.Prim, bodies: Mapping[str, Body], joints: Mapping[str, Joint], world: StageFrame) -> Action:
+    """Return the action of a prim; `bodies` and `joints` by path.
 
-    Raises:
-        StageError: if the verb is unknown, or the object can't do it.
+    Raises: StageError: if the verb is unknown or the object does not support it.
     """
     verb = value(prim, "wms:verb", "launch")
     if verb == "hold":
-        held: Body = target(prim, "wms:object", bodies, "rigid body")
+        held: Body = single_target(prim, "wms:object", bodies, "rigid body")
         if held.motion != "dynamic":
             refuse(prim, f"{held.path} is {held.motion}", "hold a dynamic body")
         return _hold(prim, held.name, bodies)
@@ -52,15 +51,15 @@ def action(prim: Usd.Prim, bodies: Mapping[str, Body], joints: Mapping[str, Join
     kind, make = VERBS[verb]
     if kind is Steer:
         return make(prim, _driven(prim, joints), world)
-    body, motion = target(prim, "wms:object", bodies, "rigid body"), MOTIONS[kind]
+    body, motion = single_target(prim, "wms:object", bodies, "rigid body"), MOTIONS[kind]
     if body.motion not in motion:
-        wanted = " or ".join(motion)
-        refuse(prim, f"{verb} needs a {wanted} body, but {body.path} is {body.motion}", f"choose a {wanted} body")
+        required = " or ".join(motion)
+        refuse(prim, f"{verb} needs a {required} body, but {body.path} is {body.motion}", f"choose a {required} body")
     return make(prim, body.name, world)
 
 
 def _driven(prim: Usd.Prim, joints: Mapping[str, Joint]) -> str:
-    joint: Joint = target(prim, "wms:joint", joints, "joint")
+    joint: Joint = single_target(prim, "wms:joint", joints, "joint")
     if joint.drive is None:
         refuse(prim, f"{joint.path} has no drive", "apply PhysicsDriveAPI to the joint")
     return joint.name
@@ -71,27 +70,31 @@ def overlapping(performed: Sequence[tuple[Usd.Prim, Action]], bodies: Sequence[B
     prims = {id(action): prim for prim, action in performed}
     for first, second in overlaps([action for _, action in performed], bodies):
         reason = f"it starts while {prims[id(first)].GetPath()} still moves {second.body}"
-        refuse(prims[id(second)], reason, "let one end before the other starts")
+        refuse(prims[id(second)], reason, "end one before the other starts")
 
 
-def _launch(prim: Usd.Prim, body: str, world: World) -> Launch:
+def _launch(prim: Usd.Prim, body: str, world: StageFrame) -> Launch:
     spin = world.direction(value(prim, "wms:spin", Gf.Vec3d(0)))
     return Launch(prim.GetName(), body, seconds(prim, "wms:start"), _velocity(prim, world), spin)
 
 
-def _glide(prim: Usd.Prim, body: str, world: World) -> Glide:
+def _glide(prim: Usd.Prim, body: str, world: StageFrame) -> Glide:
     start = seconds(prim, "wms:start")
     return Glide(prim.GetName(), body, start, start + seconds(prim, "wms:duration"), _velocity(prim, world))
 
 
-def _follow(prim: Usd.Prim, body: str, world: World) -> Follow:
+def _follow(prim: Usd.Prim, body: str, world: StageFrame) -> Follow:
     times = np.array(value(prim, "wms:times", ()), np.float64)
     points, turns = value(prim, "wms:points", ()), value(prim, "wms:orientations", ())
     if len(points) != len(times) or len(turns) not in (0, len(times)) or len(times) < 2:
         reason = f"it has {len(times)} wms:times, {len(points)} wms:points and {len(turns)} wms:orientations"
-        refuse(prim, reason, "author at least 2 times, as many points, and as many orientations or none")
+        refuse(
+            prim,
+            reason,
+            "author at least 2 times, the same number of points, and the same number of orientations or none",
+        )
     if times[0] != 0 or not (np.diff(times) > 0).all():
-        refuse(prim, f"wms:times = {times.tolist()}", "expected times (s) that grow from 0")
+        refuse(prim, f"wms:times = {times.tolist()}", "expected increasing times (s) from 0")
     if not math.isclose(seconds(prim, "wms:duration") or times[-1], times[-1], rel_tol=1e-9):
         refuse(prim, "wms:duration is not the last of wms:times", "author the same number for both")
     at = np.array([world.direction(point) for point in points])
@@ -99,53 +102,53 @@ def _follow(prim: Usd.Prim, body: str, world: World) -> Follow:
     return Follow(prim.GetName(), body, seconds(prim, "wms:start"), times, at, turned)
 
 
-def _teleport(prim: Usd.Prim, body: str, world: World) -> Teleport:
+def _teleport(prim: Usd.Prim, body: str, world: StageFrame) -> Teleport:
     at = world.direction(value(prim, "wms:position", Gf.Vec3d(0)))
     turn = _orientation(prim, value(prim, "wms:orientation", Gf.Quatd(1)), world)
     return Teleport(prim.GetName(), body, seconds(prim, "wms:start"), Pose(at, turn))
 
 
-def _impulse(prim: Usd.Prim, body: str, world: World) -> Impulse:
+def _impulse(prim: Usd.Prim, body: str, world: StageFrame) -> Impulse:
     impulse = world.direction(value(prim, "wms:impulse", Gf.Vec3d(0)))
     return Impulse(prim.GetName(), body, seconds(prim, "wms:start"), impulse)
 
 
-def _force(prim: Usd.Prim, body: str, world: World) -> Force:
+def _force(prim: Usd.Prim, body: str, world: StageFrame) -> Force:
     start = seconds(prim, "wms:start")
     force = world.direction(value(prim, "wms:force", Gf.Vec3d(0)))
     return Force(prim.GetName(), body, start, start + seconds(prim, "wms:duration"), force)
 
 
-def _release(prim: Usd.Prim, body: str, _world: World) -> Release:
+def _release(prim: Usd.Prim, body: str, _world: StageFrame) -> Release:
     return Release(prim.GetName(), body, seconds(prim, "wms:start"))
 
 
-def _paint(prim: Usd.Prim, body: str, _world: World) -> Paint:
+def _paint(prim: Usd.Prim, body: str, _world: StageFrame) -> Paint:
     red, green, blue = (float(part) for part in value(prim, "wms:color", Gf.Vec3d(0)))
     if not all(0 <= part <= 1 for part in (red, green, blue)):
         refuse(prim, f"wms:color = {(red, green, blue)}", "author sRGB in 0..1")
     return Paint(prim.GetName(), body, seconds(prim, "wms:start"), (red, green, blue))
 
 
-def _vanish(prim: Usd.Prim, body: str, _world: World) -> Vanish:
+def _vanish(prim: Usd.Prim, body: str, _world: StageFrame) -> Vanish:
     return Vanish(prim.GetName(), body, seconds(prim, "wms:start"))
 
 
 def _hold(prim: Usd.Prim, body: str, bodies: Mapping[str, Body]) -> Grip:
-    hand: Body = target(prim, "wms:hand", bodies, "rigid body")
+    hand: Body = single_target(prim, "wms:hand", bodies, "rigid body")
     points = np.array(value(prim, "wms:points", ()), np.float64).reshape(-1, 3)
     if hand.motion != "kinematic" or not len(points):
         reason = f"{hand.path} is {hand.motion}, and it has {len(points)} wms:points"
-        refuse(prim, reason, "hold it by a kinematic body, with 1 to 3 points")
+        refuse(prim, reason, "use a kinematic hand with 1 to 3 points")
     start = seconds(prim, "wms:start")
     return Grip(prim.GetName(), body, hand.name, start, start + seconds(prim, "wms:duration"), points)
 
 
-def _steer(prim: Usd.Prim, joint: str, _world: World) -> Steer:
+def _steer(prim: Usd.Prim, joint: str, _world: StageFrame) -> Steer:
     return Steer(prim.GetName(), joint, seconds(prim, "wms:start"), float(value(prim, "wms:target", 0.0)))
 
 
-VERBS: dict[str, tuple[type[Action], Callable[[Usd.Prim, str, World], Action]]] = {
+VERBS: dict[str, tuple[type[Action], Callable[[Usd.Prim, str, StageFrame], Action]]] = {
     "launch": (Launch, _launch),
     "glide": (Glide, _glide),
     "follow": (Follow, _follow),
@@ -157,23 +160,23 @@ VERBS: dict[str, tuple[type[Action], Callable[[Usd.Prim, str, World], Action]]] 
     "paint": (Paint, _paint),
     "vanish": (Vanish, _vanish),
 }
-"""Verb -> the action, and what reads it, given the name of the body or joint that it is done to."""
+"""Verb -> action class and its reader, which receives the name of the body or joint."""
 
 TOKENS = (*VERBS, "reach", "hold")
-"""Every verb of a stage: those, and the two of robots, which concern several bodies at once."""
+"""All verbs of a stage: those above, and two of robots that involve several bodies."""
 
 
-def _orientation(prim: Usd.Prim, turn: Gf.Quatd, world: World) -> Array:
-    """A quaternion in the stage's world axes, in ours."""
+def _orientation(prim: Usd.Prim, turn: Gf.Quatd, world: StageFrame) -> Array:
+    """Return a quaternion of stage axes in world axes."""
     if not math.isclose(turn.GetLength(), 1.0, abs_tol=1e-6):
         refuse(prim, f"its orientation {turn} is no unit quaternion", "author quaternions of length 1")
     return quaternion(world.upright.ExtractRotationQuat() * turn)
 
 
-def _velocity(prim: Usd.Prim, world: World) -> Array:
+def _velocity(prim: Usd.Prim, world: StageFrame) -> Array:
     speed, direction = float(value(prim, "wms:speed", 0.0)), Gf.Vec3d(value(prim, "wms:direction", Gf.Vec3d(0)))
     if not 0 <= speed < math.inf:
-        refuse(prim, f"wms:speed = {speed:g}", "expected a speed of at least 0 m/s; turn wms:direction round instead")
+        refuse(prim, f"wms:speed = {speed:g}", "expected a speed of at least 0 m/s; reverse wms:direction instead")
     if speed and not math.isclose(direction.GetLength(), 1.0, abs_tol=1e-6):
         refuse(prim, f"wms:direction = {tuple(direction)} is no unit vector", "author a direction of length 1")
     return speed * world.direction(direction)

@@ -1,4 +1,4 @@
-"""The bodies of a scene: every rigid body of the stage, and every group of geometries that never moves."""
+"""Bodies of a scene: every rigid body of the stage, and every group of static geoms."""
 
 from __future__ import annotations
 
@@ -10,40 +10,42 @@ from pxr import Gf
 from wmspec.core.diagnostics import Report, StageError
 from wmspec.sim.scene.model import Array, Body, Geom, Inertia, Pose
 from wmspec.sim.scene.model.transform import conjugate, rotate
-from wmspec.sim.usd.colliders import DOWN, collider
-from wmspec.sim.usd.frames import World, split, vector
-from wmspec.sim.usd.geoms import Materials, geoms
+from wmspec.sim.usd.colliders import DOWN, collision_shapes
+from wmspec.sim.usd.frames import StageFrame, split_transform, vector
+from wmspec.sim.usd.geoms import MaterialTable, geoms
 from wmspec.sim.usd.masses import body_inertia
 from wmspec.sim.usd.prims import Names, refuse, value
-from wmspec.sim.usd.shapes import Placed, placed
-from wmspec.sim.usd.stage_index import Owner
-from wmspec.sim.usd.substitutions import STRICT, Notes
+from wmspec.sim.usd.shapes import PlacedShape, placed_shape
+from wmspec.sim.usd.stage_index import BodyPrim
+from wmspec.sim.usd.substitutions import STRICT, Substitutions
 
 
-def bodies(owners: Sequence[Owner], world: World, problems: Report, notes: Notes = STRICT) -> tuple[Body, ...]:
-    """The bodies, in the stage's order; what is wrong with them goes to `problems`."""
-    materials = Materials((piece for owner in owners for piece in owner.pieces), notes=notes)
+def bodies(
+    owners: Sequence[BodyPrim], world: StageFrame, problems: Report, notes: Substitutions = STRICT
+) -> tuple[Body, ...]:
+    """Return the bodies in stage order; errors go to `problems`."""
+    materials = MaterialTable((piece for owner in owners for piece in owner.pieces), notes=notes)
     names, read = Names(), []
     for owner in owners:
         name = names.give(owner.prim.GetName(), str(owner.prim.GetPath()))
-        with problems.gathered():
+        with problems.collect_errors():
             read.append(_body(owner, name, world, materials, notes))
     return tuple(read)
 
 
-def _body(owner: Owner, name: str, world: World, materials: Materials, notes: Notes) -> Body:
+def _body(owner: BodyPrim, name: str, world: StageFrame, materials: MaterialTable, notes: Substitutions) -> Body:
     prim, path = owner.prim, str(owner.prim.GetPath())
-    place = split(world.matrix(prim), prim)
+    place = split_transform(world.matrix(prim), prim)
     inverse = place.rigid.GetInverse()
     down = rotate(conjugate(place.pose.orientation), DOWN)
     problems, names = Report(StageError), Names()
     pieces: list[Geom] = []
-    colliders: list[tuple[Placed, float]] = []
+    colliders: list[tuple[PlacedShape, float]] = []
     for piece in owner.pieces:
-        with problems.gathered():
-            here = placed(piece.prim, split(world.matrix(piece.prim) * inverse, piece.prim), notes)
+        with problems.collect_errors():
+            here = placed_shape(piece.prim, split_transform(world.matrix(piece.prim) * inverse, piece.prim), notes)
             below = str(piece.prim.GetPath()).removeprefix(path)
-            touched = collider(here, owner.motion, down, notes) if piece.collides else ()
+            touched = collision_shapes(here, owner.motion, down, notes) if piece.collides else ()
             pieces += geoms(piece, here, touched, names.give(below or prim.GetName()), names, materials)
             if piece.collides:
                 colliders.append((here, materials.density(piece.prim)))
@@ -53,21 +55,25 @@ def _body(owner: Owner, name: str, world: World, materials: Materials, notes: No
     return body(owner, name, place.pose, tuple(pieces), inertia, world)
 
 
-def body(owner: Owner, name: str, pose: Pose, geoms: tuple[Geom, ...], inertia: Inertia | None, world: World) -> Body:
-    """A body of these, with its velocities and dampings. Raises StageError if it is kinematic and has velocities."""
+def body(
+    owner: BodyPrim, name: str, pose: Pose, geoms: tuple[Geom, ...], inertia: Inertia | None, world: StageFrame
+) -> Body:
+    """Return a body with its velocities and damping. Raises StageError if it is kinematic with a velocity."""
     damping = (float(value(owner.prim, f"physxRigidBody:{kind}Damping", 0.0)) for kind in ("linear", "angular"))
     path = str(owner.prim.GetPath())
     return Body(name, path, owner.motion, pose, geoms, inertia, *_velocities(owner, world), *damping)
 
 
-def _velocities(owner: Owner, world: World) -> tuple[Array, Array]:
-    """Linear (m/s) and angular (rad/s), from the space in which the prim's own transform is given, to the world."""
+def _velocities(owner: BodyPrim, world: StageFrame) -> tuple[Array, Array]:
+    """Return linear (m/s) and angular (rad/s) velocity in world axes; USD gives them in the space of the prim's
+    transform.
+    """
     linear = Gf.Vec3d(value(owner.prim, "physics:velocity", Gf.Vec3f(0)))
     angular = Gf.Vec3d(value(owner.prim, "physics:angularVelocity", Gf.Vec3f(0)))
     if owner.motion == "static" or not (any(linear) or any(angular)):
         return np.zeros(3), np.zeros(3)
     if owner.motion == "kinematic":
-        refuse(owner.prim, "a kinematic body with a velocity is not supported", "move it by a WmsAction that glides")
+        refuse(owner.prim, "a kinematic body with a velocity is not supported", "use a WmsAction with verb glide")
     parent = world.parent(owner.prim)
-    turn = split(parent, owner.prim).rigid
+    turn = split_transform(parent, owner.prim).rigid
     return vector(parent.TransformDir(linear)), np.radians(vector(turn.TransformDir(angular)))

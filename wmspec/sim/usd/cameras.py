@@ -1,4 +1,4 @@
-"""Cameras and lights; where a stage has none, ones that show everything."""
+"""Cameras and lights, with defaults that show the whole stage."""
 
 from __future__ import annotations
 
@@ -11,25 +11,24 @@ from pxr import Gf, Usd
 from wmspec.sim.scene.model import Body, Camera, Light
 from wmspec.sim.scene.model.transform import apply, compose, inverse
 from wmspec.sim.scene.render.camera import look_at
-from wmspec.sim.usd.frames import World, split, vector
+from wmspec.sim.usd.frames import StageFrame, split_transform, vector
 from wmspec.sim.usd.prims import refuse, value
 from wmspec.sim.usd.shader_inputs import srgb
-from wmspec.sim.usd.substitutions import STRICT, Notes
+from wmspec.sim.usd.substitutions import STRICT, Substitutions
 
 BACKGROUND = (0.86, 0.88, 0.9)
-"""The colour, sRGB, behind a stage without a DomeLight."""
+"""Background colour, sRGB, of a stage without a DomeLight."""
 
 _SUN = np.array((0.3, 0.5, -1.0)) / math.sqrt(1.34)
 _FOVY = math.radians(40)
 _FROM = np.array((0.0, -0.85, 0.53))
-"""From where the default camera looks: in front, 32 degrees up."""
+"""Direction of the default camera: in front, 32 degrees up."""
 
 
-def camera(prim: Usd.Prim, name: str, body: Body | None, world: World) -> Camera:
-    """A pinhole camera, which rides on the `body` if there is one.
+def camera(prim: Usd.Prim, name: str, body: Body | None, world: StageFrame) -> Camera:
+    """Return a pinhole camera, attached to `body` if given.
 
-    Raises:
-        StageError: if it is orthographic or shifted, or its numbers make no picture.
+    Raises: StageError: if it is orthographic or shifted, or has invalid numbers.
     """
     if value(prim, "projection", "perspective") != "perspective":
         refuse(prim, "only perspective cameras are supported", "author projection = perspective")
@@ -39,13 +38,13 @@ def camera(prim: Usd.Prim, name: str, body: Body | None, world: World) -> Camera
     near, far = (float(x) * world.meters for x in value(prim, "clippingRange", (1, 1e6)))
     if not (aperture > 0 and focal > 0 and 0 < near < far):
         refuse(prim, "it sees nothing", "author verticalAperture and focalLength above 0, clippingRange 0 < near < far")
-    pose = split(world.matrix(prim), prim).pose
+    pose = split_transform(world.matrix(prim), prim).pose
     pose = compose(inverse(body.pose), pose) if body else pose
     return Camera(name, pose, 2 * math.atan(aperture / (2 * focal)), near, far, body.name if body else None)
 
 
 def overview(bodies: Sequence[Body]) -> Camera:
-    """A camera that sees all bodies that can move (or all there are, if none can) from the front."""
+    """Return a camera that shows all movable bodies, or all bodies if none is movable, from the front."""
     shown = [body for body in bodies if body.motion != "static"] or list(bodies)
     corners = [np.zeros((1, 3))] if not any(body.geoms for body in shown) else []
     signs = np.array(np.meshgrid((-1, 1), (-1, 1), (-1, 1))).reshape(3, -1).T
@@ -60,20 +59,21 @@ def overview(bodies: Sequence[Body]) -> Camera:
 
 
 def daylight(
-    suns: Sequence[Usd.Prim], skies: Sequence[Usd.Prim], world: World, notes: Notes = STRICT
+    suns: Sequence[Usd.Prim], skies: Sequence[Usd.Prim], world: StageFrame, notes: Substitutions = STRICT
 ) -> tuple[Light, tuple[float, float, float]]:
-    """The sun, and the colour (sRGB) of the background.
+    """Return the sun and the background colour (sRGB).
 
-    The intensities of the DistantLight and the DomeLight are taken as `diffuse` and `ambient` if they sum to 1, as they
-    do on our own stages; others are in units that no engine here has, and the default split is used.
+    Intensities of DistantLight and DomeLight are `diffuse` and `ambient` if they sum to 1, as on stages of wmspec.
+    Other intensities are in units that engines lack; then the default split applies.
 
-    Raises:
-        StageError: if there are several of a kind, or the sky is a picture.
+    Raises: StageError: if there are several lights of a kind, or the sky is an image.
     """
     for extra in (*suns[1:], *skies[1:]):
         reason = "only one DistantLight and one DomeLight are supported"
-        notes.instead(extra, reason, "the first one shines", "deactivate the others")
-    direction = vector(split(world.matrix(suns[0]), suns[0]).rigid.TransformDir(Gf.Vec3d(0, 0, -1))) if suns else _SUN
+        notes.record(extra, reason, "the first one is used", "deactivate the others")
+    direction = (
+        vector(split_transform(world.matrix(suns[0]), suns[0]).rigid.TransformDir(Gf.Vec3d(0, 0, -1))) if suns else _SUN
+    )
     background = _background(skies[0], notes) if skies else BACKGROUND
     shadows = not suns or bool(value(suns[0], "inputs:shadow:enable", True))
     diffuse, ambient = (float(value(p[0], "inputs:intensity", 1.0)) if p else 0.0 for p in (suns, skies))
@@ -82,8 +82,8 @@ def daylight(
     return Light(direction, shadows=shadows), background
 
 
-def _background(sky: Usd.Prim, notes: Notes) -> tuple[float, float, float]:
+def _background(sky: Usd.Prim, notes: Substitutions) -> tuple[float, float, float]:
     if (picture := value(sky, "inputs:texture:file")) and picture.path:
         remedy = "remove inputs:texture:file and author inputs:color"
-        notes.instead(sky, "a sky with a picture is not supported", "it has its colour", remedy)
+        notes.record(sky, "a sky image is not supported", "its plain colour is used", remedy)
     return srgb(value(sky, "inputs:color", Gf.Vec3f(1)))

@@ -1,7 +1,6 @@
-"""Binary files of USD, read once by a process of its own before this one opens them.
+"""Binary USD files, read first in a separate process.
 
-USD trusts what such a file says of its own lengths: a damaged one can end the process that reads it, or fill its
-memory. Texts, which it parses, cannot.
+USD trusts the lengths in such files: a damaged one can crash the reader or fill its memory. Text files cannot.
 """
 
 from __future__ import annotations
@@ -13,33 +12,33 @@ from pathlib import Path
 
 from wmspec.core.diagnostics import WmsError
 
-#: Processor seconds that reading all of a file may take, and bytes of address space: so many, and per byte of the file.
-SECONDS, MEMORY, PER_BYTE = 30, 2**31, 20
+#: Limits of the reader: CPU seconds, bytes of address space, and additional bytes per byte of the file.
+MAX_SECONDS, BASE_MEMORY, MEMORY_PER_BYTE = 30, 2**31, 20
 
-#: How binary files begin: a crate, and a package (zip), which may hold crates.
+#: Magic bytes of crates and of packages (zip), which may contain crates.
 _BINARY = (b"PXR-USDC", b"PK\x03\x04")
 
 
-def trusted(path: Path) -> None:
-    """Raise WmsError if a binary file cannot be read without harm. Takes half a second the first time."""
+def require_readable(path: Path) -> None:
+    """Raise WmsError if a binary file cannot be read safely. Takes half a second the first time."""
     try:
         about = path.stat()
         with path.open("rb") as file:
             binary = file.read(8).startswith(_BINARY)
     except (OSError, ValueError):
-        return  # USD tells it
-    if binary and not _survives(str(path), about.st_mtime_ns, about.st_size):
-        raise WmsError("is damaged, or would fill the memory", help="export it again")
+        return  # USD reports it
+    if binary and not _can_read(str(path), about.st_mtime_ns, about.st_size):
+        raise WmsError("is damaged or needs too much memory", help="export it again")
 
 
 @lru_cache(maxsize=256)
-def _survives(path: str, _changed: int, size: int) -> bool:
-    command = [sys.executable, "-c", _READ, path, str(SECONDS), str(MEMORY + PER_BYTE * size)]
+def _can_read(path: str, _changed: int, size: int) -> bool:
+    command = [sys.executable, "-c", _READ, path, str(MAX_SECONDS), str(BASE_MEMORY + MEMORY_PER_BYTE * size)]
     quiet = subprocess.DEVNULL
     return subprocess.run(command, check=False, stdin=quiet, stdout=quiet, stderr=quiet).returncode == 0
 
 
-#: Reads every value of a layer, and of those in the same package. What USD complains of is told later.
+#: Reads every value of a layer and of layers in the same package. Errors of USD are reported later.
 _READ = """
 import resource
 import sys

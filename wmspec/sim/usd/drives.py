@@ -1,4 +1,4 @@
-"""The drives of joints: PhysicsDriveAPI, in SI units and radians."""
+"""Joint drives: PhysicsDriveAPI, in SI units and radians."""
 
 from __future__ import annotations
 
@@ -8,39 +8,39 @@ from collections.abc import Sequence
 from pxr import Usd
 
 from wmspec.sim.scene.model import Drive
-from wmspec.sim.usd.frames import World
-from wmspec.sim.usd.prims import applied, refuse, value
-from wmspec.sim.usd.substitutions import STRICT, Notes
+from wmspec.sim.usd.frames import StageFrame
+from wmspec.sim.usd.prims import applied_schemas, refuse, value
+from wmspec.sim.usd.substitutions import STRICT, Substitutions
 
 DEGREES = math.radians(1)
 
 
-def drive(prim: Usd.Prim, name: str, world: World, free: Sequence[str] = (), notes: Notes = STRICT) -> Drive | None:
-    """The drive `name` (angular, linear, or a degree of freedom such as rotX), or None if it has none; of a ball joint,
-    whose drives have no name, there may be none. `free` are all the names that the joint's drives may have.
+def drive(
+    prim: Usd.Prim, name: str, world: StageFrame, free: Sequence[str] = (), notes: Substitutions = STRICT
+) -> Drive | None:
+    """Return the drive `name` (angular, linear, or a degree of freedom such as rotX), or None.
 
-    Raises:
-        StageError: if it drives a ball joint or something that the joint does not leave free; by the strict, one by
-            acceleration.
+    `free` are the valid names for this joint; a ball joint has none.
+
+    Raises: StageError: if it drives a ball joint or a locked axis; with strict substitutions, also for acceleration
+    drives.
     """
-    driven = [api.partition(":")[2] for api in applied(prim) if api.startswith("PhysicsDriveAPI:")]
+    driven = [api.partition(":")[2] for api in applied_schemas(prim) if api.startswith("PhysicsDriveAPI:")]
     names = _called(name)
     known = names.union(*map(_called, free))
-    strange = [other for other in driven if other not in known and drives(prim, other)]
+    strange = [other for other in driven if other not in known and has_drive(prim, other)]
     if strange and not name:
-        refuse(prim, f"its drive '{strange[0]}' is of a ball joint", "remove that PhysicsDriveAPI, or use hinges")
+        refuse(prim, f"its drive '{strange[0]}' belongs to a ball joint", "remove that PhysicsDriveAPI, or use hinges")
     if strange:
-        reason = f"its drive '{strange[0]}' is of no axis that it leaves free"
-        notes.instead(prim, reason, "left out", "remove that PhysicsDriveAPI")
+        reason = f"its drive '{strange[0]}' is on a locked axis"
+        notes.record(prim, reason, "left out", "remove that PhysicsDriveAPI")
     mine = next((other for other in driven if other in names), None)
-    if mine is None or not drives(prim, mine):
+    if mine is None or not has_drive(prim, mine):
         return None
     weightless = value(prim, f"drive:{mine}:physics:type", "force") != "force"
     if weightless:
         remedy = f"author drive:{mine}:physics:type = force, and a stiffness and damping for the masses"
-        notes.instead(
-            prim, "drives by acceleration are not supported", "a force for what it moves at the start", remedy
-        )
+        notes.record(prim, "drives by acceleration are not supported", "a force drive for its initial load", remedy)
     turns = mine == "angular" or mine.startswith("rot")
     length = world.meters
     way = DEGREES if turns else length
@@ -65,6 +65,6 @@ def _called(name: str) -> set[str]:
 _NUMBERS = ("stiffness", "damping", "targetPosition", "targetVelocity")
 
 
-def drives(prim: Usd.Prim, name: str) -> bool:
-    """Whether the drive does anything."""
+def has_drive(prim: Usd.Prim, name: str) -> bool:
+    """Whether the drive has an effect."""
     return any(value(prim, f"drive:{name}:physics:{what}", 0.0) for what in ("stiffness", "damping"))

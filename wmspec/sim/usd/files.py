@@ -1,4 +1,4 @@
-"""USD files opened; what USD complains of is told by us."""
+"""Opens USD files and translates USD's errors."""
 
 from __future__ import annotations
 
@@ -7,26 +7,25 @@ from pathlib import Path
 from pxr import Tf, Usd
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.sim.usd.composed import bounded
+from wmspec.sim.usd.composed import require_bounded
 
 
-def opened(path: Path, shown: str) -> Usd.Stage:
-    """The stage in a file, as it is there now. Whoever opens it keeps USD from printing meanwhile.
+def open_stage_file(path: Path, shown: str) -> Usd.Stage:
+    """Return the stage of a file in its current state on disk. Callers suppress USD's own output.
 
-    Raises:
-        WmsError: saying what USD complains of, where the file is called `shown`; or that the stage would be too large.
+    Raises: WmsError: with USD's complaint, where the file is called `shown`; or because the stage is too large.
     """
     try:
-        bounded(path)
+        require_bounded(path)
         stage = Usd.Stage.Open(str(path))
-        stage.Reload()  # of a layer that was read before, USD gives what was in it then
+        stage.Reload()  # USD caches layers; reload what changed on disk
     except Tf.ErrorException as error:
         raise WmsError(_complaint(error, path, shown)) from None
     return stage
 
 
-def text_of(error: object) -> str:
-    """What USD says, which may quote a file that is not text."""
+def error_text(error: object) -> str:
+    """Return USD's message, which may quote a file that is not text."""
     try:
         return str(error)
     except UnicodeDecodeError:
@@ -34,8 +33,8 @@ def text_of(error: object) -> str:
 
 
 def _complaint(error: Exception, path: Path, shown: str) -> str:
-    """The first thing that pxr complains about a file, told as `shown`, without where in its own source."""
-    complaint = text_of(error).partition(" : '")[2].partition("'\n")[0] or text_of(error) or type(error).__name__
+    """Return pxr's first complaint about a file, called `shown`, without places in pxr's source."""
+    complaint = error_text(error).partition(" : '")[2].partition("'\n")[0] or error_text(error) or type(error).__name__
     for name in (f"<{path.resolve()}>", str(path.resolve())):
         complaint = complaint.replace(name, shown)
     return " ".join(complaint.replace("</", "<").split())[: 120 + len(shown)]

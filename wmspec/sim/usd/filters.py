@@ -1,4 +1,4 @@
-"""What passes through what: filtered pairs, collision groups, and articulations without collisions of their own."""
+"""Pairs that do not collide: filtered pairs, collision groups, articulations without self-collision."""
 
 from __future__ import annotations
 
@@ -8,30 +8,28 @@ from itertools import combinations, product
 from pxr import Sdf, Usd, UsdPhysics
 
 from wmspec.sim.scene.model import Body, Joint
-from wmspec.sim.usd.prims import applied, present, refuse, value
-from wmspec.sim.usd.stage_index import Owner
-from wmspec.sim.usd.substitutions import STRICT, Notes
+from wmspec.sim.usd.prims import applied_schemas, existing_targets, refuse, value
+from wmspec.sim.usd.stage_index import BodyPrim
+from wmspec.sim.usd.substitutions import STRICT, Substitutions
 
 Pair = tuple[str, str]
 _SELF = ("physxArticulation:enabledSelfCollisions", "newton:selfCollisionEnabled")
 
 
-def filtered(
+def filtered_pairs(
     stage: Usd.Stage,
     prims: Sequence[Usd.Prim],
     groups: Sequence[Usd.Prim],
-    owners: Mapping[str, Owner],
+    owners: Mapping[str, BodyPrim],
     bodies: Mapping[str, Body],
     joints: Mapping[str, Joint],
-    notes: Notes = STRICT,
+    notes: Substitutions = STRICT,
 ) -> tuple[Pair, ...]:
-    """The pairs of names of bodies that pass through each other, sorted.
+    """Return the sorted pairs of names of bodies that do not collide.
 
-    `prims` have filtered pairs or are roots of articulations, `groups` are collision groups; the others are given by
-    their paths.
+    `prims` have filtered pairs or are articulation roots, `groups` are collision groups; the others are by path.
 
-    Raises:
-        StageError: where only some colliders of two bodies would, or what is named is not on the stage.
+    Raises: StageError: if only some colliders of two bodies are filtered, or a target is not on the stage.
     """
     colliders = {path: [p.prim.GetPath() for p in owner.pieces if p.collides] for path, owner in owners.items()}
     blocked = {*_listed(prims, colliders, notes), *_grouped(stage, groups, colliders, notes)}
@@ -43,35 +41,41 @@ def filtered(
             continue
         if not all(pair in blocked or pair[::-1] in blocked for pair in pairs):
             prim = stage.GetPrimAtPath(a)
-            refuse(prim, f"only some of its colliders pass through {b}", "filter all colliders of both bodies, or none")
+            refuse(
+                prim,
+                f"only some of its colliders are filtered against {b}",
+                "filter all colliders of both bodies, or none",
+            )
         passing.add((bodies[a].name, bodies[b].name))
     order = {body.name: i for i, body in enumerate(bodies.values())}
     return tuple(sorted({(a, b) if order[a] < order[b] else (b, a) for a, b in passing}))
 
 
-def _listed(prims: Sequence[Usd.Prim], colliders: Mapping[str, Sequence[Sdf.Path]], notes: Notes) -> Iterator[Pair]:
-    """The pairs of colliders at or below the two prims of every filtered pair."""
+def _listed(
+    prims: Sequence[Usd.Prim], colliders: Mapping[str, Sequence[Sdf.Path]], notes: Substitutions
+) -> Iterator[Pair]:
+    """Yield pairs of colliders at or below the prims of each filtered pair."""
     everything = [path for all_ in colliders.values() for path in all_]
     for prim in prims:
-        for target in present(prim, "physics:filteredPairs", notes):
+        for target in existing_targets(prim, "physics:filteredPairs", notes):
             mine = [path for path in everything if path.HasPrefix(prim.GetPath())]
             theirs = [path for path in everything if path.HasPrefix(Sdf.Path(target))]
             yield from ((str(a), str(b)) for a, b in product(mine, theirs))
 
 
 def _grouped(
-    stage: Usd.Stage, groups: Sequence[Usd.Prim], colliders: Mapping[str, Sequence[Sdf.Path]], notes: Notes
+    stage: Usd.Stage, groups: Sequence[Usd.Prim], colliders: Mapping[str, Sequence[Sdf.Path]], notes: Substitutions
 ) -> Iterator[Pair]:
-    """The pairs of colliders whose collision groups don't meet."""
+    """Yield pairs of colliders in groups that do not collide."""
     if not groups:
         return
     table = UsdPhysics.CollisionGroup.ComputeCollisionGroupTable(stage)
     everything = [path for all_ in colliders.values() for path in all_]
     members = {}
     for prim in groups:
-        present(prim, "physics:filteredGroups", notes)
+        existing_targets(prim, "physics:filteredGroups", notes)
         for which in ("includes", "excludes"):
-            present(prim, f"collection:colliders:{which}", notes)
+            existing_targets(prim, f"collection:colliders:{which}", notes)
         query = UsdPhysics.CollisionGroup(prim).GetCollidersCollectionAPI().ComputeMembershipQuery()
         members[prim.GetPath()] = [path for path in everything if query.IsPathIncluded(path)]
     for a, b in product(members, repeat=2):
@@ -80,8 +84,8 @@ def _grouped(
 
 
 def _alone(prim: Usd.Prim, bodies: Mapping[str, Body], joints: Mapping[str, Joint]) -> Iterator[Pair]:
-    """All pairs of an articulation whose own bodies are said not to collide."""
-    if "PhysicsArticulationRootAPI" not in applied(prim) or all(value(prim, name, True) for name in _SELF):
+    """Yield all pairs of an articulation without self-collision."""
+    if "PhysicsArticulationRootAPI" not in applied_schemas(prim) or all(value(prim, name, True) for name in _SELF):
         return
     root = prim.GetPath()
     inside = {body.name for path, body in bodies.items() if Sdf.Path(path).HasPrefix(root)}

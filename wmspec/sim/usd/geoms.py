@@ -1,4 +1,4 @@
-"""The geometries of a body: where they are, how they look and rub, what collides and what is drawn."""
+"""Geoms of a body: placement, appearance, friction, collision and visible shapes."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ from wmspec.core.diagnostics import StageError
 from wmspec.sim.scene.model import Friction, Geom, Pose, Surface
 from wmspec.sim.shapes import Shape
 from wmspec.sim.usd import materials, meshes
-from wmspec.sim.usd.prims import Names, applied
-from wmspec.sim.usd.shapes import Placed
-from wmspec.sim.usd.stage_index import Piece
-from wmspec.sim.usd.substitutions import STRICT, Notes
+from wmspec.sim.usd.prims import Names, applied_schemas
+from wmspec.sim.usd.shapes import PlacedShape
+from wmspec.sim.usd.stage_index import GeomPrim
+from wmspec.sim.usd.substitutions import STRICT, Substitutions
 
 
-class Materials:
-    """What the geometries, and the subsets of meshes among them, are made of: looked up once for all.
+class MaterialTable:
+    """Materials of geoms and mesh subsets, resolved once for all.
 
-    Roughness and metalness that are pictures are refused, or else, if they may be `pictured`, not honoured.
+    Roughness and metalness from textures are refused, or ignored if `pictured`.
     """
 
-    def __init__(self, pieces: Iterable[Piece], *, pictured: bool = False, notes: Notes = STRICT) -> None:
+    def __init__(self, pieces: Iterable[GeomPrim], *, pictured: bool = False, notes: Substitutions = STRICT) -> None:
         self._notes = notes
         prims = [p for piece in pieces for p in (piece.prim, *_subsets(piece.prim))]
         paths = [prim.GetPath() for prim in prims]
-        self._look = dict(zip(paths, materials.bound(prims, "preview"), strict=True))
-        self._physics = dict(zip(paths, materials.bound(prims, "physics"), strict=True))
+        self._look = dict(zip(paths, materials.bound_materials(prims, "preview"), strict=True))
+        self._physics = dict(zip(paths, materials.bound_materials(prims, "physics"), strict=True))
         self._pictured = pictured
         self._surfaces: dict[tuple[Sdf.Path, str], Surface | None] = {}
         self._frictions: dict[Sdf.Path | None, Friction] = {}
 
     def surface(self, prim: Usd.Prim) -> Surface | None:
-        """How the geometry or subset looks; None if nothing says it."""
+        """Return the appearance of a geom or subset; None if nothing defines it."""
         material = self._look[prim.GetPath()]
         of = prim.GetParent() if prim.GetTypeName() == "GeomSubset" else prim
         coordinates = meshes.coordinates(of) if of.GetTypeName() == "Mesh" else ""
@@ -46,11 +46,11 @@ class Materials:
         try:
             return materials.surface(prim, material, st, pictured=self._pictured)
         except StageError as error:
-            self._notes.rather(error, "it has a plain colour")
+            self._notes.record_error(error, "a plain colour is used")
             return materials.surface(prim, None)
 
     def friction(self, prim: Usd.Prim) -> Friction:
-        """How the geometry rubs."""
+        """Return the friction of a geom."""
         material = self._physics[prim.GetPath()]
         key = material.GetPath() if material else None
         if key not in self._frictions:
@@ -58,33 +58,34 @@ class Materials:
         return self._frictions[key]
 
     def density(self, prim: Usd.Prim) -> float:
-        """The density that the geometry's physics material gives it, or 0."""
+        """Return the density from the physics material of a geom, or 0."""
         return materials.density(self._physics[prim.GetPath()])
 
     def alike(self, prim: Usd.Prim) -> None:
-        """Refuse a subset with a physics material of its own that says something else than that of its mesh."""
+        """Refuse a subset whose physics material differs from that of its mesh."""
         for subset in _subsets(prim):
             own = self._physics[subset.GetPath()]
-            if own is None or "PhysicsMaterialAPI" not in applied(own):
+            if own is None or "PhysicsMaterialAPI" not in applied_schemas(own):
                 continue
             if (self.friction(subset), self.density(subset)) != (self.friction(prim), self.density(prim)):
-                reason = f"its physics material {own.GetPath()} is not that of its mesh, which collides as a whole"
-                remedy = "bind one physics material to the mesh, or make two meshes of it"
-                self._notes.instead(subset, reason, "all of it has that of the mesh", remedy)
+                reason = (
+                    f"its physics material {own.GetPath()} differs from that of its mesh, which collides as a whole"
+                )
+                remedy = "bind one physics material to the mesh, or split the mesh"
+                self._notes.record(subset, reason, "the material of the mesh is used", remedy)
 
 
 def geoms(
-    piece: Piece,
-    placed: Placed,
+    piece: GeomPrim,
+    placed: PlacedShape,
     touched: Sequence[tuple[Shape, Pose]],
     name: str,
     names: Names,
-    materials: Materials,
+    materials: MaterialTable,
 ) -> list[Geom]:
-    """The geometry `name`, with what collides for it; if its subsets look different, they are drawn instead of it.
+    """Return the geom `name` with its collision shapes; subsets that look different are drawn in its place.
 
-    Raises:
-        StageError: if its collider or its look is not supported, or its subsets rub in other ways.
+    Raises: StageError: if its collider or appearance is not supported, or its subsets differ in friction.
     """
     prim = piece.prim
     friction = materials.friction(prim)

@@ -1,6 +1,6 @@
-"""What a stage says and nobody here reads, though it would move things: told once for each kind, with the first prim.
+"""Warns once per kind about physics attributes that wmspec ignores, with the first prim.
 
-Other engines' own attributes; attributes of schemas that are not applied; schemas whose names are misspelt.
+These are attributes of other engines, attributes of schemas that are not applied, and misspelled schemas.
 """
 
 from __future__ import annotations
@@ -15,86 +15,86 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from wmspec.core.diagnostics import Report
-from wmspec.core.spelling import nearest
-from wmspec.sim.usd.prims import applied, targets
-from wmspec.sim.usd.substitutions import Notes
+from wmspec.core.spelling import closest_word
+from wmspec.sim.usd.prims import applied_schemas, targets
+from wmspec.sim.usd.substitutions import Substitutions
 
-_MOST = 6
-"""So many names of one kind are told."""
+_MAX_LISTED = 6
+"""Number of names listed per kind."""
 
-_OTHERS = ("physx", "mjc:", "newton:", "state:")
-"""How names begin of what the engines' own schemas say."""
+_FOREIGN_PREFIXES = ("physx", "mjc:", "newton:", "state:")
+"""Prefixes of attributes of engine-specific schemas."""
 
-_READ = re.compile(
+_READ_FOREIGN = re.compile(
     r"physxRigidBody:(linear|angular)Damping|physxArticulation:enabledSelfCollisions|physxMimicJoint:.*"
     r"|newton:(mimic.*|selfCollisionEnabled)|mjc:(coef\d|target)"
 )
-_STILL = re.compile(
+_HARMLESS = re.compile(
     r"physx(Scene|ContactReport|CookedData|ConvexHullCollision|ConvexDecompositionCollision|ResidualReporting):.*"
     r"|physx.*:(.*IterationCount|sleepThreshold|stabilizationThreshold|maxDepenetrationVelocity|retainAccelerations"
     r"|contactOffset|enableCCD|enableSpeculativeCCD|reportForces|improvePatchFriction|.*[cC]ombineMode)"
     r"|mjc:(option|compiler|flag|group|name|priority)(:.*)?|newton:(timeStepsPerSecond|maxSolverIterations|contactGap)"
 )
-"""What says how an engine computes, reports or combines, not what happens."""
+"""Attributes about computation, reports or combination, without an effect on motion."""
 
-_ON = re.compile(r"physxRigidBody:enable.*")
-"""What is on unless it is said to be off; the others say nothing new where they are 0, off or endless."""
+_DEFAULT_ON = re.compile(r"physxRigidBody:enable.*")
+"""Attributes that are on by default; others have no effect if they are 0, off or infinite."""
 
 _KNOWN = ("RigidBody", "Collision", "MeshCollision", "Mass", "Material", "ArticulationRoot", "FilteredPairs", "Drive")
 _APIS = {name: f"Physics{name}API" for name in (*_KNOWN, "Limit")}
-_ELSEWHERE = re.compile(r"Physics(JointState|ResidualReporting|Deformable|.*Deformable.*|Attachment.*)API")
-"""Schemas of others whose names begin as those of UsdPhysics."""
+_FOREIGN_SCHEMAS = re.compile(r"Physics(JointState|ResidualReporting|Deformable|.*Deformable.*|Attachment.*)API")
+"""Foreign schemas with the prefix of UsdPhysics."""
 
-_PARTAKES = ("Physics", "Physx", "Newton", "Mjc")
+_PHYSICS_NAMESPACES = ("Physics", "Physx", "Newton", "Mjc")
 _PHYSICS = ("physics:", "drive:", "limit:")
-_ANYWAY = re.compile(r"physics:(mass|density|centerOfMass|diagonalInertia|principalAxes|approximation)")
-"""What is read on bodies and colliders whether its schema is applied or not."""
+_READ_UNAPPLIED = re.compile(r"physics:(mass|density|centerOfMass|diagonalInertia|principalAxes|approximation)")
+"""Attributes that are read on bodies and colliders even if the schema is not applied."""
 
 
 @dataclass
-class _Kind:
-    """What is told together: the first prim, the names in order, and how many prims say them."""
+class _IgnoredKind:
+    """One warning: the first prim, the names in order, and the number of prims."""
 
     prim: Usd.Prim
     names: dict[str, None] = field(default_factory=dict)
     prims: set[str] = field(default_factory=set)
 
     @property
-    def told(self) -> str:
+    def subject(self) -> str:
         """The names, and the verb."""
         names = list(self.names)
-        more = [f"{len(names) - _MOST} more"] if len(names) > _MOST else []
-        return f"{', '.join((*names[:_MOST], *more))}{self.elsewhere} {'are' if len(names) > 1 else 'is'}"
+        more = [f"{len(names) - _MAX_LISTED} more"] if len(names) > _MAX_LISTED else []
+        return f"{', '.join((*names[:_MAX_LISTED], *more))}{self.other_prims} {'are' if len(names) > 1 else 'is'}"
 
     @property
-    def elsewhere(self) -> str:
+    def other_prims(self) -> str:
         """On how many other prims."""
         others = len(self.prims) - 1
         return f" (here and on {others} other prim{'s' * (others > 1)})" if others else ""
 
 
-def tell_unread(stage: Usd.Stage, problems: Report, notes: Notes) -> None:
-    """Tell what is not read of the prims that take part in physics; all of it is a problem, if the reader is strict."""
-    kinds: dict[tuple[str, str], _Kind] = {}
+def warn_ignored_attributes(stage: Usd.Stage, problems: Report, notes: Substitutions) -> None:
+    """Warn about ignored attributes of prims with physics; in strict mode, each is an error."""
+    kinds: dict[tuple[str, str], _IgnoredKind] = {}
     for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)):
-        for key, name in _said(prim):
-            here = kinds.setdefault(key, _Kind(prim))
+        for key, name in _ignored(prim):
+            here = kinds.setdefault(key, _IgnoredKind(prim))
             here.names[name] = None
             here.prims.add(str(prim.GetPath()))
     for (sort, which), kind in kinds.items():
-        with problems.gathered():
-            _TOLD[sort](which, kind, notes)
+        with problems.collect_errors():
+            _WARNINGS[sort](which, kind, notes)
 
 
-def _said(prim: Usd.Prim) -> Iterator[tuple[tuple[str, str], str]]:
-    """The kind and the name of what a prim says and nobody reads."""
-    apis, type_ = applied(prim), str(prim.GetTypeName())
+def _ignored(prim: Usd.Prim) -> Iterator[tuple[tuple[str, str], str]]:
+    """Yield kind and name of ignored opinions of a prim."""
+    apis, type_ = applied_schemas(prim), str(prim.GetTypeName())
     for api in apis:
         name = api.partition(":")[0]
-        if name.startswith("Physics") and name not in _APIS.values() and not _ELSEWHERE.fullmatch(name):
+        if name.startswith("Physics") and name not in _APIS.values() and not _FOREIGN_SCHEMAS.fullmatch(name):
             yield ("schema", name), name
-    if type_.startswith("Physics") or any(api.startswith(_PARTAKES) for api in apis):
-        yield from _unread(prim)
+    if type_.startswith("Physics") or any(api.startswith(_PHYSICS_NAMESPACES) for api in apis):
+        yield from _ignored_of_prim(prim)
     if (
         type_.startswith("Physics")
         and type_.endswith("Joint")
@@ -103,23 +103,27 @@ def _said(prim: Usd.Prim) -> Iterator[tuple[tuple[str, str], str]]:
         yield ("joint", ""), prim.GetName()
 
 
-def _unread(prim: Usd.Prim) -> Iterator[tuple[tuple[str, str], str]]:
+def _ignored_of_prim(prim: Usd.Prim) -> Iterator[tuple[tuple[str, str], str]]:
     known: set[str] = set()
     for attribute in prim.GetAuthoredAttributes():
         name = attribute.GetName()
-        if name.startswith(_OTHERS):
-            if not _READ.fullmatch(name) and not _STILL.fullmatch(name) and _says(name, attribute.Get()):
+        if name.startswith(_FOREIGN_PREFIXES):
+            if (
+                not _READ_FOREIGN.fullmatch(name)
+                and not _HARMLESS.fullmatch(name)
+                and _is_effective(name, attribute.Get())
+            ):
                 yield ("other", name.partition(":")[0]), name
-        elif name.startswith(_PHYSICS) and _says(name, attribute.Get()):
+        elif name.startswith(_PHYSICS) and _is_effective(name, attribute.Get()):
             known = known or set(prim.GetPrimDefinition().GetPropertyNames())
             schema = _schema(prim, name)
             if name not in known and (schema or name.count(":") == 1):
                 yield ("unapplied", schema), name
 
 
-def _says(name: str, held: Any) -> bool:
-    """Whether a value is another than what holds without it."""
-    if _ON.fullmatch(name):
+def _is_effective(name: str, held: Any) -> bool:
+    """Whether a value differs from its default effect."""
+    if _DEFAULT_ON.fullmatch(name):
         return held is False
     if isinstance(held, str) or held is None:
         return False
@@ -128,7 +132,7 @@ def _says(name: str, held: Any) -> bool:
 
 
 def _schema(prim: Usd.Prim, name: str) -> str:
-    """The API schema of UsdPhysics that has an attribute of this name; none if there is no such attribute."""
+    """Return the UsdPhysics API schema with an attribute of this name, or ''."""
     first, _, rest = name.partition(":")
     if first in ("drive", "limit"):
         return f"Physics{first.capitalize()}API:{rest.partition(':')[0]}"
@@ -142,38 +146,43 @@ def _properties() -> Mapping[str, list[str]]:
     return {api: registry.FindAppliedAPIPrimDefinition(api).GetPropertyNames() for api in _APIS.values()}
 
 
-def _other(_which: str, kind: _Kind, notes: Notes) -> None:
-    remedy = "say it by UsdPhysics, or remove it"
-    notes.instead(kind.prim, f"{kind.told} another engine's own, and not read", "left out", remedy)
+def _warn_foreign(_which: str, kind: _IgnoredKind, notes: Substitutions) -> None:
+    remedy = "express it with UsdPhysics, or remove it"
+    notes.record(kind.prim, f"{kind.subject} specific to another engine and ignored", "ignored", remedy)
 
 
-def _unapplied(api: str, kind: _Kind, notes: Notes) -> None:
+def _warn_unapplied(api: str, kind: _IgnoredKind, notes: Substitutions) -> None:
     if api:
-        taken = "read all the same" if all(map(_ANYWAY.fullmatch, kind.names)) else "left out"
-        notes.instead(kind.prim, f"{kind.told} of {api}, which is not applied", taken, f"apply {api}")
+        taken = "still read" if all(map(_READ_UNAPPLIED.fullmatch, kind.names)) else "ignored"
+        notes.record(kind.prim, f"{kind.subject} of {api}, which is not applied", taken, f"apply {api}")
         return
     known = [name for names in _properties().values() for name in names]
-    near = "physics:velocity" if "physics:linearVelocity" in kind.names else nearest(next(iter(kind.names)), known)
+    near = "physics:velocity" if "physics:linearVelocity" in kind.names else closest_word(next(iter(kind.names)), known)
     remedy = f"did you mean {near}?" if near else "remove it"
-    notes.instead(kind.prim, f"{kind.told} of no schema that it has", "left out", remedy)
+    notes.record(kind.prim, f"{kind.subject} of a schema that is not applied", "ignored", remedy)
 
 
-def _misspelt(name: str, kind: _Kind, notes: Notes) -> None:
+def _warn_misspelled(name: str, kind: _IgnoredKind, notes: Substitutions) -> None:
     core = name.removeprefix("Physics").removesuffix("API")
-    near = _APIS.get(nearest(core, _APIS)) or nearest(name, _APIS.values())
+    near = _APIS.get(closest_word(core, _APIS)) or closest_word(name, _APIS.values())
     remedy = f"did you mean {near}?" if near else "remove it"
-    notes.instead(kind.prim, f"UsdPhysics has no schema {name}{kind.elsewhere}", "left out", remedy)
+    notes.record(kind.prim, f"UsdPhysics has no schema {name}{kind.other_prims}", "ignored", remedy)
 
 
-def _lone(_which: str, kind: _Kind, notes: Notes) -> None:
-    notes.instead(kind.prim, f"a joint of no bodies{kind.elsewhere}", "left out", "target one body or two")
+def _warn_empty_joint(_which: str, kind: _IgnoredKind, notes: Substitutions) -> None:
+    notes.record(kind.prim, f"a joint without bodies{kind.other_prims}", "ignored", "target one body or two")
 
 
-_TOLD = {"other": _other, "unapplied": _unapplied, "schema": _misspelt, "joint": _lone}
+_WARNINGS = {
+    "other": _warn_foreign,
+    "unapplied": _warn_unapplied,
+    "schema": _warn_misspelled,
+    "joint": _warn_empty_joint,
+}
 
 
-def tell_sideways(stage: Usd.Stage, notes: Notes) -> None:
-    """Tell of an up axis that USD does not have; X is honoured by the strict, too."""
+def warn_up_axis(stage: Usd.Stage, notes: Substitutions) -> None:
+    """Warn about an up axis that USD does not define; X is accepted in strict mode too."""
     if not notes.strict and (axis := UsdGeom.GetStageUpAxis(stage)) not in ("Y", "Z"):
         taken = "X is up" if axis == "X" else "Z is up"
-        notes.instead(stage.GetPseudoRoot(), f"upAxis = {axis} is neither Y nor Z", taken, 'author upAxis = "Y" or "Z"')
+        notes.record(stage.GetPseudoRoot(), f"upAxis = {axis} is neither Y nor Z", taken, 'author upAxis = "Y" or "Z"')

@@ -1,4 +1,4 @@
-"""Images as colours: a UsdUVTexture, its tint, and the UsdTransform2d that repeats it."""
+"""Image colours: UsdUVTexture with tint, and the UsdTransform2d that repeats it."""
 
 from __future__ import annotations
 
@@ -12,18 +12,17 @@ from wmspec.sim.usd.shader_inputs import source, srgb
 
 _NO_TINT, _NO_BIAS = Gf.Vec4f(1, 1, 1, 1), Gf.Vec4f(0, 0, 0, 0)
 _PLAIN = {"rotation": 0.0, "translation": Gf.Vec2f(0, 0)}
-"""What a UsdTransform2d must leave as it is."""
+"""Inputs of a UsdTransform2d that must keep their default."""
 
 
 def image(shader: UsdShade.Shader, roughness: float, metallic: float, st: str) -> Surface:
-    """The surface whose colour is the image that `shader` reads, at the texture coordinates `st`.
+    """Return the surface whose colour is the image that `shader` reads with texture coordinates `st`.
 
-    Raises:
-        StageError: if the shader is no UsdUVTexture, or uses what is not supported.
+    Raises: StageError: if the shader is not a UsdUVTexture, or uses unsupported inputs.
     """
     prim = shader.GetPrim()
     if shader.GetIdAttr().Get() != "UsdUVTexture":
-        refuse(prim, "its colour is computed by another shader than a UsdUVTexture", "use a UsdUVTexture or a value")
+        refuse(prim, "its colour comes from a shader other than UsdUVTexture", "use a UsdUVTexture or a value")
     if source(shader, "sourceColorSpace") == "raw":
         refuse(prim, "its image is not in sRGB", "set inputs:sourceColorSpace to sRGB")
     repeats = _repeats(shader, st)
@@ -32,7 +31,11 @@ def image(shader: UsdShade.Shader, roughness: float, metallic: float, st: str) -
         "useMetadata",
         None,
     }:
-        refuse(prim, "its image is to be repeated, but its wrap mode does not", "set inputs:wrapS and wrapT to repeat")
+        refuse(
+            prim,
+            "its image has a repeating transform but no repeating wrap mode",
+            "set inputs:wrapS and wrapT to repeat",
+        )
     return Surface(_tint(shader), roughness, metallic, _file(shader), repeats)
 
 
@@ -40,12 +43,12 @@ def _tint(shader: UsdShade.Shader) -> tuple[float, float, float]:
     scale, bias = source(shader, "scale"), source(shader, "bias")
     red, green, blue, _ = _NO_TINT if scale is None else Gf.Vec4f(scale)
     if bias not in (None, _NO_BIAS) or not all(0 <= part <= 1 for part in (red, green, blue)):
-        refuse(shader.GetPrim(), "its image is not only tinted", "use a scale of 0 to 1 and no bias")
+        refuse(shader.GetPrim(), "its image has a bias or a scale outside 0..1", "use a scale of 0 to 1 and no bias")
     return srgb(Gf.Vec3f(red, green, blue))
 
 
 def _repeats(shader: UsdShade.Shader, st: str) -> tuple[float, float] | None:
-    """How often the image is repeated: the scale of a UsdTransform2d between it and the texture coordinates."""
+    """Return the repetition of the image: the scale of a UsdTransform2d before the texture coordinates."""
     reader = source(shader, "st")
     if isinstance(reader, UsdShade.Shader) and reader.GetIdAttr().Get() == "UsdTransform2d":
         scale, reader = _scale(reader), source(reader, "in")
@@ -62,21 +65,21 @@ def _scale(transform: UsdShade.Shader) -> tuple[float, float]:
     if moved or not (0 < s < float("inf") and 0 < t < float("inf")):
         refuse(
             transform.GetPrim(),
-            "it does more to texture coordinates than to scale them",
+            "its UsdTransform2d does more than scale",
             "use a scale above 0 and no rotation or translation, or bake the transform into primvars:st",
         )
     return float(s), float(t)
 
 
 def _check_reader(reader: Any, st: str) -> None:
-    """Refuse all but the texture coordinates `st`, which is also what a texture without a reader has."""
+    """Refuse texture coordinates other than `st`, the default of a texture without a reader."""
     if not isinstance(reader, UsdShade.Shader):
         return
     if reader.GetIdAttr().Get() != "UsdPrimvarReader_float2":
         refuse(reader.GetPrim(), "it computes texture coordinates", f"use a UsdPrimvarReader_float2 for `{st}`")
     if (name := source(reader, "varname")) not in (None, "", st):
-        reason = f"its image lies by the texture coordinates '{name}', and those of the mesh are '{st}'"
-        refuse(reader.GetPrim(), reason, "let a UsdPrimvarReader_float2 read these, or rename the primvar to st")
+        reason = f"its image uses the texture coordinates '{name}', but the mesh has '{st}'"
+        refuse(reader.GetPrim(), reason, "read these with a UsdPrimvarReader_float2, or rename the primvar to st")
 
 
 def _file(shader: UsdShade.Shader) -> str:

@@ -1,4 +1,4 @@
-"""Materials: how a geometry looks (UsdPreviewSurface) and how it rubs (PhysicsMaterialAPI)."""
+"""Materials: appearance (UsdPreviewSurface) and friction (PhysicsMaterialAPI)."""
 
 from __future__ import annotations
 
@@ -8,28 +8,27 @@ from pxr import Gf, Usd, UsdGeom, UsdShade
 
 from wmspec.sim.scene.model import Friction, Surface
 from wmspec.sim.usd.images import image
-from wmspec.sim.usd.prims import applied, refuse, still, value
+from wmspec.sim.usd.prims import applied_schemas, refuse, static_value, value
 from wmspec.sim.usd.shader_inputs import source, srgb
 
 _PREVIEW = (0.18, 0.18, 0.18)
-"""UsdPreviewSurface's own diffuseColor, linear."""
+"""Fallback of diffuseColor of UsdPreviewSurface, linear."""
 
 
-def bound(prims: Sequence[Usd.Prim], purpose: str) -> list[Usd.Prim | None]:
-    """The Material that each prim is bound to, itself or by an ancestor, for `purpose` ('preview' or 'physics')."""
+def bound_materials(prims: Sequence[Usd.Prim], purpose: str) -> list[Usd.Prim | None]:
+    """Return the material bound to each prim, directly or by an ancestor, for `purpose` ('preview' or 'physics')."""
     materials, _ = UsdShade.MaterialBindingAPI.ComputeBoundMaterials(list(prims), purpose)
     return [material.GetPrim() if material else None for material in materials]
 
 
 def friction(material: Usd.Prim | None) -> Friction:
-    """The physics material; the default if none is bound, but 0 for what a bound one leaves out, as UsdPhysics says.
+    """Return the physics material; the default if none is bound, and 0 for unauthored values of a bound one.
 
-    If only one of the two frictions is authored, it is both: nothing rubs less at rest than in motion.
+    If only one of static and dynamic friction is authored, it applies to both.
 
-    Raises:
-        StageError: if a value is out of its range.
+    Raises: StageError: if a value is out of range.
     """
-    if material is None or "PhysicsMaterialAPI" not in applied(material):
+    if material is None or "PhysicsMaterialAPI" not in applied_schemas(material):
         return Friction()
     names = {"static": "staticFriction", "dynamic": "dynamicFriction", "restitution": "restitution"}
     numbers = {key: float(value(material, f"physics:{name}", 0.0)) for key, name in names.items()}
@@ -45,18 +44,16 @@ def friction(material: Usd.Prim | None) -> Friction:
 
 
 def density(material: Usd.Prim | None) -> float:
-    """The physics material's density in the stage's units, 0 if it has none."""
+    """Return the density of the physics material in stage units, 0 if it has none."""
     return float(value(material, "physics:density", 0.0)) if material is not None else 0.0
 
 
 def surface(prim: Usd.Prim, material: Usd.Prim | None, st: str = "st", *, pictured: bool = False) -> Surface | None:
-    """The preview surface of the bound material, or the displayColor of a prim without one; None without either.
+    """Return the preview surface of the bound material, or the displayColor of a prim without one; None without both.
 
-    The texture coordinates of the prim are called `st`. If its roughness and metalness may be `pictured`, they are then
-    those of a surface that does not say them.
+    `st` is the name of the texture coordinates. With `pictured`, textured roughness and metalness use their fallback.
 
-    Raises:
-        StageError: if the surface is of another kind, transparent, or its texture is missing.
+    Raises: StageError: if the surface has another shader, is transparent, or its texture is missing.
     """
     shader = UsdShade.Material(material).ComputeSurfaceSource()[0] if material is not None else None
     return _preview(shader, st, pictured) if shader else _displayed(prim)
@@ -64,14 +61,14 @@ def surface(prim: Usd.Prim, material: Usd.Prim | None, st: str = "st", *, pictur
 
 def _displayed(prim: Usd.Prim) -> Surface | None:
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
-    colors = still(primvar.GetAttr()) if primvar and primvar.HasValue() else None
+    colors = static_value(primvar.GetAttr()) if primvar and primvar.HasValue() else None
     return Surface(srgb(colors[0])) if colors else None
 
 
 def _preview(shader: UsdShade.Shader, st: str, pictured: bool) -> Surface:
     prim = shader.GetPrim()
     if shader.GetIdAttr().Get() != "UsdPreviewSurface":
-        refuse(prim, "its surface is no UsdPreviewSurface", "give the material a UsdPreviewSurface")
+        refuse(prim, "its surface is not a UsdPreviewSurface", "give the material a UsdPreviewSurface")
     if float(_input(shader, "opacity", 1.0)) < 1:
         refuse(prim, "transparency is not supported", "set inputs:opacity to 1")
     color = source(shader, "diffuseColor")

@@ -9,21 +9,23 @@ from pxr import Gf, Usd, UsdGeom, UsdShade
 
 from wmspec.sim.scene.model import Array
 from wmspec.sim.shapes import Mesh
-from wmspec.sim.usd.prims import NOW, refuse, still, value
+from wmspec.sim.usd.prims import NOW, refuse, static_value, value
 
 _Indices = NDArray[np.int32]
 _CONVEX = 1e-5
-_MANY, _AT_ONCE = 2_000_000_000, 4_000_000  # pairs of a point and a face that are looked at, in all and at a time
+_MAX_PAIRS, _PAIRS_PER_CHUNK = (
+    2_000_000_000,
+    4_000_000,
+)  # pairs of point and face: limit in all, and per chunk
 _COORDINATES = ("texCoord2f[]", "texCoord2d[]", "texCoord2h[]")
 
 
 def mesh(prim: Usd.Prim, stretch: Gf.Matrix4d, faces: _Indices | None = None) -> Mesh:
-    """The polygons `faces` (or all) of a Mesh prim, its `stretch` baked in: the control cage, not subdivided.
+    """Return the polygons `faces` (or all) of a Mesh prim with `stretch` baked in: the control cage, not subdivided.
 
-    Points that no face uses are dropped; a point with several texture coordinates becomes several.
+    Unused points are dropped; a point with several texture coordinates becomes several points.
 
-    Raises:
-        StageError: if the topology or the texture coordinates are broken.
+    Raises: StageError: if topology or texture coordinates are invalid.
     """
     points = np.asarray(value(prim, "points", []), np.float64).reshape(-1, 3)
     vertices = np.asarray(value(prim, "faceVertexIndices", []), np.int32)
@@ -43,7 +45,7 @@ def mesh(prim: Usd.Prim, stretch: Gf.Matrix4d, faces: _Indices | None = None) ->
 
 
 def parts(prim: Usd.Prim) -> list[tuple[Usd.Prim, _Indices]]:
-    """The pieces of a mesh that look different: each material subset with its polygons, and the prim with the rest."""
+    """Return the parts of a mesh by material: each subset with its polygons, and the prim with the rest."""
     subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets() if prim.GetTypeName() == "Mesh" else []
     if not subsets:
         return []
@@ -54,14 +56,14 @@ def parts(prim: Usd.Prim) -> list[tuple[Usd.Prim, _Indices]]:
 
 
 def subset(prim: Usd.Prim) -> _Indices:
-    """The polygons of a GeomSubset. Raises StageError if it is one of other things."""
+    """Return the polygons of a GeomSubset. Raises StageError if its elements are not faces."""
     if value(prim, "elementType", "face") != "face":
-        refuse(prim, "it is a subset of other things than faces", "make its elementType face")
+        refuse(prim, "its elements are not faces", "make its elementType face")
     return np.asarray(value(prim, "indices", []), np.int32)
 
 
 def coordinates(prim: Usd.Prim) -> str:
-    """The name of the texture coordinates of a mesh: `st`, or else the only ones that it has; empty if it has none."""
+    """Return the name of the texture coordinates: `st`, or the only ones; '' without any."""
     primvars = UsdGeom.PrimvarsAPI(prim)
     if (plain := primvars.FindPrimvarWithInheritance("st")) and plain.HasValue():
         return "st"
@@ -74,12 +76,12 @@ def coordinates(prim: Usd.Prim) -> str:
 
 
 def is_convex(mesh: Mesh) -> bool:
-    """Whether it is closed and no point is in front of any face, within 1e-5 of its size. A very large one is not."""
+    """Whether a mesh is closed and convex within 1e-5 of its size. Very large meshes return False."""
     points, faces = mesh.points, mesh.faces
-    if len(points) * len(faces) > _MANY or not trimesh.Trimesh(points, faces).is_watertight:
+    if len(points) * len(faces) > _MAX_PAIRS or not trimesh.Trimesh(points, faces).is_watertight:
         return False
     near = _CONVEX * np.ptp(points, axis=0).max()
-    for some in np.array_split(faces, 1 + len(points) * len(faces) // _AT_ONCE):
+    for some in np.array_split(faces, 1 + len(points) * len(faces) // _PAIRS_PER_CHUNK):
         a, b, c = (points[some[:, i]] for i in range(3))
         normals = np.cross(b - a, c - a)
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
@@ -89,35 +91,35 @@ def is_convex(mesh: Mesh) -> bool:
 
 
 def is_flat(mesh: Mesh) -> bool:
-    """Whether all points lie in a plane, on a line or coincide, within 1e-6 of the mesh's size."""
+    """Whether all points are coplanar, collinear or equal within 1e-6 of the size."""
     spread = np.linalg.svd(mesh.points - mesh.points.mean(axis=0), compute_uv=False)
     return len(spread) < 3 or not spread[-1] > 1e-6 * spread[0]
 
 
 def _triangulate(prim: Usd.Prim, points: Array, vertices: _Indices, faces: _Indices | None) -> _Indices:
-    """Fans of triangles (m, 3) of corners, which are indices into faceVertexIndices."""
+    """Return triangle fans (m, 3) of corners, as indices into faceVertexIndices."""
     counts = np.asarray(value(prim, "faceVertexCounts", []), np.int32)
     if counts.sum() != len(vertices) or (counts < 3).any() or not len(counts):
         refuse(prim, "its faceVertexCounts and faceVertexIndices do not fit", "author polygons of 3 or more points")
     if vertices.min() < 0 or vertices.max() >= len(points):
         refuse(prim, "its faceVertexIndices and points do not fit", "author indices in 0 .. len(points) - 1")
-    wanted = np.arange(len(counts)) if faces is None else faces
-    wanted = np.setdiff1d(wanted, np.asarray(value(prim, "holeIndices", []), np.int32))
-    if not len(wanted) or wanted.min() < 0 or wanted.max() >= len(counts):
-        refuse(prim, "it has no faces, or a subset names faces it has not", "author face indices that exist")
-    first, triangles = np.cumsum(counts) - counts, counts[wanted] - 2
-    fan = np.repeat(first[wanted], triangles)
+    expected = np.arange(len(counts)) if faces is None else faces
+    expected = np.setdiff1d(expected, np.asarray(value(prim, "holeIndices", []), np.int32))
+    if not len(expected) or expected.min() < 0 or expected.max() >= len(counts):
+        refuse(prim, "it has no faces, or a subset names missing faces", "author face indices that exist")
+    first, triangles = np.cumsum(counts) - counts, counts[expected] - 2
+    fan = np.repeat(first[expected], triangles)
     step = 1 + np.arange(len(fan)) - np.repeat(np.cumsum(triangles) - triangles, triangles)
     return np.column_stack([fan, fan + step, fan + step + 1]).astype(np.int32)
 
 
 def _texture_coordinates(prim: Usd.Prim, vertices: _Indices) -> tuple[Array | None, bool]:
-    """The texture coordinates of every corner (k, 2), or None, and whether a point has the same at all its corners."""
+    """Return texture coordinates per corner (k, 2), or None, and whether each point has only one."""
     if not (name := coordinates(prim)):
         return None, False
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
     for attribute in filter(None, (primvar.GetAttr(), primvar.GetIndicesAttr())):
-        still(attribute)
+        static_value(attribute)
     st = np.asarray(primvar.ComputeFlattened(NOW), np.float64).reshape(-1, 2)
     interpolation = primvar.GetInterpolation()
     per_point = interpolation in (UsdGeom.Tokens.vertex, UsdGeom.Tokens.varying) and len(st) > vertices.max()

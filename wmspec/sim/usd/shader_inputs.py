@@ -1,4 +1,4 @@
-"""The inputs of shaders."""
+"""Inputs of shaders."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from typing import Any
 from pxr import Gf, UsdShade
 
 from wmspec.sim.scene.render.color import to_srgb
-from wmspec.sim.usd.prims import still
+from wmspec.sim.usd.prims import static_value
 
 
 def source(shader: UsdShade.Shader, name: str) -> Any:
-    """The input's value (through a material's interface), the shader that computes it, or None."""
+    """Return the value of an input (through a material's interface), the shader that computes it, or None."""
     plug = shader.GetInput(name)
     for attribute in plug.GetValueProducingAttributes() if plug else []:
         if UsdShade.Output.IsOutput(attribute):
             return UsdShade.Shader(attribute.GetPrim())
-        return still(attribute)
+        return static_value(attribute)
     return None
 
 
 def srgb(linear: Gf.Vec3f) -> tuple[float, float, float]:
-    """A linear colour as sRGB."""
+    """Return a linear colour as sRGB."""
     return _srgb(linear[0], linear[1], linear[2])
 
 

@@ -1,4 +1,4 @@
-"""One walk over the stage that finds what matters: bodies with their geometries, cameras, lights, the episode."""
+"""One traversal of the stage that finds bodies with geoms, joints, cameras, lights and the episode."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from pxr import Kind, Usd, UsdGeom
 
 from wmspec.core.diagnostics import Report
 from wmspec.sim.scene.model import Motion
-from wmspec.sim.usd.prims import applied, refuse, value
+from wmspec.sim.usd.prims import applied_schemas, refuse, value
 from wmspec.sim.usd.shapes import GEOMETRIES
-from wmspec.sim.usd.substitutions import STRICT, Notes
-from wmspec.sim.usd.unsupported import SEEN, TYPES, examine
+from wmspec.sim.usd.substitutions import STRICT, Substitutions
+from wmspec.sim.usd.unsupported import TYPES, VISUAL_ONLY, refuse_unsupported
 
 _CLOSED = frozenset({"Material", "Shader", "NodeGraph"})
 _FILTERS = frozenset({"PhysicsFilteredPairsAPI", "PhysicsArticulationRootAPI"})
@@ -21,8 +21,8 @@ _DRAWN = ("default", "render")
 
 
 @dataclass(frozen=True)
-class Piece:
-    """A geometry of a body."""
+class GeomPrim:
+    """A geom of a body."""
 
     prim: Usd.Prim
     collides: bool
@@ -30,48 +30,48 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Owner:
-    """The prim that is a body, and the geometries that move with it."""
+class BodyPrim:
+    """The prim of a body, and the geoms that move with it."""
 
     prim: Usd.Prim
     motion: Motion
-    pieces: list[Piece] = field(default_factory=list)
+    pieces: list[GeomPrim] = field(default_factory=list)
 
 
 @dataclass
-class Census:
-    """What the stage holds, each in the stage's order."""
+class StageIndex:
+    """The contents of a stage, each kind in stage order."""
 
-    owners: dict[str, Owner] = field(default_factory=dict)
+    owners: dict[str, BodyPrim] = field(default_factory=dict)
     others: dict[str, list[Usd.Prim]] = field(default_factory=dict)
     filters: list[Usd.Prim] = field(default_factory=list)
     joints: list[Usd.Prim] = field(default_factory=list)
 
     def of(self, kind: str) -> list[Usd.Prim]:
-        """The prims of a type that is no geometry."""
+        """Return the non-geometry prims of a type."""
         return self.others.get(kind, [])
 
 
 @dataclass(frozen=True)
-class _Above:
-    """What a prim inherits."""
+class _Inherited:
+    """Inherited state of a prim."""
 
-    owner: Owner | None = None
+    owner: BodyPrim | None = None
     visible: bool = True
     purpose: str = "default"
     collides: bool = False
 
 
-class Walk:
-    """Finds the bodies and everything around them; notes as problems what is not supported.
+class StageWalk:
+    """Finds bodies and everything around them; unsupported prims go to `problems`.
 
-    Prims of the types that are `aside`, and all below them, are passed by.
+    Prims of the types in `aside`, and everything below them, are skipped.
     """
 
     def __init__(
-        self, stage: Usd.Stage, problems: Report, aside: frozenset[str] = frozenset(), notes: Notes = STRICT
+        self, stage: Usd.Stage, problems: Report, aside: frozenset[str] = frozenset(), notes: Substitutions = STRICT
     ) -> None:
-        self.census = Census()
+        self.census = StageIndex()
         self._notes = notes
         self._closed = _CLOSED | aside
         self._problems = problems
@@ -79,15 +79,15 @@ class Walk:
         default = stage.GetDefaultPrim()
         self._objects = default.GetPath().AppendChild("Objects") if default else None
         for prim in stage.GetPseudoRoot().GetFilteredChildren(self._predicate):
-            self._visit(prim, _Above())
+            self._visit(prim, _Inherited())
 
-    def _visit(self, prim: Usd.Prim, above: _Above) -> None:
+    def _visit(self, prim: Usd.Prim, above: _Inherited) -> None:
         kind = str(prim.GetTypeName())
         if kind in self._closed:
             return
-        apis = applied(prim)
-        with self._problems.gathered():
-            examine(prim, apis, self._notes)
+        apis = applied_schemas(prim)
+        with self._problems.collect_errors():
+            refuse_unsupported(prim, apis, self._notes)
             if not _FILTERS.isdisjoint(apis):
                 self.census.filters.append(prim)
             if sight := UsdGeom.Imageable(prim):
@@ -102,35 +102,33 @@ class Walk:
                 above = self._group(prim, kind, above)
             else:
                 self.census.others.setdefault(kind, []).append(prim)
-        instanced = kind == "PointInstancer"  # what is below it is nowhere by itself
-        if kind not in TYPES or (kind in SEEN and not self._notes.strict and not instanced):
+        instanced = kind == "PointInstancer"  # prims below it have no place of their own
+        if kind not in TYPES or (kind in VISUAL_ONLY and not self._notes.strict and not instanced):
             for child in prim.GetFilteredChildren(self._predicate):
                 self._visit(child, above)
 
-    def _group(self, prim: Usd.Prim, kind: str, above: _Above) -> _Above:
-        """What is a collider without being a geometry makes those below it colliders."""
+    def _group(self, prim: Usd.Prim, kind: str, above: _Inherited) -> _Inherited:
+        """Mark geoms below a collider that is not a geom as colliders."""
         remedy = "apply PhysicsCollisionAPI to its geometries"
-        self._notes.instead(
-            prim, f"a collider of type '{kind}' has no shape", "the geometries below it collide", remedy
-        )
+        self._notes.record(prim, f"a collider of type '{kind}' has no shape", "the geometries below it collide", remedy)
         return replace(above, collides=bool(value(prim, "physics:collisionEnabled", True)))
 
-    def _inherit(self, prim: Usd.Prim, sight: UsdGeom.Imageable, apis: Sequence[str], above: _Above) -> _Above:
+    def _inherit(self, prim: Usd.Prim, sight: UsdGeom.Imageable, apis: Sequence[str], above: _Inherited) -> _Inherited:
         visible = above.visible and value(prim, "visibility") != "invisible"
         purpose = sight.GetPurposeAttr()
         own = purpose.Get() if purpose.HasAuthoredValue() else above.purpose
-        return _Above(self._owner(prim, apis, above.owner), visible, own, above.collides)
+        return _Inherited(self._owner(prim, apis, above.owner), visible, own, above.collides)
 
-    def _owner(self, prim: Usd.Prim, apis: Sequence[str], owner: Owner | None) -> Owner | None:
-        """The body that the prim belongs to: itself, an ancestor, or none yet."""
+    def _owner(self, prim: Usd.Prim, apis: Sequence[str], owner: BodyPrim | None) -> BodyPrim | None:
+        """Return the body of a prim: itself, an ancestor, or None."""
         if "PhysicsRigidBodyAPI" in apis:
-            owner = Owner(prim, _motion(prim))
+            owner = BodyPrim(prim, _motion(prim))
             self.census.owners[str(prim.GetPath())] = owner
         elif owner is None and (prim.GetPath().GetParentPath() == self._objects or _is_component(prim)):
-            owner = Owner(prim, "static")
+            owner = BodyPrim(prim, "static")
         return owner
 
-    def _geometry(self, prim: Usd.Prim, apis: Sequence[str], above: _Above) -> None:
+    def _geometry(self, prim: Usd.Prim, apis: Sequence[str], above: _Inherited) -> None:
         collides = above.collides
         if "PhysicsCollisionAPI" in apis:
             collides = bool(value(prim, "physics:collisionEnabled", True))
@@ -139,11 +137,11 @@ class Walk:
             return
         if prim.GetTypeName() == "Plane" and not collides:
             remedy = "use a Cube or a Mesh"
-            self._notes.instead(prim, "a plane that nothing touches is not supported", "left out of pictures", remedy)
+            self._notes.record(prim, "a plane without collision is not supported", "omitted from pictures", remedy)
             return
-        owner = above.owner or Owner(prim, "static")
+        owner = above.owner or BodyPrim(prim, "static")
         owner = self.census.owners.setdefault(str(owner.prim.GetPath()), owner)
-        owner.pieces.append(Piece(prim, collides, visible))
+        owner.pieces.append(GeomPrim(prim, collides, visible))
 
 
 def _motion(prim: Usd.Prim) -> Motion:

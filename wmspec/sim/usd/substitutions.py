@@ -1,6 +1,6 @@
-"""What of a stage is taken for something else: told once, with its prim and a warning; or refused, where that is asked.
+"""Substitutions made while reading a stage: a warning with its prim, or an error in strict mode.
 
-Only what is seen, and what can be executed nearly as it is meant, has a stand-in. What would move otherwise is refused.
+Only visuals and features that can be approximated are substituted. A feature whose loss would change motion is refused.
 """
 
 from __future__ import annotations
@@ -11,26 +11,25 @@ from wmspec.core.diagnostics import Diagnostic, Report, StageError
 from wmspec.core.places import PrimPlace
 
 
-class Notes:
-    """Collects the warnings of one reading; a strict reader has none, but refuses."""
+class Substitutions:
+    """Collects the warnings of one reading; in strict mode it raises."""
 
     def __init__(self, *, strict: bool) -> None:
         self.strict = strict
         self._report = Report(StageError)
 
-    def instead(self, prim: Usd.Prim, reason: str, taken: str, remedy: str) -> None:
-        """Tell what is `taken` for what cannot be had.
+    def record(self, prim: Usd.Prim, reason: str, taken: str, remedy: str) -> None:
+        """Record that `taken` replaces an unsupported feature.
 
-        Raises:
-            StageError: with the reason and the remedy, if the reader is strict.
+        Raises: StageError: with reason and remedy, in strict mode.
         """
         place = PrimPlace(str(prim.GetPath()))
         if self.strict:
             raise StageError(reason, place, remedy)
         self._report.add("", f"{reason}: {taken}", place, remedy, severity="warning")
 
-    def rather(self, error: StageError, taken: str) -> None:
-        """Tell what is `taken` for what an error is about. Raises the error if the reader is strict."""
+    def record_error(self, error: StageError, taken: str) -> None:
+        """Record that `taken` replaces the subject of an error. Raises the error in strict mode."""
         if self.strict:
             raise error
         for d in error.diagnostics:
@@ -38,9 +37,9 @@ class Notes:
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
-        """The warnings, each once, in the order in which the stage was read."""
+        """Return the warnings without duplicates, in reading order."""
         return self._report.diagnostics
 
 
-STRICT = Notes(strict=True)
-"""The reader that has no stand-ins; it collects nothing."""
+STRICT = Substitutions(strict=True)
+"""Strict mode: no substitutions, collects nothing."""

@@ -1,7 +1,7 @@
-"""Meshes that collide as the surfaces they are, such as rooms, bins, stairs and grounds of one polygon.
+"""Meshes that collide as surfaces, such as rooms, bins, stairs and single-polygon grounds.
 
-Not all engines collide what is not a convex solid. So each flat face gets a little depth behind it, and in front of it
-the surface is exact.
+Not all engines collide non-convex geometry. So each flat face becomes a thin convex solid behind it; the front surface
+is exact.
 """
 
 from __future__ import annotations
@@ -16,36 +16,35 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.sim.scene.model import Array
 from wmspec.sim.shapes import Mesh
 
-DEPTH = 0.01
-"""How deep (m) the solid behind a face is; less behind a face that is narrow, and on a solid that is thin."""
-MOST = 2000
-"""Faces of one mesh that engines collide in a reasonable time."""
-_NARROW = 1e-5  # m: through what is left out of a face that is narrower, nothing falls
-_LEVEL = 0.1  # sine of the angle from upright from which on a face has an upper side
-_SMOOTH = 1e-4  # rad: up to which neighbours may be one face
-_FLAT = 1e-6  # of the mesh's size: how far a flat face's corners may be off its plane
+SHELL_DEPTH = 0.01
+"""m: depth of the solid behind a face; less behind narrow faces and in thin solids."""
+MAX_FACES = 2000
+"""Number of faces of one mesh that engines collide in reasonable time."""
+_NARROW = 1e-5  # m: narrower gaps let nothing through
+_LEVEL = 0.1  # sine of the angle to the vertical above which a face has an upper side
+_SMOOTH = 1e-4  # rad: largest angle between triangles of one face
+_FLAT = 1e-6  # relative to the size: largest distance of corners from the plane
 
 
-def sheets(mesh: Mesh, down: Array | None = None) -> tuple[Mesh, ...]:
-    """Thin convex solids, one behind each flat face of a mesh.
+def thin_shells(mesh: Mesh, down: Array | None = None) -> tuple[Mesh, ...]:
+    """Return thin convex solids, one behind each flat face of a mesh.
 
-    Behind a face of a solid is its inside. Of other meshes a face's front is the side that its corners are
-    counter-clockwise from, but if `down` (3,) is given, a unit vector, faces that do not stand upright face up: people
-    author grounds either way.
+    For a closed solid, behind is inside. For other meshes the front is the counter-clockwise side; with a unit vector
+    `down` (3,), faces that are not upright face up, because grounds are authored either way.
 
-    Raises WmsError if the mesh has no area, or too many faces.
+    Raises WmsError if the mesh has no area or too many faces.
     """
     whole = trimesh.Trimesh(mesh.points, mesh.faces)
     whole.update_faces(whole.area_faces > 1e-12 * np.ptp(mesh.points, axis=0).max() ** 2)
     if not len(whole.faces):
         raise WmsError("its points lie on a line or coincide")
     if whole.is_volume:
-        faces = [(c, n, min(DEPTH, _thick(whole, c.mean(axis=0), -n) / 2)) for c, n in _faces(whole)]
+        faces = [(c, n, min(SHELL_DEPTH, _thick(whole, c.mean(axis=0), -n) / 2)) for c, n in _faces(whole)]
     else:
-        faces = [(c, n if down is None else _fronted(n, down), DEPTH) for c, n in _faces(whole)]
+        faces = [(c, n if down is None else _fronted(n, down), SHELL_DEPTH) for c, n in _faces(whole)]
     made = tuple(solid for face in faces if (solid := _solid(*face)))
-    if len(made) > MOST:
-        raise WmsError(f"it has {len(made):,} flat faces, and engines collide at most {MOST:,} of a mesh")
+    if len(made) > MAX_FACES:
+        raise WmsError(f"it has {len(made):,} flat faces, and engines collide at most {MAX_FACES:,} of a mesh")
     return made
 
 
@@ -55,9 +54,9 @@ def _fronted(normal: Array, down: Array) -> Array:
 
 
 def _faces(whole: trimesh.Trimesh) -> Iterator[tuple[Array, Array]]:
-    """The corners (n, 3), in order, and the normal (3,) of each face.
+    """Yield corners (n, 3), in order, and normal (3,) of each face.
 
-    That is a triangle, or several that make a convex polygon.
+    A face is a triangle, or several that form a convex polygon.
     """
     level = whole.face_adjacency[whole.face_adjacency_angles < _SMOOTH]
     for group in trimesh.graph.connected_components(level, nodes=np.arange(len(whole.faces))):
@@ -72,16 +71,16 @@ def _faces(whole: trimesh.Trimesh) -> Iterator[tuple[Array, Array]]:
 
 
 def _outline(corners: Array, normal: Array) -> tuple[Array, float]:
-    """The convex polygon around points (n, 3) in a plane: corners, counter-clockwise around its normal, and area."""
+    """Return the convex polygon around coplanar points (n, 3): counter-clockwise corners, and area."""
     flat = corners @ trimesh.geometry.plane_transform(np.zeros(3), normal)[:2, :3].T
     hull = ConvexHull(flat, qhull_options="QJ")
     return corners[hull.vertices], float(hull.volume)
 
 
 def _solid(corners: Array, normal: Array, most: float) -> Mesh | None:
-    """A polygon with a smaller one behind it, so that neighbours that meet at an edge do not stick out.
+    """Return a polygon with a smaller one behind it, so that adjacent solids do not protrude.
 
-    It is at most `most` (m) deep. None if it is too narrow.
+    Its depth is at most `most` (m). None if the polygon is too narrow.
     """
     middle = corners.mean(axis=0)
     edges = np.roll(corners, -1, axis=0) - corners
@@ -95,7 +94,7 @@ def _solid(corners: Array, normal: Array, most: float) -> Mesh | None:
 
 
 def _thick(whole: trimesh.Trimesh, start: Array, way: Array) -> float:
-    """How far (m) it is through a solid from a point on its surface.
+    """Return the distance (m) through a solid from a point on its surface.
 
     Source: Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", Journal of Graphics Tools 2 (1997).
     """

@@ -1,4 +1,4 @@
-"""The version of the stage's format; apart from the schemas, so that knowing it does not load USD."""
+"""The version of the stage format, in a module that does not load USD."""
 
 FORMAT_VERSION = 1
-"""The `wms:formatVersion` of the stages that this version reads and writes."""
+"""The `wms:formatVersion` of stages that this version reads and writes."""

@@ -6,9 +6,9 @@ import numpy as np
 
 from wmspec.sim.scene.model import Array, Frame, Scene, Shot
 from wmspec.sim.scene.model.transform import compose, rotate, rotation
-from wmspec.sim.scene.render.camera import rays, seeing
+from wmspec.sim.scene.render.camera import pixel_rays, world_camera
 from wmspec.sim.scene.render.color import to_bytes, to_linear, to_srgb
-from wmspec.sim.scene.render.picture import check
+from wmspec.sim.scene.render.picture import require_all_poses
 from wmspec.sim.shapes.facets import tessellate
 
 
@@ -20,9 +20,9 @@ class Painter:
 
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
         """Draw the bodies where the shot places them."""
-        check(self.scene, shot)
-        camera, light = seeing(self.scene, shot), self.scene.light
-        x, y = rays(camera, *self.size)
+        require_all_poses(self.scene, shot)
+        camera, light = world_camera(self.scene, shot), self.scene.light
+        x, y = pixel_rays(camera, *self.size)
         near = np.full((y.size, x.size), camera.far)
         ids = np.full(near.shape, -1, np.int16)
         shade = np.tile(to_linear(self.scene.background), (*near.shape, 1))

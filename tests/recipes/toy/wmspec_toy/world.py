@@ -11,9 +11,9 @@ import numpy as np
 from wmspec.core.diagnostics import EngineError
 from wmspec.sim.scene.joints.com_frame import com_frame
 from wmspec.sim.scene.model import Pose, Scene
-from wmspec.sim.scene.model.bounds import upright
-from wmspec.sim.scene.model.transform import multiply, rotation, turning
-from wmspec.sim.scene.physics.contact import apart, colliders, may_touch
+from wmspec.sim.scene.model.bounds import world_box
+from wmspec.sim.scene.model.transform import from_rotation_vector, multiply, rotation
+from wmspec.sim.scene.physics.contact import can_collide, colliders, non_colliding_pairs
 
 
 class World:
@@ -28,8 +28,8 @@ class World:
         self.force, self.torque = np.zeros_like(self.position), np.zeros_like(self.position)
         self.held: set[int] = set()
         self.solid = {i: colliders(body) for i, body in enumerate(self.bodies) if colliders(body)}
-        pairs = set(combinations(self.solid, 2)) - apart(scene)
-        self.pairs = [(i, j) for i, j in pairs if may_touch(self.bodies[i], self.bodies[j])]
+        pairs = set(combinations(self.solid, 2)) - non_colliding_pairs(scene)
+        self.pairs = [(i, j) for i, j in pairs if can_collide(self.bodies[i], self.bodies[j])]
 
     def kick(self, body: int, linear: Any, angular: Any) -> None:
         self.velocity[body], self.momentum[body] = linear, self.inertia(body) @ angular
@@ -73,7 +73,7 @@ class World:
             self.velocity[i] *= np.exp(-body.linear_damping * self.h)
             self.momentum[i] *= np.exp(-body.angular_damping * self.h)
             self.position[i] += self.h * self.velocity[i]
-            self.turn[i] = multiply(turning(self.h * self.spin(i)), self.turn[i])
+            self.turn[i] = multiply(from_rotation_vector(self.h * self.spin(i)), self.turn[i])
         self.force[:] = self.torque[:] = 0
 
     def state(self, body: int) -> Any:
@@ -81,7 +81,7 @@ class World:
 
     def touching(self) -> set[tuple[int, int]]:
         """Nothing ever touches. Raises EngineError where the boxes around two bodies overlap."""
-        box = {i: upright(geoms, Pose(self.position[i], self.turn[i])) for i, geoms in self.solid.items()}
+        box = {i: world_box(geoms, Pose(self.position[i], self.turn[i])) for i, geoms in self.solid.items()}
         for i, j in self.pairs:
             if np.all(box[i][0] < box[j][1]) and np.all(box[j][0] < box[i][1]):
                 met = f"{self.bodies[i].path} and {self.bodies[j].path}"

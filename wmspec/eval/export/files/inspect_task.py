@@ -1,6 +1,6 @@
 """Questions about a physical world, for Inspect: `inspect eval wmspec_task.py --model MODEL` in this folder.
 
-`-T task=NAME` asks one task alone, `-T limit=N` the first N questions of each.
+`-T task=NAME` selects one task, `-T limit=N` the first N questions of each.
 """
 
 from __future__ import annotations
@@ -51,9 +51,9 @@ def _sample(row: dict[str, Any]) -> Sample:
 
 @scorer(metrics=[accuracy(), stderr(cluster="group"), grouped(accuracy(), "dimension")])
 def right() -> Scorer:
-    """Whether the reply is right, as wmspec reads it; what cannot be read has no answer, which counts as wrong."""
+    """Score replies as wmspec does; an unparsed reply has no answer, which counts as wrong."""
 
-    async def score(state: TaskState, target: Target) -> Score:  # noqa: ARG001  Inspect calls it so
+    async def score(state: TaskState, target: Target) -> Score:  # noqa: ARG001  signature of Inspect
         metadata = state.metadata
         marked = mark(
             state.output.completion,
@@ -73,7 +73,7 @@ def right() -> Scorer:
 
 @task
 def wmspec(task: str = "*", limit: int | None = None) -> Task:
-    """The questions of all tasks, or of one."""
+    """Return the questions of all tasks, or of one."""
     samples = [
         _sample(row)
         for path in sorted(_FOLDER.glob(f"data/{task}.parquet"))

@@ -1,4 +1,4 @@
-"""Questions about a physical world, for lmms-eval: how they are put, and how replies are scored."""
+"""Questions about a physical world, for lmms-eval: prompts and scores."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Doc = dict[str, Any]
 
 
 def doc_to_messages(doc: Doc, lmms_eval_specific_kwargs: Doc | None = None) -> list[Doc]:  # noqa: ARG001
-    """What chat models are sent: words and pictures in their order."""
+    """Return the messages for chat models: words and pictures in order."""
     content = [
         {"type": "text", "text": part["text"]}
         if part["image"] is None
@@ -26,23 +26,23 @@ def doc_to_messages(doc: Doc, lmms_eval_specific_kwargs: Doc | None = None) -> l
 
 
 def doc_to_visual(doc: Doc) -> list[Any]:
-    """The pictures, for models that are sent them before the words."""
+    """Return the pictures, for models that receive them before the words."""
     return [image.convert("RGB") for image in doc["images"]]
 
 
 def doc_to_text(doc: Doc, lmms_eval_specific_kwargs: Doc | None = None) -> str:  # noqa: ARG001
-    """The words, with `<image>` where a picture stands."""
+    """Return the words, with `<image>` in place of each picture."""
     lines = [part["text"] if part["image"] is None else "<image>" for part in doc["content"]]
     return "\n".join([doc["system"], *lines] if doc["system"] else lines)
 
 
 def doc_to_target(doc: Doc) -> str:
-    """The place of the true option, or the true number."""
+    """Return the position of the true option, or the true number."""
     return str(doc["answer"] if doc["answer"] is not None else doc["answer_number"])
 
 
 def process_results(doc: Doc, results: list[Any]) -> dict[str, float]:
-    """Whether the reply is right, and whether it could not be read."""
+    """Return whether the reply is right, and whether it could not be parsed."""
     marked = mark(
         str(results[0]),
         doc["options"],

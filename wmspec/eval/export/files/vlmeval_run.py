@@ -1,7 +1,7 @@
 """Questions about a physical world, for VLMEvalKit: `python wmspec_run.py CHECKOUT --model MODEL`, with its options.
 
-CHECKOUT is VLMEvalKit. This adds the questions of this folder to its datasets, words and pictures in their order and
-replies read as wmspec reads them, and runs its `run.py`.
+CHECKOUT is VLMEvalKit. This script adds the questions of this folder to its datasets and runs its `run.py`. Words and
+pictures keep their order, and replies are parsed as in wmspec.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _FOLDER = Path(__file__).resolve().parent
 
 
 def _dataset() -> Any:
-    """The class of the questions here, as VLMEvalKit has classes of datasets."""
+    """Return the dataset class of the questions."""
     import pandas as pd
     import vlmeval.dataset as known
     from vlmeval.dataset.image_base import ImageBaseDataset
@@ -73,7 +73,7 @@ def _dataset() -> Any:
 
 
 def main() -> None:
-    """Run VLMEvalKit on the questions here."""
+    """Run VLMEvalKit on the questions."""
     checkout = Path(sys.argv[1]).resolve()
     sys.path.insert(0, str(checkout))
     (name,) = _dataset().supported_datasets()

@@ -1,1 +1,1 @@
-"""The figures of a report, drawn with matplotlib as SVG: the same bytes for the same report."""
+"""Figures of a report, drawn with matplotlib as deterministic SVG."""

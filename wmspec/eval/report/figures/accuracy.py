@@ -1,4 +1,4 @@
-"""Figures of how much is right: averages, dimensions, comparisons."""
+"""Figures of accuracy: averages, dimensions, comparisons."""
 
 from __future__ import annotations
 
@@ -12,36 +12,36 @@ from wmspec.eval.report.figures.style import (
     GREY,
     INK,
     PALE,
-    Drawn,
+    SvgFigure,
     color,
-    drawn,
-    named,
+    draw_interval,
+    format_percent_axis,
+    label_rows,
     panels,
-    percents,
-    signed,
-    whisker,
+    signed_points,
+    to_svg,
 )
 from wmspec.eval.report.replies import PEOPLE
 from wmspec.eval.report.report import Report
 from wmspec.eval.report.tables import Table
 
-#: Below this a difference is told as more than luck.
-SURE = 0.05
-#: The most systems with a panel each.
-MOST_PANELS = 12
+#: Significance level of a difference.
+SIGNIFICANCE = 0.05
+#: Maximum number of systems with a panel each.
+MAX_PANELS = 12
 
 
-def averages(report: Report) -> Iterator[Drawn]:
-    """Every system's average, a panel for each kind of task."""
+def averages(report: Report) -> Iterator[SvgFigure]:
+    """Yield every system's average, a panel for each kind of task."""
     high = 0.6 + 0.28 * len(report.systems)
     figure, axes = panels(len(report.tables), 4.6, high, 3)
     for ax, table in zip(axes, report.tables, strict=True):
         _averages(ax, table, report.systems)
     reading = (
         "A dot is a system's average, the mean over dimensions of the mean of their tasks; its line is the 95 % "
-        "interval. The dashed line is what guessing yields."
+        "interval. The dashed line is chance."
     )
-    yield drawn(figure, "averages", "How much is right", reading)
+    yield to_svg(figure, "averages", "Average accuracy", reading)
 
 
 def _averages(ax: Axes, table: Table, systems: tuple[str, ...]) -> None:
@@ -52,17 +52,17 @@ def _averages(ax: Axes, table: Table, systems: tuple[str, ...]) -> None:
         estimate = by_system[system]
         if np.isnan(estimate.value):
             continue
-        whisker(ax, estimate, y, color(system, systems))
+        draw_interval(ax, estimate, y, color(system, systems))
         ax.plot(estimate.value, y, "o", color=color(system, systems), markersize=6, clip_on=False)
         ax.annotate(f"{estimate.value:.0%}", (1.02, y), xycoords=("axes fraction", "data"), va="center", color=GREY)
-    named(ax, systems)
-    percents(ax)
+    label_rows(ax, systems)
+    format_percent_axis(ax)
 
 
-def dimensions(report: Report) -> Iterator[Drawn]:
-    """Every system's accuracy by dimension, a panel each, perception above prediction; people beside each."""
+def dimensions(report: Report) -> Iterator[SvgFigure]:
+    """Yield every system's accuracy by dimension, a panel each, perception above prediction, with people."""
     rows = [(t, d) for t in report.tables for d in t.dimensions]
-    shown = [s for s in report.systems if s != PEOPLE][:MOST_PANELS]
+    shown = [s for s in report.systems if s != PEOPLE][:MAX_PANELS]
     if len(rows) < 2 or not shown:
         return
     figure, axes = panels(len(shown), 3.2, 0.55 + 0.26 * len(rows), 3, sharey=True)
@@ -84,19 +84,19 @@ def dimensions(report: Report) -> Iterator[Drawn]:
                 value = by_system.get(other)
                 if value is not None and not np.isnan(value.value):
                     ax.plot([value.value] * 2, [y - 0.38, y + 0.38], **style)
-        named(ax, [f"{d} ({t.kind})" for t, d in rows])
-        percents(ax)
+        label_rows(ax, [f"{d} ({t.kind})" for t, d in rows])
+        format_percent_axis(ax)
     reading = (
         "A bar is the accuracy in a dimension, its thin line the 95 % interval; the dotted mark is chance"
         f"{', the thick black mark people' if PEOPLE in report.systems else ''}. "
-        "Where the bars of perception are long and those of prediction short, a system sees and does not foresee."
+        "Long bars in perception and short ones in prediction mean that a system perceives but does not predict."
     )
-    more = f" The {MOST_PANELS} best systems are shown." if len(report.systems) > MOST_PANELS + 1 else ""
-    yield drawn(figure, "dimensions", "Perception beside prediction, dimension by dimension", reading + more)
+    more = f" The {MAX_PANELS} best systems are shown." if len(report.systems) > MAX_PANELS + 1 else ""
+    yield to_svg(figure, "dimensions", "Perception and prediction by dimension", reading + more)
 
 
-def comparisons(report: Report) -> Iterator[Drawn]:
-    """Who is better than whom: a square for each pair of systems."""
+def comparisons(report: Report) -> Iterator[SvgFigure]:
+    """Yield a matrix of pairwise differences."""
     kinds = list(dict.fromkeys(c.kind for c in report.comparisons))
     if not kinds or len(report.systems) > 24:
         return
@@ -105,11 +105,11 @@ def comparisons(report: Report) -> Iterator[Drawn]:
     for ax, kind in zip(axes, kinds, strict=True):
         _comparisons(ax, kind, [c for c in report.comparisons if c.kind == kind], report.systems)
     reading = (
-        "A square tells by how many points the system of its row is better than that of its column, on the questions "
-        "that both answered: blue is better, red is worse. Bold numbers are more than luck (p < 0.05 after Holm, "
-        "errors robust to control groups); pale ones could be."
+        "A square is the difference in points between the systems of its row and column, on the questions that both "
+        "answered: blue is better, red is worse. Bold numbers are significant (p < 0.05 after Holm, errors robust to "
+        "control groups)."
     )
-    yield drawn(figure, "comparisons", "Who is better than whom", reading)
+    yield to_svg(figure, "comparisons", "Pairwise comparisons", reading)
 
 
 def _comparisons(ax: Axes, kind: str, pairs: list[Comparison], systems: tuple[str, ...]) -> None:
@@ -118,11 +118,11 @@ def _comparisons(ax: Axes, kind: str, pairs: list[Comparison], systems: tuple[st
     for pair in pairs:
         i, j = index[pair.first], index[pair.second]
         gaps[i, j], gaps[j, i] = pair.difference.value, -pair.difference.value
-        sure = pair.corrected is not None and pair.corrected < SURE
+        sure = pair.corrected is not None and pair.corrected < SIGNIFICANCE
         for row, column in ((i, j), (j, i)):
             gap = gaps[row, column]
             ink = "white" if abs(gap) > 0.28 else INK
-            label = signed(gap, 0)
+            label = signed_points(gap, 0)
             ax.text(
                 column, row, label, ha="center", va="center", fontsize=8, color=ink,
                 weight="bold" if sure else "normal", alpha=1 if sure else 0.45,

@@ -1,4 +1,4 @@
-"""Figures of the paper's analyses: entanglement, stimulus differences, filtered prediction; and of items."""
+"""Figures of the paper's analyses (entanglement, stimulus differences, filtered prediction) and of items."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from wmspec.eval.report.curves import Curve
-from wmspec.eval.report.entanglement import DIMENSIONS, Entangled
+from wmspec.eval.report.entanglement import DIMENSIONS, Entanglement
 from wmspec.eval.report.figures.style import (
     GREY,
     INK,
     PALE,
-    Drawn,
+    SvgFigure,
     color,
-    drawn,
+    draw_interval,
+    format_percent_axis,
+    label_rows,
     legend,
-    lines,
-    named,
     panels,
-    percents,
-    signed,
-    whisker,
+    signed_points,
+    systems_as_lines,
+    to_svg,
 )
-from wmspec.eval.report.filtered import ITS_OWN
+from wmspec.eval.report.filtered import OWN_PERCEPTION
 from wmspec.eval.report.replies import BASELINES, PEOPLE
 from wmspec.eval.report.report import Report
 
@@ -36,8 +36,8 @@ Grid = NDArray[np.float64]
 # ---------------------------------------------------------------- entanglement
 
 
-def entanglement(report: Report) -> Iterator[Drawn]:
-    """s-RE of tasks by the paper's dimensions, measured beside shuffled; then of each model by dimension."""
+def entanglement(report: Report) -> Iterator[SvgFigure]:
+    """Yield s-RE of tasks by the paper's dimensions, measured and shuffled; then of each model by dimension."""
     models = [s for s in report.systems if s not in (*BASELINES, PEOPLE)]
     mine = [e for e in report.entanglement if e.system in models and e.dimension and not e.asked]
     if not mine:
@@ -50,22 +50,22 @@ def entanglement(report: Report) -> Iterator[Drawn]:
         _heat(ax, grid, tasks, columns, top)
         ax.set_title(title)
     reading = (
-        "s-RE: by how much accuracy moves, on average and in relation to itself, when only this property of the "
-        f"things shown is otherwise; mean over {len(models)} {'model' if len(models) == 1 else 'models'}. The right "
-        "side is the same with the levels dealt out anew: what chance alone yields. Where the left square is no "
-        "darker than the right one, nothing is entangled. Where a task varies several such factors, the one with "
-        "most is shown; what a question is about is left out."
+        "s-RE: the mean relative change of accuracy when only this property of the objects changes; mean over "
+        f"{len(models)} {'model' if len(models) == 1 else 'models'}. The right side is the same with shuffled levels, "
+        "as expected by chance. Where the left square is no darker than the right one, nothing is entangled. If a "
+        "task varies several such factors, the one with the largest value is shown. Factors that the question is "
+        "about are excluded."
     )
-    yield drawn(figure, "entanglement", "Does accuracy hang on what the question is not about?", reading)
+    yield to_svg(figure, "entanglement", "Does accuracy depend on irrelevant factors?", reading)
     yield from _by_model(mine, models, columns)
 
 
-def _grid(mine: list[Entangled], tasks: list[str], columns: list[str], which: str) -> Grid:
-    """Of each task and dimension, the mean over models for the factor whose s-RE is furthest above its shuffled one."""
+def _grid(mine: list[Entanglement], tasks: list[str], columns: list[str], which: str) -> Grid:
+    """Return, for each task and dimension, the mean over models for the factor with the largest excess s-RE."""
     grid = np.full((len(tasks), len(columns)), np.nan)
     for i, task in enumerate(tasks):
         for j, column in enumerate(columns):
-            factors: dict[tuple[str, str], list[Entangled]] = {}
+            factors: dict[tuple[str, str], list[Entanglement]] = {}
             for e in mine:
                 if (e.task, e.dimension) == (task, column):
                     factors.setdefault((e.question, e.factor), []).append(e)
@@ -88,25 +88,23 @@ def _heat(ax: Axes, grid: Grid, rows: list[str], columns: list[str], top: float)
     ax.spines[:].set_visible(False)
 
 
-def _by_model(mine: list[Entangled], models: list[str], columns: list[str]) -> Iterator[Drawn]:
+def _by_model(mine: list[Entanglement], models: list[str], columns: list[str]) -> Iterator[SvgFigure]:
     grid = np.array([
         [np.mean([e.value - e.mean for e in mine if (e.system, e.dimension) == (m, d)] or [np.nan]) for d in columns]
         for m in models
     ])  # fmt: skip
     figure, (ax,) = panels(1, 1.8 + 0.85 * len(columns), 0.8 + 0.3 * len(models), 1)
     _heat(ax, np.maximum(grid, 0), models, columns, max(0.05, float(np.nanmax(grid))))
-    reading = (
-        "s-RE beyond what shuffling yields (points), mean over tasks and factors: 0 means that it does not hang on it."
-    )
-    yield drawn(figure, "entanglement_models", "Which model hangs on what", reading)
+    reading = "s-RE beyond what shuffling yields (points), mean over tasks and factors: 0 means independence."
+    yield to_svg(figure, "entanglement_models", "Dependence of each model on irrelevant factors", reading)
 
 
 # ---------------------------------------------------------------- curves
 
 
-def curves(report: Report) -> Iterator[Drawn]:
-    """Accuracy against the stimulus difference, a panel for each question, with fitted curves."""
-    shown = [s for s in lines(report.systems) if any(c.system == s for c in report.curves)]
+def curves(report: Report) -> Iterator[SvgFigure]:
+    """Yield accuracy against the stimulus difference, a panel for each question, with fitted curves."""
+    shown = [s for s in systems_as_lines(report.systems) if any(c.system == s for c in report.curves)]
     keys = list(dict.fromkeys((c.task, c.question, c.quantity) for c in report.curves))
     if not keys or not shown:
         return
@@ -116,11 +114,11 @@ def curves(report: Report) -> Iterator[Drawn]:
         _curves(ax, mine, report.systems)
     legend(figure, shown, report.systems)
     reading = (
-        "Accuracy against how different the things compared are. Dots are measured, lines are logistic fits where "
-        "accuracy hangs on the difference at all; small marks on the lower edge are thresholds, half-way from "
-        "guessing (dashed) to the best, with their 95 % intervals. A curve further left sees finer differences."
+        "Accuracy against the stimulus difference. Dots are measurements, lines are logistic fits where accuracy "
+        "depends on the difference. Marks on the lower edge are thresholds, half-way from guessing (dashed) to the "
+        "maximum, with their 95 % intervals. A curve further left means finer discrimination."
     )
-    yield drawn(figure, "curves", "How small a difference is still seen?", reading)
+    yield to_svg(figure, "curves", "Thresholds of perceived differences", reading)
 
 
 def _curves(ax: Axes, mine: list[Curve], systems: tuple[str, ...]) -> None:
@@ -147,15 +145,15 @@ def _curves(ax: Axes, mine: list[Curve], systems: tuple[str, ...]) -> None:
             ax.plot([low, high], [0.02, 0.02], color=tone, linewidth=2, alpha=0.6, solid_capstyle="round")
             ax.plot(curve.threshold, 0.02, "^", color=tone, markersize=5)
     ax.set_xlabel(first.quantity + (f" ({first.unit})" if first.unit else ""), fontsize=8)
-    percents(ax, "y", 0, 1.03)
+    format_percent_axis(ax, "y", 0, 1.03)
 
 
 # ---------------------------------------------------------------- filtered prediction
 
 
-def filtered(report: Report) -> Iterator[Drawn]:
-    """Prediction on all episodes, and on those perceived rightly: a panel for each task."""
-    mine = [f for f in report.filtered if f.by == ITS_OWN and not np.isnan(f.perceived.value)]
+def filtered(report: Report) -> Iterator[SvgFigure]:
+    """Yield accuracy on all episodes, and on those perceived correctly: a panel for each task."""
+    mine = [f for f in report.filtered if f.by == OWN_PERCEPTION and not np.isnan(f.perceived.value)]
     tasks = sorted({f.task for f in mine})
     if not tasks:
         return
@@ -165,34 +163,34 @@ def filtered(report: Report) -> Iterator[Drawn]:
         ax.set_title(task)
         for f in (f for f in mine if f.task == task):
             y, tone = systems.index(f.system), color(f.system, report.systems)
-            whisker(ax, f.perceived, y, tone)
+            draw_interval(ax, f.perceived, y, tone)
             ax.plot([f.everything.value, f.perceived.value], [y, y], color=PALE, linewidth=1)
             ax.plot(f.everything.value, y, "o", color="white", markeredgecolor=tone, markersize=7, clip_on=False)
             ax.plot(f.perceived.value, y, "o", color=tone, markersize=6, clip_on=False)
             sure = f.gain.low is not None and f.gain.high is not None and f.gain.low * f.gain.high > 0
             ax.annotate(
-                signed(f.gain.value),
+                signed_points(f.gain.value),
                 (1.02, y),
                 xycoords=("axes fraction", "data"),
                 va="center",
                 weight="bold" if sure else "normal",
                 color=INK if sure else GREY,
             )
-        named(ax, systems)
-        percents(ax)
+        label_rows(ax, systems)
+        format_percent_axis(ax)
     reading = (
         "The empty dot is the accuracy on all predictions, the full one on those whose episode the system perceived "
-        "rightly (with its 95 % interval); at the right Δ in points, bold where its interval excludes 0. Where "
-        "perceiving rightly does not help, it is not the eyes that fail but the foresight."
+        "correctly (with its 95 % interval). At the right: Δ in points, bold if its interval excludes 0. Where correct "
+        "perception does not help, prediction fails, not perception."
     )
-    yield drawn(figure, "filtered", "Does it foresee better what it saw rightly?", reading)
+    yield to_svg(figure, "filtered", "Prediction given correct perception", reading)
 
 
 # ---------------------------------------------------------------- items
 
 
-def items(report: Report) -> Iterator[Drawn]:
-    """Difficulty of questions beside ability of systems; and how good a short form is."""
+def items(report: Report) -> Iterator[SvgFigure]:
+    """Yield the difficulty of questions beside the ability of systems, and the error of short forms."""
     if report.items is None:
         return
     difficulty = [i.difficulty for i in report.items.items]
@@ -217,16 +215,15 @@ def items(report: Report) -> Iterator[Drawn]:
     ax.spines["left"].set_visible(False)
     ax.set_xlabel("easier · weaker  ←  standard deviations of ability  →  harder · stronger")
     reading = (
-        "Below, how many questions are how difficult; above, how able systems are, on the same axis: a system is "
-        "right on half of the questions at its place, beyond what guessing gets. Where no questions lie near a "
-        "system, they tell little about it."
+        "Below: difficulty of questions; above: ability of systems, on the same axis. A system answers half of the "
+        "questions at its own position, beyond guessing. Without questions near a system, its ability is uncertain."
     )
-    yield drawn(figure, "items", "How difficult the questions are", reading)
+    yield to_svg(figure, "items", "Difficulty and ability", reading)
     if len(report.items.forms) > 1:
         yield _forms(report)
 
 
-def _forms(report: Report) -> Drawn:
+def _forms(report: Report) -> SvgFigure:
     assert report.items is not None
     figure, (ax,) = panels(1, 4.6, 2.8, 1)
     size = [f.size for f in report.items.forms]
@@ -236,9 +233,9 @@ def _forms(report: Report) -> Drawn:
     ax.xaxis.set_minor_formatter(mpl.ticker.NullFormatter())
     ax.set_xticks(size, [str(s) for s in size])
     ax.set_xlabel("questions")
-    percents(ax, "y", 0, 1.15 * max(max(f.error, f.at_random) for f in report.items.forms))
+    format_percent_axis(ax, "y", 0, 1.15 * max(max(f.error, f.at_random) for f in report.items.forms))
     ax.legend()
     reading = (
-        f"By how much the score on so few questions misses that on all {len(report.items.items):,} (root mean square)."
+        f"Error of the score on a short form, relative to all {len(report.items.items):,} questions (root mean square)."
     )
-    return drawn(figure, "short_form", "How few questions would do?", reading)
+    return to_svg(figure, "short_form", "Size of a short form", reading)

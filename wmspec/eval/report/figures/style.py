@@ -1,4 +1,4 @@
-"""What all figures share: colours that stay with a system, axes without clutter, and SVG without dates."""
+"""Shared style of figures: one colour for each system, plain axes, and SVG without dates."""
 
 from __future__ import annotations
 
@@ -14,12 +14,11 @@ from matplotlib.figure import Figure
 from wmspec.eval.report.intervals import Estimate
 from wmspec.eval.report.replies import BASELINES, PEOPLE
 
-#: Colours that people with colour vision deficiencies tell apart (Okabe and Ito, 2008), the yellow darkened for white
-#: paper.
+#: Colours for colour-vision deficiencies (Okabe and Ito, 2008), with a darker yellow for white paper.
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B8A000", "#56B4E9", "#8C564B", "#7F7FBF")
 INK, GREY, PALE = "#1a1c1e", "#6b727c", "#d9dde3"
-#: So many systems are drawn as lines; more cannot be told apart.
-MOST_LINES = len(COLORS)
+#: Maximum number of systems drawn as lines.
+MAX_LINES = len(COLORS)
 
 _SETTINGS = {
     "svg.hashsalt": "wmspec",
@@ -43,8 +42,8 @@ _SETTINGS = {
 
 
 @dataclass(frozen=True)
-class Drawn:
-    """A figure: its file's name, its title, how it is read, and the SVG."""
+class SvgFigure:
+    """A figure: file name, title, reading instructions, and SVG."""
 
     name: str
     title: str
@@ -53,33 +52,33 @@ class Drawn:
 
 
 def settings() -> AbstractContextManager[None]:
-    """The context in which figures are made and drawn."""
+    """Return the context in which figures are created and drawn."""
     return mpl.rc_context({"figure.dpi": 100, **_SETTINGS})  # type: ignore[dict-item]
 
 
-def drawn(figure: Figure, name: str, title: str, reading: str) -> Drawn:
-    """A figure as SVG, without the date and the version that matplotlib would write."""
+def to_svg(figure: Figure, name: str, title: str, reading: str) -> SvgFigure:
+    """Return a figure as SVG, without matplotlib's date and version."""
     out = io.StringIO()
     figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches="tight", pad_inches=0.1)
-    return Drawn(name, title, reading, out.getvalue())
+    return SvgFigure(name, title, reading, out.getvalue())
 
 
 def color(system: str, systems: Sequence[str]) -> str:
-    """A system's colour: people are black, what checks the pipeline is grey."""
+    """Return a system's colour: black for people, grey for baselines."""
     if system == PEOPLE:
         return INK
     models = [s for s in systems if s != PEOPLE and s not in BASELINES]
     return COLORS[models.index(system) % len(COLORS)] if system in models else "#a4abb5"
 
 
-def lines(systems: Sequence[str]) -> tuple[str, ...]:
-    """The systems that figures of lines show: people, and the best models, as many as can be told apart."""
+def systems_as_lines(systems: Sequence[str]) -> tuple[str, ...]:
+    """Return the systems shown as lines: people, and as many of the best models as remain distinguishable."""
     models = [s for s in systems if s != PEOPLE and s not in BASELINES]
-    return (*models[:MOST_LINES], *(s for s in systems if s == PEOPLE))
+    return (*models[:MAX_LINES], *(s for s in systems if s == PEOPLE))
 
 
-def percents(axes: Axes, which: str = "x", least: float = 0, most: float = 1) -> None:
-    """An axis of shares, in percent."""
+def format_percent_axis(axes: Axes, which: str = "x", least: float = 0, most: float = 1) -> None:
+    """Format an axis of shares in percent."""
     axis = axes.xaxis if which == "x" else axes.yaxis
     (axes.set_xlim if which == "x" else axes.set_ylim)(least, most)
     axis.set_major_formatter(mpl.ticker.PercentFormatter(1, decimals=0))
@@ -87,28 +86,28 @@ def percents(axes: Axes, which: str = "x", least: float = 0, most: float = 1) ->
     axes.set_axisbelow(True)
 
 
-def whisker(axes: Axes, estimate: Estimate, y: float, color: str) -> None:
-    """The interval of an estimate as a line at a height."""
+def draw_interval(axes: Axes, estimate: Estimate, y: float, color: str) -> None:
+    """Draw the interval of an estimate as a horizontal line."""
     if estimate.low is not None and estimate.high is not None:
         ends = [estimate.low, estimate.high]
         axes.plot(ends, [y, y], color=color, linewidth=2.2, solid_capstyle="round", clip_on=False)
 
 
-def signed(share: float, decimals: int = 1) -> str:
-    """A difference of shares in points, with its sign; 0 has none."""
+def signed_points(share: float, decimals: int = 1) -> str:
+    """Return a difference of shares in points, with its sign; 0 has none."""
     text = f"{100 * share:+.{decimals}f}".replace("-", "−")
     return text if any(digit in text for digit in "123456789") else text[1:]
 
 
-def named(axes: Axes, names: Sequence[str]) -> None:
-    """Names from top to bottom, one a row."""
+def label_rows(axes: Axes, names: Sequence[str]) -> None:
+    """Label rows from top to bottom."""
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.4, -0.6)
     axes.tick_params(axis="y", length=0)
 
 
 def panels(count: int, wide: float, high: float, across: int, **how: object) -> tuple[Figure, list[Axes]]:
-    """A figure of so many panels, each so wide and high (inches), with the rest of the last row left empty."""
+    """Return a figure of `count` panels, each `wide` by `high` (inches), with the rest of the last row empty."""
     across = min(across, count)
     down = -(-count // across)
     figure = Figure(figsize=(wide * across, high * down), layout="constrained")
@@ -119,7 +118,7 @@ def panels(count: int, wide: float, high: float, across: int, **how: object) -> 
 
 
 def legend(figure: Figure, systems: Sequence[str], everyone: Sequence[str], across: int = 5) -> None:
-    """Above all panels: whose colour is which."""
+    """Draw the legend of systems above all panels."""
     handles = [
         mpl.lines.Line2D([], [], color=color(s, everyone), marker="o", markersize=5, linewidth=2, label=s)
         for s in systems

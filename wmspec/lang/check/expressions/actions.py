@@ -1,4 +1,4 @@
-"""What actions do: their verb, whose verb it is, and the values of their arguments and timings."""
+"""Checks actions: verb, acting robot, arguments and timings."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from wmspec.core.diagnostics import suggestion
 from wmspec.core.places import Span
 from wmspec.lang.check.expressions.typed import Failed, Typed
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.tables.verbs import OTHERWISE, ROBOTS, UNAIDED, VERBS, Verb
-from wmspec.lang.check.tables.vocabulary import Slot
+from wmspec.lang.check.tables.verbs import OBJECT_VERBS, ROBOTS, VERB_ALIASES, VERBS, Verb
+from wmspec.lang.check.tables.vocabulary import PropertySpec
 from wmspec.lang.check.types.types import A_LENGTH, A_TIME, ACTION, AN_ANGLE, DIRECTION, OBJECT, ROBOT, Type
 from wmspec.lang.parse import syntax as s
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions
 
 #: The timings of an action, as properties.
-START = Slot((A_TIME,), "when it starts", "0 s", least=0)
-DURATION = Slot((A_TIME,), "how long it lasts", least=0)
+START = PropertySpec((A_TIME,), "when it starts", "0 s", least=0)
+DURATION = PropertySpec((A_TIME,), "how long it lasts", least=0)
 
 
 @dataclass(frozen=True)
-class Act:
-    """An action's verb by name and by row, the robot that acts (none for the verbs of objects), and the call."""
+class ResolvedAction:
+    """A resolved action: its verb by name and table row, its robot (empty for verbs of objects), and the call."""
 
     name: str
     verb: Verb
@@ -32,14 +32,14 @@ class Act:
     call: s.Call
 
     @property
-    def slots(self) -> dict[str, Slot]:
-        """What a counterfactual can change: arguments and timings."""
+    def slots(self) -> dict[str, PropertySpec]:
+        """Arguments and timings, which counterfactuals can change."""
         timings = {"start": START} | ({"duration": DURATION} if self.verb.lasts else {})
         return self.verb.arguments | timings
 
     @property
     def assigned(self) -> list[tuple[str, s.Argument]]:
-        """Every argument that is given with its name; without one if the verb does not know it."""
+        """Every argument with its parameter name, empty if the verb has no such parameter."""
         names = list(self.verb.arguments)
         arguments = []
         for i, argument in enumerate(self.call.arguments):
@@ -48,95 +48,95 @@ class Act:
         return arguments
 
     @property
-    def strange(self) -> bool:
-        """Whether an argument is given that the verb does not know: one of its own may be meant by that."""
+    def has_unknown_property(self) -> bool:
+        """Whether an argument is unknown to the verb: it may be a misspelled one."""
         return any(not name for name, _ in self.assigned)
 
     @property
     def written(self) -> dict[str, s.Argument]:
-        """The arguments by name, of two that are alike the first."""
+        """The arguments by name; of duplicates the first."""
         return {name: argument for name, argument in reversed(self.assigned) if name}
 
 
-def act(check: Expressions, action: s.Action) -> Act:
-    """What an action does, or a complaint."""
+def resolve_action(check: Expressions, action: s.Action) -> ResolvedAction:
+    """Return the resolved action, or report an error."""
     call = action.call
     if not isinstance(call, s.Call) or not isinstance(call.function, s.Name | s.Member):
         check.fail("WMS204", "an action is a verb with its arguments", call.span, "write `launch(ball, ...)`")
     if isinstance(call.function, s.Member):
-        return _robots(check, call, call.function)
+        return _resolve_robot_verb(check, call, call.function)
     name = call.function.id
     if name not in VERBS:
         able = [f"{'an' if model[0] in 'aeiou' else 'a'} {model}" for model, verbs in ROBOTS.items() if name in verbs]
-        hint = f"did you mean `{OTHERWISE[name]}`?" if name in OTHERWISE else suggestion(name, VERBS)
+        hint = f"did you mean `{VERB_ALIASES[name]}`?" if name in VERB_ALIASES else suggestion(name, VERBS)
         if able:
             hint = f"robots can: `ROBOT.{name}(...)` of {' or '.join(able)}"
-            hint += f"; nobody is needed for `{UNAIDED[name]}(...)`" if name in UNAIDED else ""
+            hint += f"; nobody is needed for `{OBJECT_VERBS[name]}(...)`" if name in OBJECT_VERBS else ""
         check.fail("WMS204", f"there is no verb `{name}`", call.function.span, hint)
-    return Act(name, VERBS[name], "", call)
+    return ResolvedAction(name, VERBS[name], "", call)
 
 
-def _robots(check: Expressions, call: s.Call, function: s.Member) -> Act:
-    """A robot's verb."""
+def _resolve_robot_verb(check: Expressions, call: s.Call, function: s.Member) -> ResolvedAction:
+    """Resolve a robot's verb."""
     who = check.infer(function.value, (ROBOT,))
     if who.type == OBJECT and function.name.id in VERBS:
         known = (x for x in call.arguments if x.name is None or x.name.id in VERBS[function.name.id].arguments)
         remedy = f"write `{function.name.id}({', '.join(x.span.text for x in (function.value, *known))})`"
-        check.fail("WMS204", "only a robot does something itself, and this is an object", function.span, remedy)
-    who = check.value(function.value, (ROBOT,), "whoever acts")
+        check.fail("WMS204", "only robots have verbs, and this is an object", function.span, remedy)
+    who = check.value(function.value, (ROBOT,), "the actor")
     if not isinstance(who.expr, ir.Value):
-        remedy = "write an action for each robot; what it does, and when, may depend on factors"
-        check.fail("WMS302", "which robot acts is a constant", function.value.span, remedy)
+        remedy = "write an action for each robot; its arguments and times may depend on factors"
+        check.fail("WMS302", "the acting robot must be constant", function.value.span, remedy)
     robot = check.scope.names[str(who.expr.value)]
     assert isinstance(robot, s.Block)
-    if robot.model is None or robot.model.id not in ROBOTS:  # which was reported
+    if robot.model is None or robot.model.id not in ROBOTS:  # already reported
         raise Failed
     verbs = ROBOTS[robot.model.id]
     name = function.name.id
     if name not in verbs:
         message = f"`{robot.name.id}` has no verb `{name}`"
         check.fail("WMS204", message, function.name.span, suggestion(name, verbs))
-    return Act(name, verbs[name], robot.name.id, call)
+    return ResolvedAction(name, verbs[name], robot.name.id, call)
 
 
 def named(check: Expressions, name: str) -> s.Action:
-    """The action of this name."""
+    """Return the action of this name."""
     action = check.scope.names[name]
     assert isinstance(action, s.Action)
     return action
 
 
 def property_(check: Expressions, name: str, member: s.Name) -> Typed:
-    """`push.speed`: an argument or timing of an action as a value."""
+    """Return `push.speed`, an argument or timing of an action, as a value."""
     action = named(check, name)
     slot = slot_of(check, name, member)
     expr = ir.Property(owner=ir.Value(value=name), name=member.id)
-    does = act(check, action)
+    does = resolve_action(check, action)
     if member.id in ("start", "duration"):
         return Typed(expr, A_TIME)
     if member.id not in does.written:
-        if slot.default is None and does.strange:
+        if slot.default is None and does.has_unknown_property:
             raise Failed
         if slot.default is None:
-            check.fail("WMS206", f"`{name}` does not say its {member.id}", member.span, f"add `{member.id}:` to it")
+            check.fail("WMS206", f"`{name}` has no {member.id}", member.span, f"add `{member.id}:` to it")
         return Typed(expr, slot.types[0])
     kind = argument(check, action, does, member.id).type
     return Typed(expr, AN_ANGLE if kind == DIRECTION and AN_ANGLE in slot.types else kind)
 
 
-def slot_of(check: Expressions, name: str, member: s.Name) -> Slot:
-    """The row of an action's argument or timing, or a complaint."""
-    does = act(check, named(check, name))
+def slot_of(check: Expressions, name: str, member: s.Name) -> PropertySpec:
+    """Return the table row of an action's argument or timing, or report an error."""
+    does = resolve_action(check, named(check, name))
     if member.id not in does.slots:
         if member.id == "duration":
-            check.fail("WMS203", f"`{does.name}` happens at once and has no duration", member.span)
+            check.fail("WMS203", f"`{does.name}` is instantaneous and has no duration", member.span)
         hint = suggestion(member.id, does.slots)
         check.fail("WMS203", f"`{does.name}` has no property `{member.id}`", member.span, hint)
     return does.slots[member.id]
 
 
-def argument(check: Expressions, action: s.Action, does: Act, name: str) -> Typed:
-    """The value of a written argument."""
+def argument(check: Expressions, action: s.Action, does: ResolvedAction, name: str) -> Typed:
+    """Return the value of a written argument."""
     written = does.written[name]
     slot = does.verb.arguments[name]
 
@@ -144,16 +144,18 @@ def argument(check: Expressions, action: s.Action, does: Act, name: str) -> Type
         check.subject = subject(check, action, does) if name != "object" else None
         return check.value(written.value, _types(check, action, does, name, slot), f"`{name}`")
 
-    return check.once((action.name.id, name), written.span, make)
+    return check.memoized((action.name.id, name), written.span, make)
 
 
-def subject(check: Expressions, action: s.Action, does: Act) -> ir.Expr | None:
-    """The object that an action moves, from which `toward` looks."""
+def subject(check: Expressions, action: s.Action, does: ResolvedAction) -> ir.Expr | None:
+    """Return the object that an action moves, the origin of `toward`."""
     return argument(check, action, does, "object").expr if "object" in does.written else None
 
 
-def _types(check: Expressions, action: s.Action, does: Act, name: str, slot: Slot) -> tuple[Type, ...]:
-    """The types that an argument takes: how far a joint is moved is as the joint says."""
+def _types(
+    check: Expressions, action: s.Action, does: ResolvedAction, name: str, slot: PropertySpec
+) -> tuple[Type, ...]:
+    """Return the types that an argument accepts; the amount of a joint's motion depends on the joint."""
     if name not in ("target", "far") or "joint" not in does.written:
         return slot.types
     joint = argument(check, action, does, "joint").expr
@@ -164,25 +166,25 @@ def _types(check: Expressions, action: s.Action, does: Act, name: str, slot: Slo
 
 
 def start(check: Expressions, action: s.Action) -> tuple[Typed, Span]:
-    """When an action starts, and where that is said: `at` a time, `after` another action ends, `with` its beginning."""
+    """Return the start of an action and its source: `at` a time, `after` an action's end, `with` its start."""
     timing = next((t for t in reversed(action.timings) if t.kind != "for"), None)
     if timing is None:
         return Typed(ir.Value(value=0.0), A_TIME), action.name.span
     span = timing.value.span
     if timing.kind == "at":
         return check.value(timing.value, (A_TIME,), "`at`"), span
-    return check.once((action.name.id, timing.kind), span, lambda: _relative(check, timing)), span
+    return check.memoized((action.name.id, timing.kind), span, lambda: _relative(check, timing)), span
 
 
 def _relative(check: Expressions, timing: s.Timing) -> Typed:
-    """The start of an action that is timed by another."""
+    """Return the start of an action that is timed by another."""
     other = check.value(timing.value, (ACTION,), f"`{timing.kind}`").expr
     if not isinstance(other, ir.Value):
-        check.fail("WMS302", "which action is meant is a constant", timing.value.span)
+        check.fail("WMS302", "the action must be constant", timing.value.span)
     begin = ir.Property(owner=other, name="start")
     declared = named(check, str(other.value))
-    start(check, declared)  # to find circles
-    if timing.kind == "with" or not act(check, declared).verb.lasts:
+    start(check, declared)  # detects cycles
+    if timing.kind == "with" or not resolve_action(check, declared).verb.lasts:
         return Typed(begin, A_TIME)
     duration = ir.Property(owner=other, name="duration")
     return Typed(ir.Operation(operator="+", operands=(begin, duration)), A_TIME)

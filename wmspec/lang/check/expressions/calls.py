@@ -1,4 +1,4 @@
-"""Calls of functions: their arguments, in order and by name, and what they give."""
+"""Checks function calls: positional and named arguments, and result types."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import suggestion
 from wmspec.core.places import Span
-from wmspec.lang.check.expressions.typed import Failed, Typed, constant, fits, joined
+from wmspec.lang.check.expressions.typed import Failed, Typed, common_type, constant, fits
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.ir.evaluate import parts
-from wmspec.lang.check.tables.functions import FUNCTIONS, OTHERWISE, Function
+from wmspec.lang.check.ir.evaluate import subexpressions
+from wmspec.lang.check.tables.functions import FUNCTION_ALIASES, FUNCTIONS, Function
 from wmspec.lang.check.tables.verbs import VERBS
 from wmspec.lang.check.tables.vocabulary import JOINTS
 from wmspec.lang.check.types.types import (
@@ -33,66 +33,66 @@ from wmspec.lang.parse import syntax as s
 if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions
 
-#: What stands for several types in the table of functions.
-_MEANT: dict[Type, tuple[Type, ...]] = {COUNTED: (List(OBJECT), List(TRUTH)), VIEWER: (CAMERA, OBJECT)}
+#: Parameter types of the function table that stand for several types.
+_TYPE_ALIASES: dict[Type, tuple[Type, ...]] = {COUNTED: (List(OBJECT), List(TRUTH)), VIEWER: (CAMERA, OBJECT)}
 
-#: How what is no quantity becomes one.
+#: How to turn a value of another type into a quantity.
 _AS_QUANTITY: dict[Type, str] = {
     List(TRUTH): "write `count(...)` to count those that hold",
-    OBJECT: "say what is measured of it, as in `height(...)`",
-    List(OBJECT): "say what is measured of them, as in `height(...)`; `count(...)` is how many there are",
-    JOINT: "say what is measured of it: `angle(...)` of a hinge, `extension(...)` of a slider",
-    List(JOINT): "say what is measured of them: `angle(...)` of hinges, `extension(...)` of sliders",
+    OBJECT: "measure it, as in `height(...)`",
+    List(OBJECT): "measure them, as in `height(...)`; `count(...)` is how many there are",
+    JOINT: "measure it: `angle(...)` of a hinge, `extension(...)` of a slider",
+    List(JOINT): "measure them: `angle(...)` of hinges, `extension(...)` of sliders",
 }
 
-#: The measures of joints: of which kind of joint each is, and that of the other kind.
-MOVES = {"angle": ("hinge", "extension"), "extension": ("slider", "angle")}
+#: Measures of joints: the joint kind of each, and the measure of the other kind.
+JOINT_MEASURES = {"angle": ("hinge", "extension"), "extension": ("slider", "angle")}
 
 
 def call(check: Expressions, e: s.Call) -> Typed:
-    """A function of arguments. An option that is given follows the other arguments in the IR."""
+    """Check a function call. In the IR, options follow the other arguments."""
     name, function = _function(check, e)
     if function.measured and not check.measured:
-        check.fail("WMS303", f"`{name}` is measured on the executed episode; here it is still being described",
+        check.fail("WMS303", f"`{name}` is measured on the executed episode, and this describes the episode",
                    e.span, "use it in `answer`, `ensure` or `margin`")  # fmt: skip
     positional = [a for a in e.arguments if a.name is None]
     least = len(function.parameters)
     if len(positional) != least and not (function.repeated and len(positional) >= least):
         check.fail("WMS205", f"`{name}` takes {_many(function)}, not {len(positional)}", e.span,
                    f"write `{signature(name, function)}`")  # fmt: skip
-    wanted = function.parameters + function.parameters[-1:] * (len(positional) - least)
-    given = [_argument(check, name, a, kind) for a, kind in zip(positional, wanted, strict=True)]
+    expected = function.parameters + function.parameters[-1:] * (len(positional) - least)
+    given = [_argument(check, name, a, kind) for a, kind in zip(positional, expected, strict=True)]
     if function.repeated:
-        given = _pooled(check, name, positional, given)
+        given = _flattened(check, name, positional, given)
     options = _options(check, e, name, function)
-    each = _each(check, name, function, positional, given)
+    each = _list_argument(check, name, function, positional, given)
     if each is not None:
         given[each] = Typed(given[each].expr, _item(given[each].type))
     arguments = tuple(g.expr for g in given)
     if name == "toward":
         if check.subject is None:
-            check.fail("WMS205", "`toward` needs an acting object: it is for the arguments of actions", e.span)
+            check.fail("WMS205", "`toward` needs an acting object: it is allowed in the arguments of actions", e.span)
         arguments = (check.subject, *arguments)
-    _unlike(check, name, arguments, positional[-1].span if positional else e.span)
+    _check_distinct(check, name, arguments, positional[-1].span if positional else e.span)
     kind = _result(check, name, function, positional, given)
-    if kind == OBJECT and options:  # of equals it gives `neither`
+    if kind == OBJECT and options:  # ties yield `neither`
         kind = LABEL
     if JOINT in function.parameters:
-        _moves(check, name, positional[0], given[0])
+        _check_joint_measure(check, name, positional[0], given[0])
     expr = ir.Call(function=name, arguments=arguments, options=options, each=each)
     return Typed(expr, kind if each is None else List(kind))
 
 
-def _pooled(check: Expressions, name: str, written: list[s.Argument], given: list[Typed]) -> list[Typed]:
-    """Quantities and lists of them as what a function of several is of; one alone is a mistake."""
+def _flattened(check: Expressions, name: str, written: list[s.Argument], given: list[Typed]) -> list[Typed]:
+    """Flatten quantities and lists of quantities for a function of several; a single quantity is an error."""
     if len(given) == 1 and not isinstance(given[0].type, List):
         remedy = f"give it several, as in `{name}(a, b)`, or a list"
-        check.fail("WMS205", f"`{name}` is of several quantities, and this is one", written[0].span, remedy)
+        check.fail("WMS205", f"`{name}` needs several quantities, and this is one", written[0].span, remedy)
     return [Typed(g.expr, _item(g.type)) if isinstance(g.type, List) else g for g in given]
 
 
-def _unlike(check: Expressions, name: str, arguments: tuple[ir.Expr, ...], span: Span) -> None:
-    """Complain of a thing that is to be measured against itself."""
+def _check_distinct(check: Expressions, name: str, arguments: tuple[ir.Expr, ...], span: Span) -> None:
+    """Report a comparison of an object with itself."""
     if len(arguments) < 2 or not isinstance(arguments[0], ir.Value) or not isinstance(arguments[0].value, str):
         return
     second = arguments[1]
@@ -104,26 +104,26 @@ def _unlike(check: Expressions, name: str, arguments: tuple[ir.Expr, ...], span:
 def _function(check: Expressions, e: s.Call) -> tuple[str, Function]:
     if not isinstance(e.function, s.Name) or e.function.id not in FUNCTIONS:
         shown = e.function.span.text
-        check.fail("WMS204", f"there is no function `{shown}`", e.function.span, _instead(e, shown))
+        check.fail("WMS204", f"there is no function `{shown}`", e.function.span, _remedy(e, shown))
     return e.function.id, FUNCTIONS[e.function.id]
 
 
-def _instead(e: s.Call, shown: str) -> str:
-    """What to write for a function that there is not: `ball.contact(box)` begins with its function."""
+def _remedy(e: s.Call, shown: str) -> str:
+    """Return the remedy for an unknown function: `ball.contact(box)` begins with its function."""
     if isinstance(e.function, s.Member):
-        name = OTHERWISE.get(e.function.name.id, e.function.name.id)
+        name = FUNCTION_ALIASES.get(e.function.name.id, e.function.name.id)
         if name in FUNCTIONS:
             return f"write `{name}({', '.join(x.span.text for x in (e.function.value, *e.arguments))})`"
     if isinstance(e.function, s.Member) or shown in VERBS:
         return "a verb stands in an action: `action NAME = ...`"
-    if (other := OTHERWISE.get(shown)) is not None:
+    if (other := FUNCTION_ALIASES.get(shown)) is not None:
         return f"did you mean `{other}`?" if other in FUNCTIONS else other
     return suggestion(shown, FUNCTIONS)
 
 
 def _result(check: Expressions, name: str, function: Function, written: list[s.Argument], given: list[Typed]) -> Type:
     if function.result == QUANTITY:
-        return _common(check, name, written, given)
+        return _common_type(check, name, written, given)
     if function.result == ITEM:
         items = given[0].type
         assert isinstance(items, List)
@@ -132,23 +132,27 @@ def _result(check: Expressions, name: str, function: Function, written: list[s.A
     return function.result
 
 
-def _each(
+def _list_argument(
     check: Expressions, name: str, function: Function, written: list[s.Argument], given: list[Typed]
 ) -> int | None:
-    """The argument that is a list where one is wanted: what is said then holds of each of its items."""
-    lists = [i for i, typed in enumerate(given) if _listed(function, i) and isinstance(typed.type, List)]
+    """Return the index of a list argument in place of a single value; the result then holds for each item."""
+    lists = [i for i, typed in enumerate(given) if _accepts_list(function, i) and isinstance(typed.type, List)]
     if len(lists) > 1:
-        check.fail("WMS302", f"`{name}` is measured of each item of one list, and this is a second",
+        check.fail("WMS302", f"`{name}` maps over one list, and this is a second",
                    written[lists[1]].span, "name one thing here")  # fmt: skip
     return lists[0] if lists else None
 
 
-def _listed(function: Function, i: int) -> bool:
-    """Whether a list may stand for the parameter of that number: one thing is wanted, and there are many results."""
-    return not function.repeated and function.parameters[i] in (OBJECT, JOINT, QUANTITY) and _spread(function.result)
+def _accepts_list(function: Function, i: int) -> bool:
+    """Whether parameter `i` accepts a list of values, with one result for each."""
+    return (
+        not function.repeated
+        and function.parameters[i] in (OBJECT, JOINT, QUANTITY)
+        and _maps_over_lists(function.result)
+    )
 
 
-def _spread(result: Type) -> bool:
+def _maps_over_lists(result: Type) -> bool:
     return result in (TRUTH, QUANTITY) or isinstance(result, Quantity | Word)
 
 
@@ -158,20 +162,22 @@ def _item(kind: Type) -> Type:
     return kind.item
 
 
-def _moves(check: Expressions, name: str, written: s.Argument, joint: Typed) -> None:
-    """Complain of a joint that has no such measure: hinges have angles, and sliders extensions."""
-    for part in parts(joint.expr):
+def _check_joint_measure(check: Expressions, name: str, written: s.Argument, joint: Typed) -> None:
+    """Report a measure that the joint lacks: hinges have angles, sliders extensions."""
+    for part in subexpressions(joint.expr):
         block = check.scope.names.get(str(part.value)) if isinstance(part, ir.Value) else None
         if not isinstance(block, s.Block) or block.model is None or block.kind != "joint":
             continue
-        kind, (wanted, other) = block.model.id, MOVES[name]
-        if kind not in JOINTS:  # which was reported
+        kind, (expected, other) = block.model.id, JOINT_MEASURES[name]
+        if kind not in JOINTS:  # already reported
             raise Failed
-        if kind != wanted:
+        if kind != expected:
             remedy = (
-                f"write `{other}({written.span.text})`" if kind == MOVES[other][0] else "ask of a body that it moves"
+                f"write `{other}({written.span.text})`"
+                if kind == JOINT_MEASURES[other][0]
+                else "measure a body that it moves"
             )
-            what = f"`{name}` is of a {wanted}, and `{written.span.text}` is a {kind} joint"
+            what = f"`{name}` is of a {expected}, and `{written.span.text}` is a {kind} joint"
             check.fail("WMS302", what, written.span, remedy)
 
 
@@ -179,10 +185,12 @@ def _argument(check: Expressions, function: str, argument: s.Argument, kind: Typ
     if kind == List(ITEM):
         typed = check.infer(argument.value)
         if not isinstance(typed.type, List) or typed.type.item is None:
-            check.fail("WMS302", f"`{function}` wants a list of items to choose from", argument.span, "write `[a, b]`")
+            check.fail(
+                "WMS302", f"`{function}` expects a list of items to choose from", argument.span, "write `[a, b]`"
+            )
         return typed
-    if kind in _MEANT:
-        return check.value(argument.value, _MEANT[kind], f"`{function}`")
+    if kind in _TYPE_ALIASES:
+        return check.value(argument.value, _TYPE_ALIASES[kind], f"`{function}`")
     if kind != QUANTITY:
         return _one_or_each(check, function, argument, kind)
     typed = check.infer(argument.value)
@@ -190,29 +198,29 @@ def _argument(check: Expressions, function: str, argument: s.Argument, kind: Typ
     if not isinstance(item, Quantity):
         what = article(str(typed.type))
         remedy = _AS_QUANTITY.get(typed.type, "")
-        check.fail("WMS302", f"`{function}` wants quantities, but this is {what}", argument.span, remedy)
+        check.fail("WMS302", f"`{function}` expects quantities, found {what}", argument.span, remedy)
     return typed
 
 
 def _one_or_each(check: Expressions, function: str, argument: s.Argument, kind: Type) -> Typed:
-    """An argument of a type, or a list of objects or joints where one is wanted and the function may be of each."""
-    if kind not in (OBJECT, JOINT) or not _spread(FUNCTIONS[function].result):
+    """Check an argument of a type, or a list of objects or joints if the function maps over lists."""
+    if kind not in (OBJECT, JOINT) or not _maps_over_lists(FUNCTIONS[function].result):
         return check.value(argument.value, (kind,), f"`{function}`")
     typed = check.infer(argument.value, (kind,))
     if fits(typed.type, List(kind)) and typed.type != List(None):
         return Typed(typed.expr, List(kind))
     if not fits(typed.type, kind):
-        check.misfit(argument.value, typed.type, (kind,), f"`{function}`")
+        check.type_mismatch(argument.value, typed.type, (kind,), f"`{function}`")
     return Typed(typed.expr, kind)
 
 
-def _common(check: Expressions, function: str, written: list[s.Argument], given: list[Typed]) -> Type:
-    """The kind that quantities have in common."""
+def _common_type(check: Expressions, function: str, written: list[s.Argument], given: list[Typed]) -> Type:
+    """Return the common type of quantities."""
     kind = given[0].type
     for argument, typed in zip(written[1:], given[1:], strict=True):
-        common = joined(kind, typed.type)
+        common = common_type(kind, typed.type)
         if common is None:
-            check.misfit(argument.value, typed.type, (kind,), f"`{function}`, like its first argument,")
+            check.type_mismatch(argument.value, typed.type, (kind,), f"`{function}`, like its first argument,")
         kind = common
     return kind
 
@@ -232,26 +240,28 @@ def _options(check: Expressions, e: s.Call, name: str, function: Function) -> tu
         if option.id in given:
             check.fail("WMS205", f"`{option.id}` is given twice", argument.span, "remove one")
         kind = function.options[option.id]
-        given[option.id] = check.value(argument.value, _MEANT.get(kind, (kind,)), f"`{option.id}`").expr
+        given[option.id] = check.value(argument.value, _TYPE_ALIASES.get(kind, (kind,)), f"`{option.id}`").expr
         spans[option.id] = argument.span
-    _in_order(check, name, given, spans)
+    _check_time_span(check, name, given, spans)
     return tuple(ir.Option(name=option, value=given[option]) for option in function.options if option in given)
 
 
-def _in_order(check: Expressions, name: str, given: dict[str, ir.Expr], spans: dict[str, Span]) -> None:
-    """Complain of a time beside a span of time, and of a span that ends before it begins."""
+def _check_time_span(check: Expressions, name: str, given: dict[str, ir.Expr], spans: dict[str, Span]) -> None:
+    """Report a time next to a time span, and a span that ends before it begins."""
     if "at" in given and (span := spans.get("from", spans.get("to"))):
-        check.fail("WMS205", f"`{name}` is measured at a time or during a span, not both", span, "remove it, or `at`")
+        check.fail(
+            "WMS205", f"`{name}` is measured at a time or over a time span, not both", span, "remove it, or `at`"
+        )
     start, stop = (constant(given[option]) if option in given else None for option in ("from", "to"))
     if start is not None and stop is not None and start >= stop:
-        check.fail("WMS304", "this span of time ends before it begins", spans["to"], "let `to` be later than `from`")
+        check.fail("WMS304", "this time span ends before it begins", spans["to"], "let `to` be later than `from`")
     for option in ("at", "from", "to"):
         if option in given and (time := constant(given[option])) is not None and time < 0:
             check.fail("WMS304", "no time of an episode is before 0 s", spans[option], "make it 0 s or later")
 
 
 def signature(name: str, function: Function) -> str:
-    """How a function is called, with the kinds of its arguments, for messages and the reference."""
+    """Return the signature of a function, with parameter types, for messages and the reference."""
     parameters = [str(p) for p in function.parameters]
     more = ["..."] * function.repeated
     options = [f"{option}: {kind}" for option, kind in function.options.items()]

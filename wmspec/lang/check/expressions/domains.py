@@ -1,4 +1,4 @@
-"""Checking domains: lists, ranges, intervals, products, distributions, and choices between them."""
+"""Checks domains: lists, ranges, intervals, products, distributions, and conditional domains."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from itertools import product
 from wmspec.core.diagnostics import Note, suggestion
 from wmspec.core.places import Span
 from wmspec.lang.check.expressions.expressions import Expressions
-from wmspec.lang.check.expressions.lists import MOST_VALUES
-from wmspec.lang.check.expressions.typed import constant, joined
+from wmspec.lang.check.expressions.lists import MAX_VALUES
+from wmspec.lang.check.expressions.typed import common_type, constant
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.tables.functions import DRAWN, FUNCTIONS
+from wmspec.lang.check.tables.functions import DOMAIN_REMEDIES, FUNCTIONS
 from wmspec.lang.check.types.types import A_NUMBER, TRUTH, List, Quantity, Type, Vector, article
 from wmspec.lang.parse import syntax as s
 
 Level = ir.Level
-#: A condition as it was written, and whether it must hold or must not.
+#: A condition as written, and whether it must be true or false.
 Condition = tuple[s.Expr, bool]
 
 _WRITE = "write `[a, b, c]`, `a .. b by c` or `a .. b in 5`"
 
 
 @dataclass(frozen=True)
-class Option:
-    """A value of a domain, where it was written, the conditions under which it can be chosen, and what it is called."""
+class DomainValue:
+    """A value of a domain: its span, the conditions under which it is available, and its label."""
 
     value: Level
     span: Span
@@ -35,43 +35,46 @@ class Option:
 
 
 @dataclass(frozen=True)
-class Written:
-    """A domain as it was written: separate `options`, perhaps with `weights`, or a continuous `spread`."""
+class WrittenDomain:
+    """A domain as written: separate `options`, perhaps with `weights`, or a continuous `spread`."""
 
     type: Type
-    options: tuple[Option, ...] = ()
+    options: tuple[DomainValue, ...] = ()
     weights: tuple[float, ...] | None = None
     spread: ir.Interval | ir.Normal | None = None
 
     @property
     def conditional(self) -> bool:
-        """Whether there are values that are not always there."""
+        """Whether some values are available only under conditions."""
         return any(option.when for option in self.options)
 
 
-def read(check: Expressions, e: s.Expr) -> Written:
-    """A domain with the type of its values. Conditions are not looked at yet: they may be about any other factor."""
+def read_domain(check: Expressions, e: s.Expr) -> WrittenDomain:
+    """Return a domain with the type of its values. Conditions are checked later: they may refer to any other factor."""
     match e:
         case s.Operation(operator="if"):
-            return _either(check, e)
+            return _conditional(check, e)
         case s.Call(function=s.Name(id=name)) if name in FORMS:
             return FORMS[name](check, e)
         case s.Call(function=s.Name(id=name)) if name not in FUNCTIONS:
             check.fail(
-                "WMS204", f"there is no domain `{name}`", e.function.span, DRAWN.get(name) or suggestion(name, FORMS)
+                "WMS204",
+                f"there is no domain `{name}`",
+                e.function.span,
+                DOMAIN_REMEDIES.get(name) or suggestion(name, FORMS),
             )
         case s.Range(step=None, count=None):
             return _interval(check, e)
         case s.Name(id=name) if isinstance(let := check.scope.names.get(name), s.Let):
-            check.infer(e)  # complains about a circle
-            return read(check, let.value)
+            check.infer(e)  # reports a cycle
+            return read_domain(check, let.value)
     return _list(check, e)
 
 
-def _list(check: Expressions, e: s.Expr) -> Written:
+def _list(check: Expressions, e: s.Expr) -> WrittenDomain:
     names: tuple[str, ...] = ()
     if isinstance(e, s.Items) and any(isinstance(item, s.Called) for item in e.items):
-        names = tuple(_names(check, e.items))
+        names = tuple(_labels(check, e.items))
         e = replace(e, items=tuple(item.value if isinstance(item, s.Called) else item for item in e.items))
     typed = check.infer(e)
     if not isinstance(typed.type, List):
@@ -82,15 +85,15 @@ def _list(check: Expressions, e: s.Expr) -> Written:
         check.fail("WMS401", "the values of a domain are constants", e.span, "write them out")
     spans = [item.span for item in e.items] if isinstance(e, s.Items) else [e.span] * len(typed.expr.items)
     values = zip(typed.expr.items, spans, strict=True)
-    options = tuple(Option(_level(check, expr, span), span) for expr, span in values)
+    options = tuple(DomainValue(_level(check, expr, span), span) for expr, span in values)
     options = tuple(replace(o, name=n) for o, n in zip(options, names or [""] * len(options), strict=True))
     if isinstance(e, s.Items):
-        _no_value_twice(check, options)
-    return Written(typed.type.item, options)
+        _check_unique_values(check, options)
+    return WrittenDomain(typed.type.item, options)
 
 
-def _names(check: Expressions, items: tuple[s.Expr, ...]) -> Iterator[str]:
-    """What the values are called: each something else."""
+def _labels(check: Expressions, items: tuple[s.Expr, ...]) -> Iterator[str]:
+    """Yield the labels of the values, which must be distinct."""
     first: dict[str, Span] = {}
     for item in items:
         if not isinstance(item, s.Called):
@@ -98,10 +101,10 @@ def _names(check: Expressions, items: tuple[s.Expr, ...]) -> Iterator[str]:
             check.fail("WMS401", what, item.span, f'write `{item.span.text} called "..."`')
         name = item.text.value
         if not name.strip():
-            check.fail("WMS401", "this name is empty", item.text.span, "say what the value is called")
+            check.fail("WMS401", "this name is empty", item.text.span, "give the value a name")
         if name in first:
             notes = (Note("it is here first", first[name]),)
-            check.fail("WMS401", f'two values are called "{name}"', item.text.span, "call one otherwise", notes)
+            check.fail("WMS401", f'two values are named "{name}"', item.text.span, "call one otherwise", notes)
         first[name] = item.text.span
         yield name
 
@@ -115,7 +118,7 @@ def _level(check: Expressions, expr: ir.Expr, span: Span) -> Level:
     return _number(check, expr, span)
 
 
-def _no_value_twice(check: Expressions, options: tuple[Option, ...]) -> None:
+def _check_unique_values(check: Expressions, options: tuple[DomainValue, ...]) -> None:
     seen: dict[Level, Span] = {}
     for option in options:
         if option.value in seen:
@@ -124,7 +127,7 @@ def _no_value_twice(check: Expressions, options: tuple[Option, ...]) -> None:
         seen[option.value] = option.span
 
 
-def _interval(check: Expressions, e: s.Range) -> Written:
+def _interval(check: Expressions, e: s.Range) -> WrittenDomain:
     typed = check.infer(e)
     assert isinstance(typed.type, List)
     assert isinstance(typed.expr, ir.Items)
@@ -132,7 +135,7 @@ def _interval(check: Expressions, e: s.Range) -> Written:
     low, high = (_number(check, end, e.span) for end in typed.expr.items)
     if high < low:
         check.fail("WMS401", "this interval is empty: it goes up from its start to its end", e.span)
-    return Written(typed.type.item, spread=ir.Interval(low=low, high=high))
+    return WrittenDomain(typed.type.item, spread=ir.Interval(low=low, high=high))
 
 
 def _number(check: Expressions, expr: ir.Expr, span: Span) -> float:
@@ -144,45 +147,45 @@ def _number(check: Expressions, expr: ir.Expr, span: Span) -> float:
         check.fail("WMS401", "the values of a domain are constants", span, "write them out")
     what = f"the values of a domain are constants, and `{span.text}` is none"
     notes = (Note("declared here", declared.name.span),)
-    check.fail("WMS401", what, span, "write the values out, or call what is declared otherwise", notes)
+    check.fail("WMS401", what, span, "write the values out, or rename the declaration", notes)
 
 
 # ---------------------------------------------------------------- choices between domains
 
 
-def _either(check: Expressions, e: s.Operation) -> Written:
-    """`if CONDITION then DOMAIN else DOMAIN`: the values of both, each with its condition."""
+def _conditional(check: Expressions, e: s.Operation) -> WrittenDomain:
+    """Check `if CONDITION then DOMAIN else DOMAIN`: the values of both, each with its condition."""
     condition, *branches = e.operands
     yes, no = (_separate(check, branch, "a choice between domains") for branch in branches)
-    kind = joined(yes.type, no.type)
+    kind = common_type(yes.type, no.type)
     if kind is None:
-        check.misfit(branches[1], no.type, (yes.type,), "`else`, like its `then`,")
+        check.type_mismatch(branches[1], no.type, (yes.type,), "`else`, like its `then`,")
     options = [
         replace(option, when=((condition, holds), *option.when))
         for written, holds in ((yes, True), (no, False))
         for option in written.options
     ]
-    return Written(kind, tuple(options))
+    return WrittenDomain(kind, tuple(options))
 
 
-def _separate(check: Expressions, e: s.Expr, what: str) -> Written:
-    """A domain of separate values, each as likely as any other."""
-    written = read(check, e)
+def _separate(check: Expressions, e: s.Expr, what: str) -> WrittenDomain:
+    """Check a domain of separate, equally likely values."""
+    written = read_domain(check, e)
     if written.spread is not None or written.weights is not None:
         check.fail("WMS401", f"{what} takes lists and ranges of separate values", e.span, _WRITE)
     return written
 
 
-def conditions(check: Expressions, written: Written) -> tuple[tuple[Level, ir.Expr], ...]:
-    """The different values of a domain in order, each with the condition under which it can be chosen."""
+def conditions(check: Expressions, written: WrittenDomain) -> tuple[tuple[Level, ir.Expr], ...]:
+    """Return the distinct values of a domain in order, each with its condition."""
     ways_of: dict[Level, list[ir.Expr]] = {}
     for option in written.options:
         ways_of.setdefault(option.value, []).append(_all(check, option.when))
     return tuple((value, _operation("or", ways)) for value, ways in ways_of.items())
 
 
-def names(written: Written) -> tuple[str, ...] | None:
-    """What the different values of a domain are called, in the order of the values; None if they have no names."""
+def labels(written: WrittenDomain) -> tuple[str, ...] | None:
+    """Return the labels of the distinct values, in order, or None if they have none."""
     called: dict[Level, str] = {}
     for option in written.options:
         called.setdefault(option.value, option.name)
@@ -204,53 +207,53 @@ def _operation(operator: str, operands: list[ir.Expr]) -> ir.Expr:
 # ---------------------------------------------------------------- products and distributions
 
 
-def _product(check: Expressions, e: s.Call) -> Written:
-    """Every point whose coordinates are from the lists."""
+def _product(check: Expressions, e: s.Call) -> WrittenDomain:
+    """Check a Cartesian product of coordinate lists."""
     arguments = _arguments(check, e, (2, 3), "a list for each coordinate")
     lists = [_separate(check, a, "`product`") for a in arguments]
     kind = lists[0].type
     for written, argument in zip(lists, arguments, strict=True):
-        common = joined(kind, written.type)
+        common = common_type(kind, written.type)
         if not isinstance(common, Quantity):
-            wanted = kind if isinstance(kind, Quantity) else A_NUMBER
-            check.misfit(argument, written.type, (wanted,), "`product`")
+            expected = kind if isinstance(kind, Quantity) else A_NUMBER
+            check.type_mismatch(argument, written.type, (expected,), "`product`")
         if written.conditional:
-            check.fail("WMS401", "`product` takes lists of which all values are always there", argument.span)
+            check.fail("WMS401", "`product` takes lists whose values are always available", argument.span)
         kind = common
     assert isinstance(kind, Quantity)
-    if (size := math.prod(len(x.options) for x in lists)) > MOST_VALUES:
-        check.fail("WMS401", f"this product has {size} points; {MOST_VALUES} are the most", e.span, "use two factors")
+    if (size := math.prod(len(x.options) for x in lists)) > MAX_VALUES:
+        check.fail("WMS401", f"this product has {size} points; {MAX_VALUES} is the maximum", e.span, "use two factors")
     points = product(*([float(o.value) for o in x.options if isinstance(o.value, float)] for x in lists))
-    return Written(Vector(kind.dimension, len(lists)), tuple(Option(point, e.span) for point in points))
+    return WrittenDomain(Vector(kind.dimension, len(lists)), tuple(DomainValue(point, e.span) for point in points))
 
 
-def _uniform(check: Expressions, e: s.Call) -> Written:
+def _uniform(check: Expressions, e: s.Call) -> WrittenDomain:
     kind, (low, high) = _numbers(check, e, "the two ends of an interval")
-    _upwards(check, e, low, high)
-    return Written(kind, spread=ir.Interval(low=low, high=high))
+    _check_increasing(check, e, low, high)
+    return WrittenDomain(kind, spread=ir.Interval(low=low, high=high))
 
 
-def _log_uniform(check: Expressions, e: s.Call) -> Written:
+def _log_uniform(check: Expressions, e: s.Call) -> WrittenDomain:
     kind, (low, high) = _numbers(check, e, "the two ends of an interval")
-    _upwards(check, e, low, high)
+    _check_increasing(check, e, low, high)
     if low <= 0:
         check.fail("WMS401", "a logarithm has no values at 0 and below", e.arguments[0].span, "begin above 0")
-    return Written(kind, spread=ir.Interval(low=low, high=high, logarithmic=True))
+    return WrittenDomain(kind, spread=ir.Interval(low=low, high=high, logarithmic=True))
 
 
-def _upwards(check: Expressions, e: s.Call, low: float, high: float) -> None:
+def _check_increasing(check: Expressions, e: s.Call, low: float, high: float) -> None:
     if high < low:
         check.fail("WMS401", "this interval is empty: it goes up from its start to its end", e.span)
 
 
-def _normal(check: Expressions, e: s.Call) -> Written:
+def _normal(check: Expressions, e: s.Call) -> WrittenDomain:
     kind, (mean, deviation) = _numbers(check, e, "a mean and a standard deviation")
     if deviation <= 0:
         check.fail("WMS401", "a standard deviation is more than 0", e.arguments[1].span)
-    return Written(kind, spread=ir.Normal(mean=mean, deviation=deviation))
+    return WrittenDomain(kind, spread=ir.Normal(mean=mean, deviation=deviation))
 
 
-def _weighted(check: Expressions, e: s.Call) -> Written:
+def _weighted(check: Expressions, e: s.Call) -> WrittenDomain:
     values, weights = _arguments(check, e, (2,), "a list of values and a list of their weights")
     written = _separate(check, values, "`weighted`")
     numbers = tuple(_weights(check, weights))
@@ -265,7 +268,7 @@ def _weights(check: Expressions, e: s.Expr) -> Iterator[float]:
     for item in typed.expr.items if isinstance(typed.expr, ir.Items) else (typed.expr,):
         weight = constant(item)
         if weight is None or weight <= 0:
-            check.fail("WMS401", "a weight is a constant more than 0", e.span, "leave out what is never to be drawn")
+            check.fail("WMS401", "a weight is a constant more than 0", e.span, "remove values that are never drawn")
         yield weight
 
 
@@ -281,20 +284,20 @@ def _arguments(check: Expressions, e: s.Call, counts: tuple[int, ...], what: str
 
 
 def _numbers(check: Expressions, e: s.Call, what: str) -> tuple[Type, tuple[float, float]]:
-    """Two constant quantities of one kind."""
+    """Return two constant quantities of one type."""
     first, second = _arguments(check, e, (2,), what)
     a, b = check.infer(first), check.infer(second)
     assert isinstance(e.function, s.Name)
     if not isinstance(a.type, Quantity):
-        check.fail("WMS302", f"`{e.function.id}` wants quantities, but this is {article(str(a.type))}", first.span)
-    kind = joined(a.type, b.type)
+        check.fail("WMS302", f"`{e.function.id}` expects quantities, found {article(str(a.type))}", first.span)
+    kind = common_type(a.type, b.type)
     if kind is None:
-        check.misfit(second, b.type, (a.type,), f"`{e.function.id}`, like its first argument,")
+        check.type_mismatch(second, b.type, (a.type,), f"`{e.function.id}`, like its first argument,")
     return kind, (_number(check, a.expr, first.span), _number(check, b.expr, second.span))
 
 
 #: Domains that are written as calls.
-FORMS: dict[str, Callable[[Expressions, s.Call], Written]] = {
+FORMS: dict[str, Callable[[Expressions, s.Call], WrittenDomain]] = {
     "product": _product,
     "uniform": _uniform,
     "log_uniform": _log_uniform,

@@ -1,6 +1,7 @@
-"""Checking expressions: every name resolved, every unit turned to SI, every kind known.
+"""Checks expressions: resolves names, converts units to SI and infers types.
 
-`Expressions` knows the task; the sorts of expressions have a file each: names, members, calls, operators, lists.
+`Expressions` holds the state of a task. Each sort of expression has its own module: names, members, calls, operators,
+lists.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import NoReturn
 from wmspec.core.diagnostics import Note, Remedy, Report
 from wmspec.core.places import Span
 from wmspec.lang.check.expressions import calls, lists, members, names, operators
-from wmspec.lang.check.expressions.libraries import having
+from wmspec.lang.check.expressions.libraries import library_declaring
 from wmspec.lang.check.expressions.scope import Scope
 from wmspec.lang.check.expressions.typed import ZERO, Failed, Typed, constant, example, fits
 from wmspec.lang.check.ir import ir
@@ -23,14 +24,14 @@ from wmspec.lang.parse import syntax as s
 
 __all__ = ["ZERO", "Expressions", "Failed", "Typed", "constant", "fits"]
 
-#: How deeply expressions may nest, those counted in that names stand for: who evaluates them goes as deep.
-MOST_DEPTH = 120
+#: Maximum nesting of expressions, including those behind names: evaluation is recursive.
+MAX_DEPTH = 120
 
 
 class Expressions:
-    """Checks the expressions of one task. Declarations are checked when they are first needed, in any order.
+    """Checks the expressions of one task. Declarations are checked lazily, in any order.
 
-    `unknown` are the names that were told to stand for nothing; the variants of a task share them.
+    `unknown` holds the undefined names that were reported; the variants of a task share it.
     """
 
     def __init__(self, scope: Scope, report: Report, unknown: set[str]) -> None:
@@ -38,42 +39,42 @@ class Expressions:
         self.report = report
         self.subject: ir.Expr | None = None  # the acting object, inside an action's arguments
         self._unknown = unknown
-        self.doubtful: set[str] = set()
-        """Named values that may be wrong themselves: no misfit of theirs is told (again)."""
-        self._blamed: set[Span] = set()
-        """Values that were given to a library and do not fit there: of each this is told once."""
-        self.measured = False  # whether measured functions may stand here
+        self.tainted: set[str] = set()
+        """Named values that may be wrong themselves: their type mismatches are not reported again."""
+        self._reported: set[Span] = set()
+        """Library arguments of a wrong type, each reported once."""
+        self.measured = False  # whether measured functions are allowed
         self._known: dict[tuple[str, str], Typed | None] = {}
         self._open: list[tuple[tuple[str, str], Span]] = []
         self._depth = self._deepest = 0
         self._height: dict[tuple[str, str], int] = {}
-        self.domain_of: Callable[[s.Factor], Type]  # set by who checks domains, which are made of expressions
+        self.domain_of: Callable[[s.Factor], Type]  # set by `Factors`, which checks domains
 
-    def value(self, e: s.Expr, wanted: tuple[Type, ...], what: str) -> Typed:
-        """Check an expression that must be of one of the wanted kinds. `what` names the place in messages."""
-        typed = self.infer(e, wanted)
-        for kind in wanted:
+    def value(self, e: s.Expr, expected: tuple[Type, ...], what: str) -> Typed:
+        """Check an expression that must have one of the expected types. `what` names the place in messages."""
+        typed = self.infer(e, expected)
+        for kind in expected:
             if fits(typed.type, kind):
                 return Typed(typed.expr, kind)
-        self.misfit(e, typed.type, wanted, what)
+        self.type_mismatch(e, typed.type, expected, what)
 
-    def infer(self, e: s.Expr, wanted: tuple[Type, ...] = ()) -> Typed:
-        """Check an expression of any kind; `wanted` helps to read bare words and suggest others."""
+    def infer(self, e: s.Expr, expected: tuple[Type, ...] = ()) -> Typed:
+        """Check an expression of any type; the expected types resolve bare words and improve suggestions."""
         self._depth += 1
         try:
             self._deepen(0, e.span)
-            return self._infer(e, wanted)
+            return self._infer(e, expected)
         finally:
             self._depth -= 1
 
-    def _infer(self, e: s.Expr, wanted: tuple[Type, ...]) -> Typed:
+    def _infer(self, e: s.Expr, expected: tuple[Type, ...]) -> Typed:
         match e:
             case s.Number():
-                return self._number(e, wanted)
+                return self._number(e, expected)
             case s.Text() | s.Truth():
                 return Typed(ir.Value(value=e.value), TEXT if isinstance(e, s.Text) else TRUTH)
             case s.Name():
-                return names.name(self, e, wanted)
+                return names.name(self, e, expected)
             case s.Member():
                 return members.member(self, e)
             case s.Index():
@@ -81,33 +82,33 @@ class Expressions:
             case s.Call():
                 return calls.call(self, e)
             case s.Operation():
-                return operators.operation_of(self, e, wanted)
+                return operators.operation_of(self, e, expected)
             case s.Items() | s.Called():
-                return lists.items(self, e, wanted)
+                return lists.items(self, e, expected)
             case s.Range():
                 return lists.range_(self, e)
 
-    def measuring(self, e: s.Expr, wanted: tuple[Type, ...] = (), what: str = "") -> Typed:
-        """Check an expression in which measured functions may stand; of any kind if none is wanted."""
+    def measuring(self, e: s.Expr, expected: tuple[Type, ...] = (), what: str = "") -> Typed:
+        """Check an expression that may contain measured functions; of any type if none is expected."""
         before, self.measured = self.measured, True
         try:
-            return self.value(e, wanted, what) if wanted else self.infer(e)
+            return self.value(e, expected, what) if expected else self.infer(e)
         finally:
             self.measured = before
 
     def fail(self, code: str, message: str, span: Span, help: str = "", notes: tuple[Note, ...] = ()) -> NoReturn:
-        """Report a mistake and give up on the value."""
+        """Report an error and raise `Failed`."""
         self.report.add(code, message, span, help, notes)
         raise Failed
 
     def unknown(self, e: s.Name, message: str, help: str, code: str = "WMS201") -> NoReturn:
-        """Report a name that stands for nothing here: each once, and none where names are missing."""
-        doubled = self.scope.doubled and "did you mean" not in help  # one of two may have been meant to be called so
+        """Report an undefined name: each once, and none where declarations may be missing."""
+        doubled = self.scope.has_duplicates and "did you mean" not in help  # one of the duplicates may have this name
         if not e.id or not self.scope.whole or doubled or e.id in self._unknown:
             raise Failed
         self._unknown.add(e.id)
         if self.scope.alone and "did you mean" not in help:
-            library, brought = having(self.scope.strange())
+            library, brought = library_declaring(self.scope.undeclared_names())
             if e.id in brought:
                 self._unknown |= brought
                 self.fail(code, message, e.span, f"write `use {library}` above, which has it")
@@ -116,75 +117,79 @@ class Expressions:
         notes = (Note("it is declared here", close.name.span),) if close is not None and near else ()
         self.fail(code, message, e.span, help, notes)
 
-    def misfit(
-        self, e: s.Expr, actual: Type, wanted: tuple[Type, ...], what: str, beside: s.Expr | None = None
+    def type_mismatch(
+        self, e: s.Expr, actual: Type, expected: tuple[Type, ...], what: str, beside: s.Expr | None = None
     ) -> NoReturn:
-        """Report a value of the wrong kind, which may be the fault of what is `beside` it.
+        """Report a value of the wrong type, possibly caused by the expression `beside` it.
 
-        Where a named value is involved, that may be what is wrong: of each, this is told once.
+        Where a named value is involved, its declaration may be the error; each is reported once.
         """
         span = e.span
-        wants = either([article(str(k)) for k in wanted])
-        examples = [f"`{example(k)}`" for k in wanted[:2] if example(k)]
-        quantities = isinstance(actual, Quantity | Vector) and isinstance(wanted[0], Quantity | Vector)
+        expected_types = either([article(str(k)) for k in expected])
+        examples = [f"`{example(k)}`" for k in expected[:2] if example(k)]
+        quantities = isinstance(actual, Quantity | Vector) and isinstance(expected[0], Quantity | Vector)
         help = f"write something like {' or '.join(examples)}" if examples else ""
-        if isinstance(e, s.Text) and e.value in names.fitting(self, wanted):
+        if isinstance(e, s.Text) and e.value in names.names_of_types(self, expected):
             help = Remedy.of(f"write `{e.value}`, without quotes", span.text, e.value)
-        if actual == OBJECT and DIRECTION in wanted:
+        if actual == OBJECT and DIRECTION in expected:
             help = f"write `toward({span.text})`"
         elif isinstance(e, s.Name):
-            help = names.instead(self, e, wanted) or help
+            help = names.suggest_replacement(self, e, expected) or help
         shown = "a bare 0" if actual == Quantity(ZERO) else article(str(actual))
-        message = f"{what} wants {wants}, but this is {shown}"
-        if isinstance(e, s.Name) and names.undeclared(self, e, actual) and set(wanted) & set(names.BLOCKS.values()):
+        message = f"{what} expects {expected_types}, found {shown}"
+        if (
+            isinstance(e, s.Name)
+            and names.may_be_undeclared_name(self, e, actual)
+            and set(expected) & set(names.BLOCKS.values())
+        ):
             self.unknown(e, message, help, "WMS302")
         named = {n.id: d for n in s.names((e, beside)) if isinstance(d := self.scope.names.get(n.id), s.Let | s.Factor)}
-        if named.keys() & self.doubtful:
+        if named.keys() & self.tainted:
             raise Failed
-        self.doubtful |= named.keys()
+        self.tainted |= named.keys()
         own = (d for d in named.values() if d.name.span.source is span.source)
         notes = tuple(Note(f"`{d.name.id}` is declared here", d.name.span) for d in own)
         code = "WMS301" if quantities else "WMS302"
         if (given := next((n for n in s.numbers((e, beside)) if n.span.source is not span.source), None)) is not None:
-            if given.span in self._blamed:
+            if given.span in self._reported:
                 raise Failed
-            self._blamed.add(given.span)
+            self._reported.add(given.span)
             self.fail(code, f"where this is used, {message}", given.span, "", (Note("it is used here", span),))
         self.fail(code, message, span, help, notes[:2])
 
-    def _number(self, e: s.Number, wanted: tuple[Type, ...]) -> Typed:
-        scale, dimension = self.unit(e.unit, e.span, wanted) if e.unit else (1.0, NUMBER)
+    def _number(self, e: s.Number, expected: tuple[Type, ...]) -> Typed:
+        scale, dimension = self.unit(e.unit, e.span, expected) if e.unit else (1.0, NUMBER)
         if not math.isfinite(e.value * scale):
             self.fail("WMS304", "this number is too large", e.span)
         if e.value == 0 and e.unit is None:
             dimension = ZERO
         return Typed(ir.Value(value=units.convert(e.value, scale)), Quantity(dimension))
 
-    def unit(self, unit: str, span: Span, wanted: tuple[Type, ...] = ()) -> tuple[float, Dimension]:
-        """The SI value and dimension of a unit as written."""
+    def unit(self, unit: str, span: Span, expected: tuple[Type, ...] = ()) -> tuple[float, Dimension]:
+        """Return the SI value and dimension of a unit."""
         try:
             return units.parse_unit(unit)
         except units.UnknownUnit as error:
-            dimensions = [kind.dimension for kind in wanted if isinstance(kind, Quantity | Vector)]
+            dimensions = [kind.dimension for kind in expected if isinstance(kind, Quantity | Vector)]
             help = units.remedy(str(error), span.text, dimensions)
             self.fail("WMS103", f"unknown unit `{error}`", span, help)
 
-    def once(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed:
-        """Check a declaration the first time it is needed; a circle of declarations is a mistake."""
+    def memoized(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed:
+        """Check a declaration on first use; a cycle of declarations is an error."""
         if any(key == k for k, _ in self._open):
             notes = tuple(Note(f"`{'.'.join(k)}` needs this", where) for k, where in self._open[1:])
             self._known[key] = None
-            self.fail("WMS209", "this value depends on itself", span, "break the circle with a constant", notes)
+            self.fail("WMS209", "this value depends on itself", span, "break the cycle with a constant", notes)
         if key not in self._known:
-            self._known[key] = self._made(key, span, make)
+            self._known[key] = self._evaluated(key, span, make)
         known = self._known[key]
         if known is None:
             raise Failed
         self._deepen(self._height[key], span)
         return known
 
-    def _made(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed | None:
-        """A declaration, checked as it stands: not in the midst of the action or answer that needs it."""
+    def _evaluated(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed | None:
+        """Check a declaration independently of the action or answer that refers to it."""
         before = self.subject, self.measured, self._deepest
         self.subject, self.measured, self._deepest = None, False, self._depth
         self._open.append((key, span))
@@ -202,5 +207,5 @@ class Expressions:
 
     def _deepen(self, more: int, span: Span) -> None:
         self._deepest = max(self._deepest, self._depth + more)
-        if self._depth + more > MOST_DEPTH:
+        if self._depth + more > MAX_DEPTH:
             self.fail("WMS105", "too many values depend on one another here", span, "make the chain shorter")

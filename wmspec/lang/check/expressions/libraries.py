@@ -1,4 +1,4 @@
-"""Which of the libraries that come with wmspec declares a name, for whoever forgot to `use` it."""
+"""Finds the bundled library that declares a name, to suggest a missing `use`."""
 
 from __future__ import annotations
 
@@ -8,24 +8,24 @@ from functools import cache
 
 from wmspec.lang.parse.files import library_folder
 
-#: Those with a place for things and cameras around it: they go before the others.
-_PLACES = ("tabletop", "room")
+#: Libraries with a support for objects and cameras around it: suggested first.
+_PREFERRED = ("tabletop", "room")
 _DECLARED = re.compile(r"^(?:object|template|camera)\s+(\w+)", re.MULTILINE)
-#: What is used as it is: with `only` or `as` it brings other names.
+#: Plain `use` statements; `only` and `as` change the names.
 _USED = re.compile(r"^use (\w+)(?:\([^)\n]*\))?$", re.MULTILINE)
 
 
-def having(names: Collection[str]) -> tuple[str, frozenset[str]]:
-    """The library that declares most of the names, and all that it declares; an empty name if none has any."""
-    wanted = frozenset(names)
-    best = max(_libraries(), key=lambda library: len(wanted & _declared(library)), default="")
-    return (best, _declared(best)) if best and wanted & _declared(best) else ("", frozenset())
+def library_declaring(names: Collection[str]) -> tuple[str, frozenset[str]]:
+    """Return the library that declares most of the names, and all its names; an empty name if none has any."""
+    expected = frozenset(names)
+    best = max(_libraries(), key=lambda library: len(expected & _declared(library)), default="")
+    return (best, _declared(best)) if best and expected & _declared(best) else ("", frozenset())
 
 
 @cache
 def _libraries() -> tuple[str, ...]:
     there = sorted(path.stem for path in library_folder().glob("*.wms"))
-    return (*(name for name in _PLACES if name in there), *(name for name in there if name not in _PLACES))
+    return (*(name for name in _PREFERRED if name in there), *(name for name in there if name not in _PREFERRED))
 
 
 @cache

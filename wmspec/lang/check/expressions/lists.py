@@ -1,4 +1,4 @@
-"""Lists, tuples and ranges."""
+"""Checks lists, tuples and ranges."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.core.places import Span
 from wmspec.lang.check.expressions import names
-from wmspec.lang.check.expressions.typed import Typed, constant, fits, joined
+from wmspec.lang.check.expressions.typed import Typed, common_type, constant, fits
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.types import units
 from wmspec.lang.check.types.types import A_NUMBER, List, Quantity, Type, Vector
@@ -18,16 +18,16 @@ from wmspec.lang.parse import syntax as s
 if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions
 
-#: The most values that a range may have.
-MOST_VALUES = 10_000
+#: Maximum number of values of a range.
+MAX_VALUES = 10_000
 
 
-def items(check: Expressions, e: s.Items | s.Called, wanted: tuple[Type, ...]) -> Typed:
-    """A list of values of one kind, or a tuple of two or three quantities. What has a name is an item of a domain."""
+def items(check: Expressions, e: s.Items | s.Called, expected: tuple[Type, ...]) -> Typed:
+    """Check a list of values of one type, or a tuple of two or three quantities. Labelled items belong to domains."""
     if isinstance(e, s.Called):
         what = "only the values of a factor or nuisance have names, where it lists them"
         check.fail("WMS302", what, e.text.span, "remove the name")
-    inner = tuple(k.item for k in wanted if isinstance(k, List) and k.item) or wanted
+    inner = tuple(k.item for k in expected if isinstance(k, List) and k.item) or expected
     checked: list[Typed] = []
     for item in e.items:
         checked.append(check.infer(item, inner or tuple(first.type for first in checked[:1])))
@@ -36,11 +36,11 @@ def items(check: Expressions, e: s.Items | s.Called, wanted: tuple[Type, ...]) -
         checked = [_scaled(check, i, unit, written.span) for i, written in zip(checked, e.items, strict=True)]
     kind = checked[0].type if checked else None
     for typed, written in zip(checked, e.items, strict=True):
-        common = joined(kind, typed.type) if kind else None
+        common = common_type(kind, typed.type) if kind else None
         if kind is not None and common is None:
-            if names.undeclared(check, e.items[0], kind):  # a name may be misspelled where it is declared
-                check.misfit(e.items[0], kind, (typed.type,), f"this {e.kind}, like its other items,")
-            check.misfit(written, typed.type, (kind,), f"this {e.kind}, like its first item,")
+            if names.may_be_undeclared_name(check, e.items[0], kind):  # the declared name may be misspelled
+                check.type_mismatch(e.items[0], kind, (typed.type,), f"this {e.kind}, like its other items,")
+            check.type_mismatch(written, typed.type, (kind,), f"this {e.kind}, like its first item,")
         kind = common
     expr = ir.Items(items=tuple(i.expr for i in checked))
     if e.kind == "list":
@@ -51,10 +51,10 @@ def items(check: Expressions, e: s.Items | s.Called, wanted: tuple[Type, ...]) -
 
 
 def _scaled(check: Expressions, item: Typed, unit: tuple[float, Dimension], span: Span) -> Typed:
-    """An item of a list that carries the unit of all its items, given by its SI value and dimension."""
+    """Return an item scaled by its list's unit (SI value and dimension)."""
     scale, dimension = unit
     if not fits(item.type, A_NUMBER):
-        check.fail("WMS301", "this value has a unit of its own already, beside that of the list", span)
+        check.fail("WMS301", "this value has its own unit, in addition to that of the list", span)
     value = item.expr.value if isinstance(item.expr, ir.Value) else None
     if isinstance(value, float):
         return Typed(ir.Value(value=units.convert(value, scale)), Quantity(dimension))
@@ -63,11 +63,11 @@ def _scaled(check: Expressions, item: Typed, unit: tuple[float, Dimension], span
 
 
 def range_(check: Expressions, e: s.Range) -> Typed:
-    """The values of a range; of an interval, its two ends."""
+    """Return the values of a range, or the two ends of an interval."""
     start, stop = check.infer(e.start), check.infer(e.stop)
-    kind = joined(start.type, stop.type)
+    kind = common_type(start.type, stop.type)
     if not isinstance(kind, Quantity):
-        check.misfit(e.stop, stop.type, (start.type,), "`..`, like its start,")
+        check.type_mismatch(e.stop, stop.type, (start.type,), "`..`, like its start,")
     if e.step is not None:
         step = check.value(e.step, (kind,), "`by`")
         return Typed(_steps(check, e, start.expr, stop.expr, step.expr), List(kind))
@@ -77,8 +77,8 @@ def range_(check: Expressions, e: s.Range) -> Typed:
 
 def _count(check: Expressions, e: s.Expr) -> int:
     count = constant(check.value(e, (A_NUMBER,), "`in`").expr)
-    if count is None or count != int(count) or not 2 <= count <= MOST_VALUES:
-        check.fail("WMS304", f"the number of values is a whole constant from 2 to {MOST_VALUES}", e.span)
+    if count is None or count != int(count) or not 2 <= count <= MAX_VALUES:
+        check.fail("WMS304", f"the number of values is a whole constant from 2 to {MAX_VALUES}", e.span)
     return int(count)
 
 
@@ -89,9 +89,9 @@ def _steps(check: Expressions, e: s.Range, start: ir.Expr, stop: ir.Expr, step: 
     if by <= 0 or b < a:
         check.fail("WMS401", "this range is empty: it goes up from its start to its end", e.span)
     steps = (b - a) / by + 1e-9
-    if not steps < MOST_VALUES:
-        count = f"{int(steps) + 1}" if math.isfinite(steps) else "endlessly many"
-        message = f"this range has {count} values; {MOST_VALUES} are the most"
+    if not steps < MAX_VALUES:
+        count = f"{int(steps) + 1}" if math.isfinite(steps) else "infinitely many"
+        message = f"this range has {count} values; {MAX_VALUES} is the maximum"
         check.fail("WMS401", message, e.span, "take a larger step")
     return ir.Items(items=tuple(ir.Value(value=round(a + i * by, 12)) for i in range(int(steps) + 1)))
 

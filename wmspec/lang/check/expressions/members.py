@@ -1,4 +1,4 @@
-"""Members: properties of things, arguments of actions, parts of objects, coordinates of points, members of sets."""
+"""Checks members: properties, action arguments, parts, coordinates of points, members of sets."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import suggestion
 from wmspec.lang.check.expressions import actions
-from wmspec.lang.check.expressions.names import BLOCKS, present, undeclared
-from wmspec.lang.check.expressions.owners import Owner, owner, parts
+from wmspec.lang.check.expressions.names import BLOCKS, may_be_undeclared_name, present
+from wmspec.lang.check.expressions.owners import Owner, owner, part_owners
 from wmspec.lang.check.expressions.typed import Failed, Typed, constant
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.tables.functions import FUNCTIONS
-from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, PROPERTIES, SETS, Slot
+from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, PROPERTIES, SETS, PropertySpec
 from wmspec.lang.check.types.types import (
     A_NUMBER,
     ACTION,
@@ -28,23 +28,23 @@ from wmspec.lang.parse import syntax as s
 if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions
 
-#: What has properties of its own.
+#: Types that have properties.
 _OWNERS = {**{kind: block for block, kind in BLOCKS.items()}, PART: "part"}
 
 
 def member(check: Expressions, e: s.Member) -> Typed:
-    """`ball.mass`, `push.speed`, `rack.left`, `spot.x`."""
+    """Check `ball.mass`, `push.speed`, `rack.left`, `spot.x`."""
     whole = check.infer(e.value, tuple(_OWNERS))
     if isinstance(whole.type, Vector):
         return _coordinate(check, whole, whole.type, e.name)
     if whole.type == ACTION and isinstance(whole.expr, ir.Value):
         return actions.property_(check, str(whole.expr.value), e.name)
     if whole.type not in _OWNERS:
-        if undeclared(check, e.value, whole.type):
-            check.misfit(e.value, whole.type, (OBJECT,), f"`.{e.name.id}`")
+        if may_be_undeclared_name(check, e.value, whole.type):
+            check.type_mismatch(e.value, whole.type, (OBJECT,), f"`.{e.name.id}`")
         check.fail("WMS203", f"{article(str(whole.type))} has no properties", e.name.span)
     kind = _OWNERS[whole.type]
-    if not isinstance(whole.expr, ir.Value):  # which one depends on a factor
+    if not isinstance(whole.expr, ir.Value):  # depends on a factor
         slot = _row(check, PROPERTIES[kind], e, kind)
         return Typed(ir.Property(owner=whole.expr, name=e.name.id), slot.types[0])
     name = str(whole.expr.value)
@@ -56,8 +56,8 @@ def member(check: Expressions, e: s.Member) -> Typed:
 
 
 def _of_asset(check: Expressions, name: str, member: s.Name) -> Typed | None:
-    """A link or joint of an asset."""
-    if name in check.scope.broken:  # nobody knows what is in it
+    """Return a link or joint of an asset, or None."""
+    if name in check.scope.broken:  # its contents are unknown
         raise Failed
     block = check.scope.assets.get(name, {}).get(member.id)
     if block is None:
@@ -68,7 +68,7 @@ def _of_asset(check: Expressions, name: str, member: s.Name) -> Typed | None:
 
 
 def named(check: Expressions, name: str) -> Owner:
-    """The block or part of this name in the IR."""
+    """Return the block or part of this IR name."""
     whole, dot, _ = name.partition(".")
     if dot:
         return _parts(check, whole)[name]
@@ -80,10 +80,10 @@ def named(check: Expressions, name: str) -> Owner:
 def _parts(check: Expressions, name: str) -> dict[str, Owner]:
     block = check.scope.names[name]
     assert isinstance(block, s.Block)
-    return {part.name: part for part in parts(block)}
+    return {part.name: part for part in part_owners(block)}
 
 
-def _row(check: Expressions, table: dict[str, Slot], e: s.Member, what: str) -> Slot:
+def _row(check: Expressions, table: dict[str, PropertySpec], e: s.Member, what: str) -> PropertySpec:
     name = e.name
     if name.id not in table:
         message = f"{article(what)} has no property `{name.id}`"
@@ -92,7 +92,7 @@ def _row(check: Expressions, table: dict[str, Slot], e: s.Member, what: str) -> 
 
 
 def _measure(check: Expressions, e: s.Member, what: str) -> str:
-    """What to write for a measure, or a coordinate, that is written as a property; nothing if it is none."""
+    """Return the remedy for a measure or coordinate written as a property, or ''."""
     name, of = e.name.id, e.value.span.text
     if what == "object" and name in ("x", "y", "z"):
         return f"write `position({of}).{name}`" if check.measured else f"write `{of}.at.{name}`"
@@ -109,40 +109,40 @@ def _coordinate(check: Expressions, point: Typed, kind: Vector, name: s.Name) ->
 
 
 def _type(check: Expressions, of: Owner, e: s.Member) -> Type:
-    """The kind of a property: that of the value it is given, or of its default."""
+    """Return the type of a property: that of its value or default."""
     name = e.name
     if name.id not in of.slots:
-        code, message, span, help = of.lacks(name)
+        code, message, span, help = of.unknown_property_error(name)
         check.fail(code, message, span, _measure(check, e, of.type.kind) or help)
     slot = of.slots[name.id]
-    if name.id in of.said:
-        return setting(check, of, of.said[name.id], slot).type
+    if name.id in of.set_properties:
+        return setting(check, of, of.set_properties[name.id], slot).type
     if slot.default is None and name.id not in BY_MATERIAL:
-        if of.strange:
+        if of.has_unknown_property:
             raise Failed
-        check.fail(*of.silent(name))
+        check.fail(*of.missing_value_error(name))
     return slot.types[0]
 
 
-def setting(check: Expressions, of: Owner, p: s.Property, slot: Slot) -> Typed:
-    """The value of a written property."""
+def setting(check: Expressions, of: Owner, p: s.Property, slot: PropertySpec) -> Typed:
+    """Return the value of a written property."""
     key = (of.name, p.name.id)
-    return check.once(key, p.name.span, lambda: check.value(p.value, slot.types, f"`{p.name.id}`"))
+    return check.memoized(key, p.name.span, lambda: check.value(p.value, slot.types, f"`{p.name.id}`"))
 
 
 def index(check: Expressions, e: s.Index) -> Typed:
-    """`blocks[2]`: a member of a set; `blocks[-1]`, the last of those that are there."""
+    """Check `blocks[2]`, a member of a set; `blocks[-1]` is the last present one."""
     declared = check.scope.names.get(e.value.id) if isinstance(e.value, s.Name) else None
     if not isinstance(declared, s.Block) or declared.count is None:
         container = check.infer(e.value)
         message = f"only a set of objects or joints has members, and this is {article(str(container.type))}"
         check.fail("WMS302", message, e.value.span, "declare it with `objects NAME[NUMBER] { ... }`")
     members = check.scope.members(declared.name.id)
-    if not members:  # its number is wrong, and that was reported
+    if not members:  # its wrong count was reported
         raise Failed
     number = constant(check.value(e.index, (A_NUMBER,), "`[...]`").expr)
     if number is None:
-        check.fail("WMS304", "which member of a set is meant is a constant", e.index.span,
+        check.fail("WMS304", "the index of a member must be constant", e.index.span,
                    "a factor can hold the members themselves: `in [blocks[0], blocks[1]]`")  # fmt: skip
     if number != int(number) or not -len(members) <= number < len(members):
         message = f"`{declared.name.id}` has members 0 to {len(members) - 1}"

@@ -1,13 +1,13 @@
-"""Bare names: what was declared, `end`, and the words of the language."""
+"""Checks bare names: declarations, `end`, and words of the language."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wmspec.core.diagnostics import FEW, suggestion
+from wmspec.core.diagnostics import MAX_LISTED_NAMES, suggestion
 from wmspec.lang.check.expressions.typed import Failed, Typed, fits
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.tables.vocabulary import SETS, SYNONYMS, WORDS
+from wmspec.lang.check.tables.vocabulary import SETS, WORD_ALIASES, WORDS
 from wmspec.lang.check.types.types import (
     A_TIME,
     ACTION,
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from wmspec.lang.check.expressions.expressions import Expressions
     from wmspec.lang.check.expressions.scope import Declaration
 
-#: The kind of what a block declares.
+#: Types of the values that blocks declare.
 BLOCKS: dict[str, Type] = {
     "object": OBJECT,
     "camera": CAMERA,
@@ -41,15 +41,15 @@ BLOCKS: dict[str, Type] = {
 }
 
 
-def name(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> Typed:
-    """What a name stands for. What is declared goes before a word, unless only the word fits what is wanted."""
-    if not e.id:  # it is missing, and that was reported
+def name(check: Expressions, e: s.Name, expected: tuple[Type, ...]) -> Typed:
+    """Resolve a name. Declarations take precedence over words, unless only the word has an expected type."""
+    if not e.id:  # a missing name was reported
         raise Failed
-    word = _word(e.id, wanted)
+    word = _word(e.id, expected)
     declared = None if e.closed else check.scope.names.get(e.id)
     if declared is not None:
         typed = _declared(check, e, declared)
-        return typed if word is None or any(fits(typed.type, k) for k in wanted) else word
+        return typed if word is None or any(fits(typed.type, k) for k in expected) else word
     if e.id == "end":
         return Typed(ir.Ref(name="end"), A_TIME)
     if e.id == "index":
@@ -57,21 +57,21 @@ def name(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> Typed:
     found_word = word or _word(e.id, tuple(Word(vocabulary) for vocabulary in WORDS))
     if found_word is not None:
         return found_word
-    check.unknown(e, f"`{e.id}` is not known here", suggest(check, e.id, wanted))
+    check.unknown(e, f"`{e.id}` is not known here", suggest(check, e.id, expected))
 
 
-def undeclared(check: Expressions, e: s.Expr, given: Type) -> bool:
-    """Whether an expression is a word of the language that may have been meant as the name of something."""
+def may_be_undeclared_name(check: Expressions, e: s.Expr, given: Type) -> bool:
+    """Whether an expression is a word of the language that may be meant as a declared name."""
     return isinstance(e, s.Name) and isinstance(given, Word) and e.id not in check.scope.names
 
 
 def _declared(check: Expressions, e: s.Name, declared: Declaration) -> Typed:
     match declared:
         case s.Factor():
-            made = check.once(("factor", e.id), e.span, lambda: Typed(ir.Ref(name=e.id), check.domain_of(declared)))
+            made = check.memoized(("factor", e.id), e.span, lambda: Typed(ir.Ref(name=e.id), check.domain_of(declared)))
             return Typed(ir.Ref(name=e.id), made.type)
         case s.Let():
-            made = check.once(("let", e.id), e.span, lambda: check.infer(declared.value))
+            made = check.memoized(("let", e.id), e.span, lambda: check.infer(declared.value))
             return Typed(ir.Ref(name=e.id), made.type)
         case s.Block(kind=kind) if kind in SETS:
             return Typed(present(check.scope.members(e.id)), List(BLOCKS[SETS[kind]]))
@@ -84,14 +84,14 @@ def _declared(check: Expressions, e: s.Name, declared: Declaration) -> Typed:
 
 
 def present(members: tuple[str, ...]) -> ir.Expr:
-    """Those members of a set that are there."""
+    """Return the present members of a set."""
     everyone = ir.Items(items=tuple(ir.Value(value=m) for m in members))
     return ir.Call(function="present", arguments=(everyone,))
 
 
-def _word(word: str, wanted: tuple[Type, ...]) -> Typed | None:
-    """The word as one of the vocabularies that are wanted."""
-    for kind in wanted:
+def _word(word: str, expected: tuple[Type, ...]) -> Typed | None:
+    """Return the word if it belongs to an expected vocabulary."""
+    for kind in expected:
         item = kind.item if isinstance(kind, List) else kind
         vocabulary = NEITHER if item == LABEL else item
         if isinstance(vocabulary, Word) and word in WORDS[vocabulary.vocabulary]:
@@ -99,27 +99,29 @@ def _word(word: str, wanted: tuple[Type, ...]) -> Typed | None:
     return None
 
 
-def suggest(check: Expressions, name: str, wanted: tuple[Type, ...]) -> str:
-    """What may have been meant by a name where types of values are wanted: first what is of these, then all else."""
-    fit, values = fitting(check, wanted), check.scope.of(s.Factor, s.Let)
-    if (other := SYNONYMS.get(name)) in fit:
+def suggest(check: Expressions, name: str, expected: tuple[Type, ...]) -> str:
+    """Return a suggestion for a name: first names of the expected types, then all others."""
+    fit, values = names_of_types(check, expected), check.scope.of(s.Factor, s.Let)
+    if (other := WORD_ALIASES.get(name)) in fit:
         return f"did you mean `{other}`?"
-    named = bool(wanted) and all(kind in BLOCKS.values() for kind in wanted)  # what no word of the language is
+    named = bool(expected) and all(
+        kind in BLOCKS.values() for kind in expected
+    )  # no word of the language has these types
     groups = [[w for w in group if w != name] for group in (fit, values, [] if named else check.scope.known())]
     return suggestion(name, *groups)
 
 
-def instead(check: Expressions, e: s.Name, wanted: tuple[Type, ...]) -> str:
-    """What may be meant by a name of something that is of none of the types that are wanted."""
-    names = fitting(check, tuple(k for k in wanted if k != TRUTH and not isinstance(k, List)))
-    if e.id in check.scope.names:  # it is not misspelled
-        return f"known here: {', '.join(sorted(set(names)))}" if 0 < len(names) <= FEW else ""
+def suggest_replacement(check: Expressions, e: s.Name, expected: tuple[Type, ...]) -> str:
+    """Return a suggestion for a name whose value has none of the expected types."""
+    names = names_of_types(check, tuple(k for k in expected if k != TRUTH and not isinstance(k, List)))
+    if e.id in check.scope.names:  # correctly spelled
+        return f"known here: {', '.join(sorted(set(names)))}" if 0 < len(names) <= MAX_LISTED_NAMES else ""
     return suggestion(e.id, names)
 
 
-def fitting(check: Expressions, wanted: tuple[Type, ...]) -> list[str]:
-    """The words and names that are of one of these types whatever the instance."""
-    items = [k.item if isinstance(k, List) else k for k in wanted]
+def names_of_types(check: Expressions, expected: tuple[Type, ...]) -> list[str]:
+    """Return the words and names that have an expected type in every instance."""
+    items = [k.item if isinstance(k, List) else k for k in expected]
     words = [w for k in items if isinstance(k, Word) for w in WORDS.get(k.vocabulary, ())]
     words += ["true", "false"] if TRUTH in items else []
     for block, kind in BLOCKS.items():

@@ -1,4 +1,4 @@
-"""What has properties: blocks and their parts, by the name that the IR knows them by."""
+"""Owners of properties: blocks and their parts, by IR name."""
 
 from __future__ import annotations
 
@@ -8,29 +8,35 @@ from functools import cached_property
 
 from wmspec.core.diagnostics import Note, suggestion
 from wmspec.core.places import Span
-from wmspec.lang.check.tables.property_schema import ThingType, remedy, slots, thing_type, unfit
-from wmspec.lang.check.tables.vocabulary import OTHERWISE, Slot
+from wmspec.lang.check.tables.property_schema import (
+    EntityType,
+    allowed_properties,
+    entity_type,
+    exclusion_reason,
+    remedy,
+)
+from wmspec.lang.check.tables.vocabulary import PROPERTY_ALIASES, PropertySpec
 from wmspec.lang.parse import syntax as s
 
 
 @dataclass(frozen=True)
 class Owner:
-    """A block or a part: its name in the IR, its type, and the properties as they are written."""
+    """A block or part: its IR name, its type, and its written properties."""
 
     name: str
-    type: ThingType
+    type: EntityType
     written: tuple[s.Property, ...]
     span: Span
     parts: tuple[str, ...] = ()
 
     @property
-    def slots(self) -> dict[str, Slot]:
+    def slots(self) -> dict[str, PropertySpec]:
         """The properties that it can have."""
-        return slots(self.type)
+        return allowed_properties(self.type)
 
     @cached_property
-    def said(self) -> dict[str, s.Property]:
-        """The written properties by name, of two that are alike the first; `on: X at Y` says `at` too."""
+    def set_properties(self) -> dict[str, s.Property]:
+        """The written properties by name, of duplicates the first; `on: X at Y` includes `at`."""
         properties: dict[str, s.Property] = {}
         for p in self.written:
             properties.setdefault(p.name.id, p)
@@ -39,41 +45,41 @@ class Owner:
         return properties
 
     @property
-    def strange(self) -> bool:
-        """Whether something is said that it cannot have: one of its properties may be meant by that."""
-        return not self.said.keys() <= {*self.slots, "at"}
+    def has_unknown_property(self) -> bool:
+        """Whether it has a property that is not allowed: it may be a misspelled one."""
+        return not self.set_properties.keys() <= {*self.slots, "at"}
 
-    def lacks(self, name: s.Name) -> tuple[str, str, Span, str]:
-        """The complaint about a property that it cannot have: code, message, place and remedy."""
-        if reason := unfit(self.type, name.id):
+    def unknown_property_error(self, name: s.Name) -> tuple[str, str, Span, str]:
+        """Return the error about a property that is not allowed: code, message, span and remedy."""
+        if reason := exclusion_reason(self.type, name.id):
             return "WMS203", reason, name.span, remedy(self.type, name.id)
         kind = self.type.kind
         message = f"{'an' if kind == 'object' else 'a'} {kind} has no property `{name.id}`"
-        return "WMS203", message, name.span, _meant(name.id, [*self.slots, *self.parts])
+        return "WMS203", message, name.span, _suggest(name.id, [*self.slots, *self.parts])
 
-    def silent(self, name: s.Name) -> tuple[str, str, Span, str, tuple[Note, ...]]:
-        """The complaint about a property that it could have and does not say."""
+    def missing_value_error(self, name: s.Name) -> tuple[str, str, Span, str, tuple[Note, ...]]:
+        """Return the error about an allowed property that has no value: code, message, span, remedy and notes."""
         notes = (Note(f"`{self.name}` is declared here", self.span),)
-        return "WMS206", f"`{self.name}` does not say its {name.id}", name.span, f"add `{name.id}:` to it", notes
+        return "WMS206", f"`{self.name}` has no {name.id}", name.span, f"add `{name.id}:` to it", notes
 
 
-def _meant(name: str, known: list[str]) -> str:
-    """A property that the name is another word for, or like."""
-    other = OTHERWISE.get(name)
+def _suggest(name: str, known: list[str]) -> str:
+    """Return a suggestion for a property: its alias or the most similar name."""
+    other = PROPERTY_ALIASES.get(name)
     return f"did you mean `{other}`?" if other in known else suggestion(name, known)
 
 
 def owner(block: s.Block, members: Iterable[str] = ()) -> Owner:
-    """A block as an owner of properties; `members` are the links and joints of an asset, for suggestions."""
+    """Return a block as an owner; `members` are the links and joints of an asset, for suggestions."""
     written = {p.name.id for p in block.properties}
     model = block.model.id if block.model is not None and block.kind in ("joint", "robot") else ""
-    of = thing_type(block.kind, written, model, bool(block.parts), bool(block.whole))
+    of = entity_type(block.kind, written, model, bool(block.parts), bool(block.whole))
     names = (*members, *(part.name.id for part in block.parts))
     return Owner(block.name.id, of, block.properties, block.name.span, names)
 
 
-def parts(block: s.Block) -> Iterator[Owner]:
-    """The parts of an object as owners of properties."""
+def part_owners(block: s.Block) -> Iterator[Owner]:
+    """Yield the parts of an object as owners."""
     for part in block.parts:
-        of = thing_type("part", {p.name.id for p in part.properties})
+        of = entity_type("part", {p.name.id for p in part.properties})
         yield Owner(f"{block.name.id}.{part.name.id}", of, part.properties, part.name.span)

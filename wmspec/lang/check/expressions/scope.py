@@ -1,4 +1,4 @@
-"""The names of a task: who declared them, and a complaint where two did."""
+"""Scope of a task: declarations by name, and errors about duplicates."""
 
 from __future__ import annotations
 
@@ -12,31 +12,31 @@ from wmspec.lang.parse import syntax as s
 
 Declaration = s.Factor | s.Let | s.Block | s.Action | s.Template
 
-#: Names that mean something everywhere.
+#: Names with a meaning everywhere.
 BUILTIN = {"end", "index"} | {word for words in WORDS.values() for word in words}
-#: Those that nothing may be called. The other words can be told from what is declared by what is wanted at a place.
+#: Names that cannot be declared. Other words are distinguished by the type expected at a place.
 RESERVED = {"end", "index", *WORDS["color"], *WORDS["shape"], *WORDS["tie"]}
 
 
 class Scope:
-    """Declarations by name, in the order of the text, and the members of sets."""
+    """Declarations by name, in source order, and the members of sets."""
 
     def __init__(self, statements: Iterable[s.Statement], report: Report, alone: bool = False) -> None:
         self.names: dict[str, Declaration] = {}
         self.sets: dict[str, str] = {}
-        """The set of every member of one."""
+        """The set of each member."""
         self.assets: dict[str, dict[str, str]] = {}
-        """Of every asset, its links and joints: what they are called after its name, and the names of their blocks."""
+        """Links and joints of each asset: their names in the spec, and the names of their blocks."""
         self.whole = True
-        """Whether all that could declare a name was read; if not, an unknown name is no mistake of its own."""
-        self.doubled = False
-        """Whether two things are called the same."""
+        """Whether all declarations were read; if not, unknown names are not reported."""
+        self.has_duplicates = False
+        """Whether two declarations have the same name."""
         self.broken: set[str] = set()
-        """Assets whose file cannot be used, which was reported."""
+        """Assets with an unusable file, which was reported."""
         self.designs: list[s.Design] = []
         self.questions: list[s.Question] = []
         self.alone = alone
-        """Whether no library is used."""
+        """Whether the task uses no library."""
         self._report = report
         self._statements = tuple(statements)
         for statement in self._statements:
@@ -48,9 +48,9 @@ class Scope:
                 self.questions.append(statement)
 
     def declare(self, statement: Declaration, member_of: str = "") -> None:
-        """Take in a name; complain if it is taken."""
+        """Add a declaration; report a duplicate name."""
         name = statement.name.id
-        if not name:  # it is missing, and that was reported
+        if not name:  # a missing name was reported
             self.whole = False
             return
         if (first := self.names.get(name)) is not None:
@@ -61,7 +61,7 @@ class Scope:
             elif first.name.span.source is not statement.name.span.source:
                 remedy += ", or the library a name of its own: `use LIBRARY as NAME`"
             self._report.add("WMS202", f"`{name}` is declared twice", statement.name.span, remedy, notes)
-            self.doubled = True
+            self.has_duplicates = True
             return
         if isinstance(statement, s.Block) and statement.kind == "light" and (suns := self.blocks("light")):
             what = f"`{name}` is a second light, and there is one sun"
@@ -76,7 +76,7 @@ class Scope:
             self.sets[name] = member_of
 
     def asset(self, of: str, named: dict[str, str], blocks: tuple[s.Block, ...]) -> None:
-        """Take in the links and joints of an asset, and put its base in the place of the object that named it."""
+        """Add the links and joints of an asset; its base replaces the object that names the asset."""
         base, *others = blocks
         self.names[of] = base
         self.assets[of] = named
@@ -84,29 +84,29 @@ class Scope:
             self.declare(block)
 
     def members(self, of: str) -> tuple[str, ...]:
-        """The names of the members of a set, in order."""
+        """Return the names of the members of a set, in order."""
         return tuple(member for member, whole in self.sets.items() if whole == of)
 
     def known(self) -> list[str]:
-        """Every word that may be used as a value."""
+        """Return every word that may be a value."""
         return [*self.names, *BUILTIN, "true", "false", *FUNCTIONS, *VERBS]
 
     def written(self, of: Mapping[str, str]) -> dict[str, str]:
-        """How members of sets, and links and joints of assets, are written; the names of these are written `of`."""
+        """Return how members of sets and parts of assets are written; `of` renames the sets and assets."""
         sets = {m: f"{of.get(whole, whole)}[{m.removeprefix(whole)[1:]}]" for m, whole in self.sets.items()}
         assets = ((a, name, block) for a, named in self.assets.items() for name, block in named.items() if block != a)
         return sets | {block: f"{of.get(a, a)}.{name}" for a, name, block in assets}
 
-    def strange(self) -> set[str]:
-        """The names that nothing declares."""
+    def undeclared_names(self) -> set[str]:
+        """Return the names without a declaration."""
         written = {n.id for n in s.names(self._statements)}
         return written.difference(self.names, BUILTIN, FUNCTIONS, VERBS)
 
     def of(self, *types: type[Declaration]) -> list[str]:
-        """The names declared by statements of the given types."""
+        """Return the names declared by statements of the given types."""
         return [n for n, d in self.names.items() if isinstance(d, types)]
 
     def blocks(self, kind: str) -> list[str]:
-        """The names of the objects, cameras or lights, but for the members of sets."""
+        """Return the names of the blocks of a kind, without members of sets."""
         blocks = ((n, d) for n, d in self.names.items() if isinstance(d, s.Block) and d.kind == kind)
         return [n for n, d in blocks if n not in self.sets and not d.whole]

@@ -1,4 +1,4 @@
-"""What is known of a checked expression: its IR and its kind; and which kinds go together."""
+"""Checked expressions with their types, and type compatibility."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from wmspec.lang.check.types import units
 from wmspec.lang.check.types.types import LABEL, NEITHER, OBJECT, TEXT, List, Quantity, Type, Vector, Word
 from wmspec.lang.check.types.units import Dimension
 
-#: The dimension of a bare `0`, which fits wherever a quantity is wanted.
+#: Dimension of a bare `0`, which is compatible with every quantity.
 ZERO = Dimension(99, 99, 99, 99)
 
-#: What can stand side by side as options of one question.
+#: Types that may be mixed among the options of one question.
 _LABELS = (OBJECT, TEXT, NEITHER, LABEL)
 
 
 class Failed(Exception):
-    """A mistake was reported; whoever asked for the value goes on without it."""
+    """An error was reported; the caller continues without the value."""
 
 
 @dataclass(frozen=True)
@@ -30,13 +30,13 @@ class Typed:
     type: Type
 
 
-def fits(given: Type, wanted: Type) -> bool:
-    """Whether a value of this type may stand where the other is wanted."""
-    return joined(given, wanted) == wanted
+def fits(given: Type, expected: Type) -> bool:
+    """Whether a value of type `given` is allowed where the other is expected."""
+    return common_type(given, expected) == expected
 
 
-def joined(a: Type, b: Type) -> Type | None:
-    """The common type of two values, None if they have none. A bare zero and an empty list give way."""
+def common_type(a: Type, b: Type) -> Type | None:
+    """Return the common type of two values, or None. A bare zero and an empty list adapt to the other."""
     if a == b:
         return a
     match a, b:
@@ -53,18 +53,18 @@ def joined(a: Type, b: Type) -> Type | None:
         case List(), List(None):
             return a
         case List(x), List(y) if x and y:
-            item = joined(x, y)
+            item = common_type(x, y)
             return List(item) if item else None
-    return LABEL if _side_by_side(a, b) or _side_by_side(b, a) else None
+    return LABEL if _can_mix_as_options(a, b) or _can_mix_as_options(b, a) else None
 
 
-def _side_by_side(a: Type, b: Type) -> bool:
-    """Whether the two may be options of one question though they are of different types."""
+def _can_mix_as_options(a: Type, b: Type) -> bool:
+    """Whether both may be options of one question though their types differ."""
     return a in _LABELS and (b in _LABELS or (isinstance(b, Word) and a in (NEITHER, LABEL)))
 
 
 def operation(operator: str, operands: list[Typed], result: Type, each: int | None = None) -> Typed:
-    """An operator applied to operands; of constant numbers, its value. `each` is as of `ir.Operation`."""
+    """Return an operation, folded if its operands are constant numbers. `each` is that of `ir.Operation`."""
     values = [o.expr.value for o in operands if isinstance(o.expr, ir.Value) and isinstance(o.expr.value, float)]
     expr = ir.Operation(operator=operator, operands=tuple(o.expr for o in operands), each=each)
     if len(values) == len(operands) and (folded := constant(expr)) is not None:
@@ -73,7 +73,7 @@ def operation(operator: str, operands: list[Typed], result: Type, each: int | No
 
 
 def constant(expr: ir.Expr) -> float | None:
-    """The value of an expression of constant numbers; None if it is anything else."""
+    """Return the value of a constant numeric expression, or None."""
     match expr:
         case ir.Value(value=float(value)):
             return value
@@ -89,7 +89,7 @@ def constant(expr: ir.Expr) -> float | None:
 
 
 def example(of: Type) -> str:
-    """How a value of a type may be written, for messages; empty if there is no short way to say it."""
+    """Return an example of a value of a type, for messages, or ''."""
     match of:
         case Quantity(dimension):
             return units.EXAMPLES.get(dimension, "")

@@ -1,4 +1,4 @@
-"""The value of an expression. Operators are a table; names, properties and functions come from the environment."""
+"""Evaluates expressions. The environment provides names, properties and functions."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from wmspec.lang.check.ir.ir import Call, Expr, Items, Operation, Property, Ref,
 
 
 class Environment(Protocol):
-    """Where an expression finds what it refers to."""
+    """Resolves the references of an expression."""
 
     def ref(self, name: str) -> Any:
-        """A factor, nuisance or `let`."""
+        """Return the value of a factor, nuisance or `let`."""
 
     def property(self, owner: str, name: str) -> object:
-        """A property of an object, camera or light, or an argument of an action."""
+        """Return a property of an object, camera or light, or an argument of an action."""
 
     def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:
-        """A function of arguments and options that have been evaluated."""
+        """Return the result of a function for evaluated arguments and options."""
 
 
 class NoValue(ImpossibleValue):
-    """An expression has no value; whoever wanted it knows where it stands."""
+    """An expression has no value; the caller adds the location."""
 
 
 def _divide(a: float, b: float) -> float:
@@ -51,8 +51,8 @@ _OPERATORS: dict[str, Callable[..., Any]] = {
 
 
 def evaluate(expr: Expr, env: Environment) -> Any:
-    """The value: a float (SI), bool, str (words and names), or a tuple of values. Raises WmsError if there is none."""
-    return _KINDS[type(expr)](expr, env)
+    """Return the value: a float (SI), bool, str (words and names), or a tuple. Raises WmsError if there is none."""
+    return _EVALUATORS[type(expr)](expr, env)
 
 
 def _items(expr: Items, env: Environment) -> tuple[Any, ...]:
@@ -60,8 +60,8 @@ def _items(expr: Items, env: Environment) -> tuple[Any, ...]:
 
 
 def _all(exprs: tuple[Expr, ...], env: Environment) -> list[Any]:
-    """The values of several expressions, most of which are constants."""
-    return [e.value if type(e) is Value else _KINDS[type(e)](e, env) for e in exprs]
+    """Return the values of several expressions, most of which are constants."""
+    return [e.value if type(e) is Value else _EVALUATORS[type(e)](e, env) for e in exprs]
 
 
 def _operation(expr: Operation, env: Environment) -> Any:
@@ -73,7 +73,7 @@ def _operation(expr: Operation, env: Environment) -> Any:
 
 
 def _operate(operator: str, operands: tuple[Expr, ...], env: Environment) -> Any:
-    own = _OWN_WAY.get(operator)
+    own = _LAZY_OPERATORS.get(operator)
     return own(operands, env) if own else _OPERATORS[operator](*_all(operands, env))
 
 
@@ -95,8 +95,8 @@ def _minus(operands: tuple[Expr, ...], env: Environment) -> Any:
     return -values[0] if len(values) == 1 else values[0] - values[1]
 
 
-#: Operators that do not simply take the values of all their operands.
-_OWN_WAY: dict[str, Callable[[tuple[Expr, ...], Environment], Any]] = {
+#: Operators with lazily evaluated operands.
+_LAZY_OPERATORS: dict[str, Callable[[tuple[Expr, ...], Environment], Any]] = {
     "if": _if,
     "and": lambda operands, env: all(evaluate(e, env) for e in operands),
     "or": lambda operands, env: any(evaluate(e, env) for e in operands),
@@ -104,8 +104,8 @@ _OWN_WAY: dict[str, Callable[[tuple[Expr, ...], Environment], Any]] = {
 }
 
 
-#: How an expression of each kind is worked out.
-_KINDS: dict[type, Callable[[Any, Environment], Any]] = {
+#: Evaluators by expression class.
+_EVALUATORS: dict[type, Callable[[Any, Environment], Any]] = {
     Value: lambda expr, _: expr.value,
     Ref: lambda expr, env: env.ref(expr.name),
     Property: lambda expr, env: env.property(evaluate(expr.owner, env), expr.name),
@@ -115,8 +115,8 @@ _KINDS: dict[type, Callable[[Any, Environment], Any]] = {
 }
 
 
-def parts(expr: Expr) -> Iterator[Expr]:
-    """The expression and all that it is made of."""
+def subexpressions(expr: Expr) -> Iterator[Expr]:
+    """Yield an expression and all its subexpressions."""
     stack: list[Expr] = [expr]
     while stack:
         node = stack.pop()

@@ -1,6 +1,6 @@
-"""The typed representation of a checked spec: names resolved, units gone (everything is SI).
+"""Typed representation of a checked spec: names resolved, all quantities in SI units.
 
-Dataclasses that nothing changes, compared by value. `wmspec.lang.check.ir.record` writes them as JSON and reads them.
+Immutable dataclasses, compared by value. `wmspec.lang.check.ir.record` converts them to and from JSON.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from wmspec.core.places import Location
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(field,))
 class Node(node.Node):
-    """Base of all parts."""
+    """Base class."""
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__(kw_only=True)
 
 
 class ByKind:
-    """Tells pydantic that the `kind` says which of several parts one is. The checker does without pydantic."""
+    """Pydantic annotation of a union discriminated by `kind`. The checker works without pydantic."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Callable[[Any], Any]) -> Any:
-        """The schema of the union `source`."""
+        """Return the schema of the union `source`."""
         from pydantic import Field
 
         return handler(Annotated[source, Field(discriminator="kind")])
@@ -35,7 +35,7 @@ class ByKind:
 
 
 class Value(Node):
-    """A constant: an SI number, a truth value, a text, a word, or the name of a thing."""
+    """A constant: an SI number, a truth value, a text, a word, or the name of an entity."""
 
     kind: Literal["value"] = "value"
     value: bool | float | str
@@ -57,9 +57,9 @@ class Property(Node):
 
 
 class Operation(Node):
-    """An operator applied to operands: `+ - * / == != < <= > >= and or not if`, and `x y z` of a point.
+    """An operator with operands: `+ - * / == != < <= > >= and or not if`, and `x y z` of a point.
 
-    With `each`, the operand of that number is a list, and it is applied to every item of that: the value is a list.
+    `each` is the index of a list operand: the operator is applied to each of its items, and the value is a list.
     """
 
     kind: Literal["operation"] = "operation"
@@ -69,17 +69,17 @@ class Operation(Node):
 
 
 class Option(Node):
-    """An option of a function that is given, by its name."""
+    """A named option of a function call."""
 
     name: str
     value: Expr
 
 
 class Call(Node):
-    """A function of `functions.FUNCTIONS` applied to arguments. `each` is as of an operation.
+    """A call of a function of `functions.FUNCTIONS`. `each` is that of an operation.
 
-    Two functions have no row there: `present`, of things those that are there, and `nth`, of a list the item with a
-    number, counted from the end if it is below 0.
+    Two functions have no table row: `present` filters entities by presence, and `nth` returns the item of a list at an
+    index, counted from the end if negative.
     """
 
     kind: Literal["call"] = "call"
@@ -106,10 +106,10 @@ Level = Scalar | tuple[float, ...]
 
 
 class Choices(Node):
-    """A domain of finitely many constants (a tuple is a point). With `weights` some are drawn more often than others.
+    """A finite domain of constants (a tuple is a point), optionally with sampling `weights`.
 
     `when` are the conditions of a conditional domain, on other factors: value `i` is allowed where `when[i]` holds.
-    `names` are what the values are called, in their order, if the spec says so.
+    `names` are the labels of the values, in order, if the spec has them.
     """
 
     kind: Literal["choices"] = "choices"
@@ -129,7 +129,7 @@ class Interval(Node):
 
 
 class Normal(Node):
-    """A normal distribution (SI), cut off at three deviations from its mean so that no draw is absurd."""
+    """A normal distribution (SI), truncated at three standard deviations."""
 
     kind: Literal["normal"] = "normal"
     mean: float
@@ -149,7 +149,7 @@ class Factor(Node):
     place: Location
 
     def called(self, value: Level) -> str | None:
-        """The name of one of its values; None if values have no names."""
+        """Return the label of a value, or None if values have no labels."""
         if not isinstance(self.domain, Choices) or self.domain.names is None:
             return None
         return self.domain.names[self.domain.values.index(value)]
@@ -164,7 +164,7 @@ class Let(Node):
 
 
 class Require(Node):
-    """A condition on factors that a combination must meet. `text` is how it was written."""
+    """A condition on factors that every combination must meet. `text` is its source."""
 
     condition: Expr
     text: str
@@ -178,20 +178,21 @@ class Setting(Node):
     place: Location
 
 
-ThingKind = Literal["object", "part", "camera", "light", "joint", "robot", "world", "action"]
+EntityKind = Literal["object", "part", "camera", "light", "joint", "robot", "world", "action"]
 
 
-class Thing(Node):
+class Entity(Node):
     """An owner of properties: an object, camera, light, joint, robot, the world, an action, or a part of an object.
 
-    `verb` is that of an action; one that is `added` happens only under the counterfactual that adds it. `model` is the
-    kind of a joint (hinge, slider, ball, fixed) or the model of a robot. A part is named `object.part` and `of` is its
-    object; `of` of an action is the robot that acts, if any. A member of a set has the set's name in `set` and is named
-    `set_index`. The links and joints of an asset are objects and joints whose `of` is the object that is its base;
-    where they are is counted from the frame in which that is placed, when all joints are at 0.
+    `verb` is set for actions; an `added` action occurs only under the counterfactual that adds it. `model` is the kind
+    of a joint (hinge, slider, ball, fixed) or the model of a robot.
+
+    A part is named `object.part` and `of` is its object. `of` of an action is the acting robot, if any. A member of a
+    set is named `set_index` and has the set's name in `set`. Links and joints of an asset are objects and joints whose
+    `of` is the asset's base. Their poses are relative to the asset's frame, with all joints at 0.
     """
 
-    kind: ThingKind
+    kind: EntityKind
     name: str
     verb: str = ""
     model: str = ""
@@ -206,7 +207,7 @@ Channel = Literal["rgb", "depth", "ids"]
 
 
 class Observation(Node):
-    """A camera's pictures: `times` is a list of times. `channels` are what is kept of each picture."""
+    """The pictures of a camera: `times` is a list of times, `channels` are the recorded channels."""
 
     camera: str
     times: Expr
@@ -214,8 +215,8 @@ class Observation(Node):
     place: Location
 
 
-def last_shown(observations: Iterable[Observation]) -> Call:
-    """When the last picture is taken: the end of a task that has no `horizon`."""
+def time_of_last_picture(observations: Iterable[Observation]) -> Call:
+    """Return the time of the last picture, which ends a task without a `horizon`."""
     return Call(function="max", arguments=tuple(o.times for o in observations))
 
 
@@ -223,11 +224,11 @@ Change = Literal["action", "state", "without", "order", "add", "levels"]
 
 
 class Counterfactual(Node):
-    """What if one thing were different: `owner.property` becomes `value`, of kind `sort`; or an action is left out.
+    """One change of an instance: `owner.property` becomes `value` (of type `sort`), or an action is left out.
 
-    A left out or added action has no `property`, `value` or `sort`. A change of `order` swaps the turns of the actions
-    `owner` and `property`. One of `levels` gives factors other levels. What stands for each other level of something
-    has `levels` too: an instance that has these levels has no such counterfactual.
+    A left-out or added action has no `property`, `value` or `sort`. The change `order` swaps the start times of the
+    actions `owner` and `property`. The change `levels` sets other levels of factors. Counterfactuals for each other
+    level have `levels` too; an instance with these levels has no such counterfactual.
     """
 
     name: str
@@ -240,15 +241,15 @@ class Counterfactual(Node):
     place: Location
 
 
-class Varied(Node):
-    """A factor of an orbit, and what reads it: the state before anything happens, the action, or both."""
+class OrbitFactor(Node):
+    """A factor of an orbit, and what depends on it: the initial state, the action, or both."""
 
     factor: str
     reads: Literal["state", "action", "both"]
 
 
 class Outcome(Node):
-    """A kind of outcome: where `condition` holds. `text` is how it was written."""
+    """A kind of outcome: where `condition` holds. `text` is its source."""
 
     name: str
     condition: Expr
@@ -257,9 +258,9 @@ class Outcome(Node):
 
 
 class Margin(Node):
-    """`value` must be at least `bound` away: from 0, or, for a ratio (a plain number), from 1 by that factor.
+    """`value` must be at least `bound` away from 0 or, for a ratio, from 1 by this factor.
 
-    Where `unless` holds it need not be.
+    The margin is not required where `unless` holds.
     """
 
     value: Expr
@@ -269,45 +270,45 @@ class Margin(Node):
     place: Location
 
 
-class Said(Node):
-    """A value spoken within a text; `sort` is its kind (`color`, `object`, `length`, ...), which decides how."""
+class Interpolation(Node):
+    """A value inserted into a text; its type `sort` (`color`, `object`, `length`, …) determines the wording."""
 
     value: Expr
     sort: str
 
 
-class Filled(Node):
-    """A text among options and answers with values spoken within it; `text` is the value that stands for it."""
+class TextTemplate(Node):
+    """A text with inserted values among options and answers; `text` is the value that stands for it."""
 
     text: str
-    parts: tuple[str | Said, ...]
+    parts: tuple[str | Interpolation, ...]
 
 
 class Difference(Node):
-    """How strong the stimulus is, such as the ratio of two speeds: recorded, since accuracy is analysed against it."""
+    """Stimulus strength, such as the ratio of two speeds: recorded as a covariate of accuracy."""
 
     value: Expr
     unit: str
 
 
-#: What a question has as options: labels, which are said in words; none, as an open number; pictures.
+#: Options of a question: labels (in words), numbers (open answers), pictures.
 QuestionKind = Literal["labels", "numbers", "pictures"]
 
 
 class Question(Node):
-    """A question. `text` alternates literal texts and values spoken. `sort` is that of the answer's value.
+    """A question. `text` alternates literal texts and inserted values. `sort` is the type of the answer.
 
-    Of labels, the answer is one of the `options`. An open number is right `within` so much of it. Where the answer is a
-    picture, the other options are the pictures of the counterfactuals. Where these are the siblings in the instance's
-    group, the question has an `orbit`: the set of options is closed, the same whichever of them is true.
-    Two pictures are `distinct` by so much (m), or by such a turn (`distinct_turn`, rad), and, if `distinct_kinds`, by
-    the kind of their outcome: of `kinds`, the first that holds.
-    `texts` are those of the options that say values.
-    `stable` is how far (m) every free object is nudged to see whether the answer holds.
+    For labels, the answer is one of the `options`. An open number is right if it is `within` that tolerance. For
+    pictures, the other options are the pictures of the counterfactuals. If these are the siblings in the instance's
+    group, the question has an `orbit`: the set of options is closed, the same for every answer.
+
+    Two pictures must differ by the length `distinct` (m) or the angle `distinct_turn` (rad) and, if `distinct_kinds`,
+    by the kind of their outcome, the first of `kinds` that holds. `texts` are the options with inserted values.
+    `stable` is the displacement (m) of every free object under which the answer must hold.
     """
 
     name: str = ""
-    text: tuple[str | Said, ...]
+    text: tuple[str | Interpolation, ...]
     kind: QuestionKind
     sort: str
     options: Expr | None
@@ -319,15 +320,15 @@ class Question(Node):
     difference: Difference | None = None
     stable: Expr | None = None
     counterfactuals: tuple[Counterfactual, ...]
-    orbit: tuple[Varied, ...] = ()
+    orbit: tuple[OrbitFactor, ...] = ()
     kinds: tuple[Outcome, ...] = ()
     distinct_turn: Expr | None = None
     distinct_kinds: bool = False
-    texts: tuple[Filled, ...] = ()
+    texts: tuple[TextTemplate, ...] = ()
     place: Location
 
     def alternatives(self, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:
-        """The counterfactuals of an instance with these levels: those that are not what it is anyway."""
+        """Return the counterfactuals of an instance with these levels, without those that equal the instance."""
         return tuple(
             change
             for change in self.counterfactuals
@@ -339,12 +340,12 @@ PlanKind = Literal["factorial", "sample", "latin", "one_at_a_time", "groups"]
 
 
 class Plan(Node):
-    """Which combinations of the factors make up the design.
+    """The combinations of factors that make up the design.
 
-    factorial: all of them. sample: `count` different ones, balanced. latin: a Latin hypercube of `count`.
-    one_at_a_time: the `baseline` and what differs from it in one factor. groups: `count` control groups; in each the
-    factors `cross` are crossed, and one of `turn`, which take turns; all else is drawn anew for each group. `balance`
-    names the question whose measured answers are to come equally often; groups are drawn until they do.
+    factorial: all. sample: `count` distinct ones, balanced. latin: a Latin hypercube of `count`. one_at_a_time: the
+    `baseline` and all that differ from it in one factor. groups: `count` control groups; in each the factors `cross`
+    are crossed, and one of `turn`, in rotation; all others are drawn again for each group. `balance` names the question
+    whose measured answers must be equally frequent; groups are drawn until they are.
     """
 
     kind: PlanKind = "factorial"
@@ -357,7 +358,7 @@ class Plan(Node):
 
 
 class TaskSpec(Node):
-    """A whole task, ready to be designed, staged, executed and asked."""
+    """A complete checked task."""
 
     format: Literal[1] = 1
     name: str
@@ -372,15 +373,15 @@ class TaskSpec(Node):
     repeat: int
     plan: Plan = field(default_factory=Plan)
     tolerances: dict[str, float] = field(default_factory=dict)
-    things: tuple[Thing, ...]
+    things: tuple[Entity, ...]
     horizon: Expr
     observations: tuple[Observation, ...]
     questions: tuple[Question, ...]
 
     def factor(self, name: str) -> Factor:
-        """The factor or nuisance of that name."""
+        """Return the factor or nuisance of that name."""
         return next(f for f in self.factors if f.name == name)
 
-    def thing(self, name: str) -> Thing:
-        """The object, part, camera, light, joint, robot, action or world of that name."""
+    def thing(self, name: str) -> Entity:
+        """Return the object, part, camera, light, joint, robot, action or world of that name."""
         return next(t for t in self.things if t.name == name)

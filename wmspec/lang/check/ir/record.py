@@ -1,6 +1,6 @@
-"""A checked task as JSON and back, and the schema of that.
+"""JSON form of checked tasks, and its schema.
 
-Nothing else needs pydantic, which takes as long to import as a spec to check.
+Only this module imports pydantic, which takes as long to import as a spec to check.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from wmspec.lang.check.ir.ir import TaskSpec
 
 
 def to_json(spec: TaskSpec, indent: int | None = None) -> str:
-    """A task as JSON, all numbers in SI units."""
+    """Return a task as JSON, all numbers in SI units."""
     return _adapter().dump_json(spec, indent=indent).decode()
 
 
 def from_json(text: str) -> TaskSpec:
-    """The task of a JSON text. Raises WmsError with all that keeps it from being one.
+    """Return the task of a JSON text. Raises WmsError with all validation errors.
 
-    Nothing is taken for what it is not: no text for a number, no number for a truth value, and no number is infinite.
+    Validation is strict: no text for a number, no number for a truth value, no infinite numbers.
     """
     try:
         return _adapter().validate_json(text, strict=True)
@@ -32,13 +32,13 @@ def from_json(text: str) -> TaskSpec:
 
 
 def plain(spec: TaskSpec) -> dict[str, Any]:
-    """A task as plain values, as they are in its JSON."""
+    """Return a task as the plain values of its JSON."""
     document: dict[str, Any] = _adapter().dump_python(spec)
     return document
 
 
 def schema() -> dict[str, Any]:
-    """The JSON schema (draft 2020-12) of a task."""
+    """Return the JSON schema (draft 2020-12) of a task."""
     made = _adapter().json_schema(mode="serialization")
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **made}
 

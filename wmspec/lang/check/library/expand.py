@@ -1,4 +1,4 @@
-"""Assets named by objects: each is read, and its links and joints stand in its place before anything is checked."""
+"""Expands assets: an object that names an asset file is replaced by its links and joints before checks."""
 
 from __future__ import annotations
 
@@ -8,44 +8,44 @@ from typing import TYPE_CHECKING, NoReturn
 from wmspec.core.diagnostics import Diagnostic, Note, suggestion
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import Failed
-from wmspec.lang.check.library.files import is_asset, there
+from wmspec.lang.check.library.files import check_file, is_asset
 from wmspec.lang.check.library.substitute import Substitute, TooLarge
 from wmspec.lang.check.tables.vocabulary import ASSETS, PROPERTIES
 from wmspec.lang.parse import syntax as s
-from wmspec.lang.parse.files import located
+from wmspec.lang.parse.files import resolve_display_path
 
-if TYPE_CHECKING:  # most specs have no assets, and checking those should not wait for what reads them
+if TYPE_CHECKING:  # most specs have no assets and do without the importers
     from wmspec.lang.importers.blocks import Blocks
-    from wmspec.lang.importers.model import Refused
-    from wmspec.lang.importers.tree import Tree
+    from wmspec.lang.importers.model import RejectedAsset
+    from wmspec.lang.importers.tree import LinkTree
 
-#: What an asset has from its links, each its own.
+#: Properties that an asset has per link.
 _OF_LINKS = ("shape", "size", "radius", "height", "scale", "mass", "centre", "moments", "axes", "solid")
 
 
 class Assets:
-    """Puts the links and joints of assets in their place and declares them."""
+    """Replaces assets by their links and joints, and declares these."""
 
     def __init__(self, check: Expressions, substitute: Substitute) -> None:
         self.check = check
         self.scope = check.scope
         self._substitute = substitute
-        self._known: dict[tuple[Path, str], Tree | Refused] = {}
+        self._known: dict[tuple[Path, str], LinkTree | RejectedAsset] = {}
 
     def expanded(self, block: s.Block) -> tuple[s.Block, ...]:
-        """The links and joints of an asset, its base first; any other block as it is. Raises Failed."""
+        """Return the links and joints of an asset, its base first; other blocks are unchanged. Raises Failed."""
         named = next((p.value for p in block.properties if p.name.id == "file"), None)
         if block.kind != "object" or not isinstance(named, s.Text) or not is_asset(named):
             return (block,)
         self.scope.broken.add(block.name.id)
         self._fits(block)
-        there(self.check, "file", named, ASSETS)
+        check_file(self.check, "file", named, ASSETS)
         blocks = self._blocks(block, named)
         names = {plain: blocks.name(of) for plain, of in self._names(blocks.tree, named).items()}
         try:
             made = blocks.all()
             for _ in made:
-                self._substitute.thing()
+                self._substitute.count_entity()
         except TooLarge:
             self.check.fail("WMS105", "the assets of this task are too large together", named.span, "use fewer")
         self.scope.broken.discard(block.name.id)
@@ -53,27 +53,27 @@ class Assets:
         return made
 
     def _fits(self, block: s.Block) -> None:
-        """Complain about properties that an asset has from its links."""
+        """Report properties that belong to the links of an asset."""
         for p in block.properties:
             if p.name.id in _OF_LINKS:
                 link = p.name.id in ("mass",)
-                help = f"say it of a link: `part NAME {{ {p.name.id}: ... }}`" if link else "remove it"
+                help = f"set it on a link: `part NAME {{ {p.name.id}: ... }}`" if link else "remove it"
                 message = f"an object that is an asset from a file has no `{p.name.id}` of its own"
                 self.check.report.add("WMS203", message, p.name.span, help)
 
     def _blocks(self, block: s.Block, named: s.Text) -> Blocks:
-        from wmspec.lang.importers.blocks import Blocks, mattering
-        from wmspec.lang.importers.model import Refused
+        from wmspec.lang.importers.blocks import Blocks, relevant_errors
+        from wmspec.lang.importers.model import RejectedAsset
         from wmspec.lang.importers.read import read
         from wmspec.lang.importers.write import Writer
 
-        key = (located(named.span.source.name).parent, named.value)
+        key = (resolve_display_path(named.span.source.name).parent, named.value)
         tree = self._known[key] = self._known.get(key) or read(*key)
         whole = {p.name.id for p in block.properties}
-        if isinstance(tree, Refused):
-            self._report(mattering(tree, {p.name.id: p.properties for p in block.parts}, whole), named)
+        if isinstance(tree, RejectedAsset):
+            self._report(relevant_errors(tree, {p.name.id: p.properties for p in block.parts}, whole), named)
         overrides = self._overrides(block, tree, named)
-        if mistakes := mattering(tree, overrides, whole):
+        if mistakes := relevant_errors(tree, overrides, whole):
             self._report(mistakes, named)
         bare = s.Block("object", block.name, self._own(block), block.span)
         return Blocks(bare, tree, overrides, Writer(named.span))
@@ -87,27 +87,27 @@ class Assets:
 
     # ------------------------------------------------------------ what the spec says of links and joints
 
-    def _names(self, tree: Tree, named: s.Text) -> dict[str, str]:
-        """The links and joints as the language calls them, each with its name in the file."""
-        from wmspec.lang.importers.blocks import plain
-        from wmspec.lang.importers.tree import names
+    def _names(self, tree: LinkTree, named: s.Text) -> dict[str, str]:
+        """Return the identifiers of the links and joints, each with its name in the file."""
+        from wmspec.lang.importers.blocks import to_identifier
+        from wmspec.lang.importers.tree import named_elements
 
         by_plain: dict[str, str] = {}
-        for name, where in names(tree):
-            taken = by_plain.get(plain(name))
-            if taken is not None or plain(name) in PROPERTIES["object"]:
+        for name, where in named_elements(tree):
+            taken = by_plain.get(to_identifier(name))
+            if taken is not None or to_identifier(name) in PROPERTIES["object"]:
                 whose = f"`{taken}`" if taken is not None else "a property of objects"
-                message = f"its name cannot be told from {whose} in a spec"
+                message = f"its name conflicts with {whose} in a spec"
                 self._report((Diagnostic(message, where, "rename one of them in the file", "WMS210"),), named)
-            by_plain[plain(name)] = name
+            by_plain[to_identifier(name)] = name
         return by_plain
 
-    def _overrides(self, block: s.Block, tree: Tree, named: s.Text) -> dict[str, tuple[s.Property, ...]]:
-        """What `part NAME { ... }` says of links and joints."""
-        from wmspec.lang.importers.blocks import OF_JOINT, OF_LINK, plain
+    def _overrides(self, block: s.Block, tree: LinkTree, named: s.Text) -> dict[str, tuple[s.Property, ...]]:
+        """Return the properties that `part NAME { ... }` sets on links and joints."""
+        from wmspec.lang.importers.blocks import OF_JOINT, OF_LINK, to_identifier
         from wmspec.lang.importers.model import MeshFile
 
-        links = {plain(placed.link.name): placed.link for placed in tree.links}
+        links = {to_identifier(placed.link.name): placed.link for placed in tree.links}
         known = self._names(tree, named)
         overrides: dict[str, tuple[s.Property, ...]] = {}
         for part in block.parts:
@@ -116,14 +116,14 @@ class Assets:
                 message = f"`{named.value}` has no link or joint `{name}`"
                 self.check.report.add("WMS201", message, part.name.span, suggestion(name, known))
             elif name in overrides:
-                notes = (Note("said here first", block.parts[0].name.span),)
-                self.check.report.add("WMS202", f"`{name}` is said twice", part.name.span, "make it one", notes)
+                notes = (Note("first set here", block.parts[0].name.span),)
+                self.check.report.add("WMS202", f"`{name}` is set twice", part.name.span, "make it one", notes)
             what, allowed = ("link", OF_LINK) if name in links else ("joint", OF_JOINT)
             overrides[name] = tuple(p for p in part.properties if p.name.id in allowed)
             for p in part.properties if name in known else ():
                 if p.name.id not in allowed:
-                    message = f"of a {what} of an asset, a spec cannot say `{p.name.id}`"
-                    self.check.report.add("WMS203", message, p.name.span, f"it can say {', '.join(allowed)}")
+                    message = f"on a {what} of an asset, a spec cannot set `{p.name.id}`"
+                    self.check.report.add("WMS203", message, p.name.span, f"it can set {', '.join(allowed)}")
                 elif p.name.id == "collision" and not any(
                     isinstance(shape.form, MeshFile) and shape.solid for shape in links[name].shapes
                 ):

@@ -1,8 +1,8 @@
-"""What `use` brings: the statements of libraries, with the values of their parameters, chosen and renamed.
+"""Expands `use`: the statements of libraries, with parameters substituted, selected and renamed.
 
-All of it happens in the syntax tree. `use room(wall: blue)` puts `blue` wherever the library says `wall`. With `use
-room as here` its floor is `here.floor`, or `here_floor` once names are plain. `only [floor]` takes that and what it
-needs. A library that says `left` means the word, also where the task calls something so.
+The syntax tree is rewritten. `use room(wall: blue)` replaces the library's `wall` by `blue`. With `use room as here`
+its floor is `here.floor`, or `here_floor` once names are flattened. `only [floor]` selects that statement and those it
+depends on. In a library, `left` is the word, also if the task declares that name.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from wmspec.lang.parse.load import Program
 
 Item = s.Statement | s.Variant | s.Task
 Declared = s.Factor | s.Let | s.Block | s.Action | s.Template
-#: The names that libraries were given with `as`, and the names that there are in each.
+#: Prefixes given with `as`, and the names in each.
 Prefixes = dict[str, frozenset[str]]
 S = TypeVar("S")
 T = TypeVar("T")
@@ -54,24 +54,26 @@ class Modules:
         return bool(self._used)
 
     def written(self) -> dict[str, str]:
-        """How names from libraries with a name of their own are written: `here.floor` for `here_floor`."""
+        """Return how prefixed names are written: `here.floor` for `here_floor`."""
         return {f"{of}_{name}": f"{of}.{name}" for of, names in self._prefixes.items() for name in names}
 
     def statements(self, *items: Iterable[Item]) -> list[s.Statement]:
-        """Items without tasks and variants after what they use; all names plain, all parameters filled in."""
+        """Return the statements, without tasks and variants, after those they use; names flattened, parameters
+        substituted.
+        """
         own = [item for each in items for item in each]
-        values = _values({}, (item for item in own if isinstance(item, s.Parameter)))
-        return self._level([_replaced(item, values) for item in own], "", self._prefixes)
+        values = _parameter_values({}, (item for item in own if isinstance(item, s.Parameter)))
+        return self._expand([_substitute(item, values) for item in own], "", self._prefixes)
 
     def plain(self, node: S) -> S:
-        """What the task says, with `here_floor` for `here.floor`."""
+        """Return a node with `here_floor` for `here.floor`."""
         return self._plain(node, self._prefixes)
 
-    def _level(self, items: Iterable[Item], outer: str, prefixes: Prefixes) -> list[s.Statement]:
-        """The statements of a file or task after those that it uses; `prefixes` takes the names that it gives these."""
+    def _expand(self, items: Iterable[Item], outer: str, prefixes: Prefixes) -> list[s.Statement]:
+        """Return the statements of a file or task after those that it uses; adds its prefixes to `prefixes`."""
         own = [item for item in items if not isinstance(item, s.Task | s.Variant)]
         uses = (item for item in own if isinstance(item, s.Use))
-        brought = [statement for use in uses for statement in self._brought(use, outer, prefixes)]
+        brought = [statement for use in uses for statement in self._import(use, outer, prefixes)]
         rest = (item for item in own if not isinstance(item, s.Use | s.Parameter))
         return [*brought, *(self._plain(statement, prefixes) for statement in rest)]
 
@@ -82,50 +84,50 @@ class Modules:
         match node:
             case s.Member(value=s.Name(id=prefix), name=s.Name(id=name)) if prefix in prefixes:
                 return self._known(prefix, name, node.span, prefixes)
-            case s.Name(id=dotted) if "." in dotted:  # of a camera or a template
+            case s.Name(id=dotted) if "." in dotted:  # name of a camera or a template
                 prefix, _, name = dotted.partition(".")
                 return self._known(prefix, name, node.span, prefixes) if prefix in prefixes else node
-        return _each(node, lambda part: self._joined(part, prefixes))
+        return _map_children(node, lambda part: self._joined(part, prefixes))
 
     def _known(self, prefix: str, name: str, span: Span, prefixes: Prefixes) -> s.Name:
-        """The plain name; if the library has no such, what was written, which is reported where it is looked up."""
+        """Return the flattened name; an unknown one is returned as written and reported on lookup."""
         return s.Name(f"{prefix}_{name}" if name in prefixes[prefix] else f"{prefix}.{name}", span)
 
     # ------------------------------------------------------------ one library
 
-    def _brought(self, use: s.Use, outer: str, prefixes: Prefixes) -> list[s.Statement]:
-        """The statements of a library by the names that `use` gives them; none if they are here already."""
+    def _import(self, use: s.Use, outer: str, prefixes: Prefixes) -> list[s.Statement]:
+        """Return the renamed statements of a library, or none if they are present already."""
         path = self._program.paths.get(use.name.span)
-        if path is None:  # which was reported
+        if path is None:  # already reported
             return []
         prefix = f"{use.prefix.id}_" if use.prefix is not None else ""
         if (first := self._used.setdefault((path, outer + prefix), use)) is not use:
-            self._again(use, first)
+            self._report_second_use(use, first)
             return []
         if len(self._used) > LIBRARIES.most:
             raise TooLarge(f"the spec {LIBRARIES.sentence}", use.span, LIBRARIES.help)
         items = self._program.libraries[path].items
         values = self._given(use, [item for item in items if isinstance(item, s.Parameter)])
-        statements = self._level([_replaced_before(item, values) for item in items], outer + prefix, {})
-        chosen = statements if use.only is None else self._chosen(use, use.only, statements)
-        if words := self._taken.difference(_said(statements)):
-            chosen = _closed(chosen, words, self._program.libraries[path].span.source)
+        statements = self._expand([_substitute_cached(item, values) for item in items], outer + prefix, {})
+        chosen = statements if use.only is None else self._select(use, use.only, statements)
+        if words := self._taken.difference(_declared_names(statements)):
+            chosen = _bind_words(chosen, words, self._program.libraries[path].span.source)
         if use.prefix is None:
             return chosen
         names = frozenset(filter(None, map(_name, chosen)))
         prefixes[use.prefix.id] = names
         renamed = {name: prefix + name for name in names}
         key = (prefix, names)
-        return [_made_before((each,), key, partial(_replaced, each, {}, renamed)) for each in chosen]
+        return [_cached((each,), key, partial(_substitute, each, {}, renamed)) for each in chosen]
 
-    def _again(self, use: s.Use, first: s.Use) -> None:
+    def _report_second_use(self, use: s.Use, first: s.Use) -> None:
         if use.given or use.only:
             notes = (Note("used here first", first.span),)
             help = "say it all where it is used first, or give this one a name of its own: `as NAME`"
             self._report.add("WMS202", f"`{use.name.id}` is used twice", use.span, help, notes)
 
     def _given(self, use: s.Use, parameters: list[s.Parameter]) -> dict[str, s.Expr]:
-        """The values of a library's parameters."""
+        """Return the values of a library's parameters."""
         known = {p.name.id for p in parameters}
         given: dict[str, s.Property] = {}
         for p in use.given:
@@ -139,25 +141,25 @@ class Modules:
             given.setdefault(p.name.id, p)
         for parameter in parameters:
             if parameter.domain is not None:
-                self._among(use, parameter, given.get(parameter.name.id))
-        return _values({name: p.value for name, p in given.items()}, parameters)
+                self._check_choice(use, parameter, given.get(parameter.name.id))
+        return _parameter_values({name: p.value for name, p in given.items()}, parameters)
 
-    def _among(self, use: s.Use, parameter: s.Parameter, given: s.Property | None) -> None:
-        """Complain unless what is given for a parameter, as far as that is written out, is in its list."""
+    def _check_choice(self, use: s.Use, parameter: s.Parameter, given: s.Property | None) -> None:
+        """Report an argument that is not in its parameter's list, as far as it is a literal."""
         domain, name = parameter.domain, parameter.name.id
         if not isinstance(domain, s.Items) or domain.kind != "list" or not domain.items:
             what = f"`{name}` is one of a list, and this is none"
             self._report.add("WMS205", what, domain.span if domain else parameter.span, "write `in [...]`, or `= ...`")
             return
         known = [item.span.text for item in domain.items]
-        for value in _written(given.value, self._factors) if given else ():
-            if value.span not in self._wrong and not any(_same(value, item) for item in domain.items):
+        for value in _literal_values(given.value, self._factors) if given else ():
+            if value.span not in self._wrong and not any(_is_same_literal(value, item) for item in domain.items):
                 self._wrong.add(value.span)
                 what = f"`{use.name.id}` has no {name} {value.span.text}"
                 self._report.add("WMS205", what, value.span, suggestion(value.span.text, known))
 
-    def _chosen(self, use: s.Use, only: s.Expr, statements: list[s.Statement]) -> list[s.Statement]:
-        """What `only` names, and what that needs."""
+    def _select(self, use: s.Use, only: s.Expr, statements: list[s.Statement]) -> list[s.Statement]:
+        """Return the statements that `only` names, and their dependencies."""
         by_name = {_name(statement) or _world(statement): statement for statement in statements}
         pending: list[str] = []
         for e in only.items if isinstance(only, s.Items) else (only,):
@@ -175,17 +177,17 @@ class Modules:
         return [statement for name, statement in by_name.items() if name in needed]
 
 
-def _values(given: Mapping[str, s.Expr], parameters: Iterable[s.Parameter]) -> dict[str, s.Expr]:
-    """The values of parameters; a default may be made of the parameters before it."""
+def _parameter_values(given: Mapping[str, s.Expr], parameters: Iterable[s.Parameter]) -> dict[str, s.Expr]:
+    """Return the values of parameters; a default may refer to earlier parameters."""
     values: dict[str, s.Expr] = {}
     for parameter in parameters:
         name = parameter.name.id
-        values[name] = given.get(name) or _replaced(parameter.value, values)
+        values[name] = given.get(name) or _substitute(parameter.value, values)
     return values
 
 
 def _declared(items: Iterable[Item]) -> Iterator[str]:
-    """The names that are declared in a file, in its tasks and in their variants."""
+    """Yield the names declared in a file, in its tasks and in their variants."""
     for item in items:
         if isinstance(item, s.Task | s.Variant):
             yield from _declared(item.body)
@@ -194,7 +196,7 @@ def _declared(items: Iterable[Item]) -> Iterator[str]:
 
 
 def _factors(items: Iterable[Item]) -> Iterator[s.Factor]:
-    """The factors of a file, of its tasks and of their variants."""
+    """Yield the factors of a file, of its tasks and of their variants."""
     for item in items:
         if isinstance(item, s.Task | s.Variant):
             yield from _factors(item.body)
@@ -202,25 +204,25 @@ def _factors(items: Iterable[Item]) -> Iterator[s.Factor]:
             yield item
 
 
-def _written(value: s.Expr, factors: Mapping[str, s.Factor]) -> Iterator[s.Expr]:
-    """What a value may be, as far as it is written out: itself, either side of a condition, the levels of a factor."""
+def _literal_values(value: s.Expr, factors: Mapping[str, s.Factor]) -> Iterator[s.Expr]:
+    """Yield the literal values an argument can take: itself, both branches of a condition, the levels of a factor."""
     match value:
         case s.Text() | s.Number():
             yield value
         case s.Operation(operator="if", operands=(_, *branches)):
             for branch in branches:
-                yield from _written(branch, factors)
+                yield from _literal_values(branch, factors)
         case s.Called():
-            yield from _written(value.value, factors)
+            yield from _literal_values(value.value, factors)
         case s.Name(id=name) if name in factors and isinstance(factors[name].domain, s.Items):
             domain = factors[name].domain
             assert isinstance(domain, s.Items)
             for level in domain.items:
-                yield from _written(level, factors)
+                yield from _literal_values(level, factors)
 
 
-def _same(one: s.Expr, other: s.Expr) -> bool:
-    """Whether two values that are written out are written alike."""
+def _is_same_literal(one: s.Expr, other: s.Expr) -> bool:
+    """Whether two literal values are written alike."""
     if isinstance(one, s.Number) and isinstance(other, s.Number):
         return (one.value, one.unit) == (other.value, other.unit)
     return isinstance(one, s.Text) and isinstance(other, s.Text) and one.value == other.value
@@ -231,14 +233,14 @@ def _world(statement: s.Statement) -> str:
 
 
 def _name(statement: s.Statement) -> str:
-    """What a statement declares; of the world and of what has no name, nothing."""
+    """Return the name that a statement declares; '' for the world and unnamed statements."""
     if isinstance(statement, Declared) and not _world(statement):
         return statement.name.id
     return ""
 
 
-def _said(statements: Iterable[s.Statement]) -> Iterator[str]:
-    """What a library declares, and what its templates do."""
+def _declared_names(statements: Iterable[s.Statement]) -> Iterator[str]:
+    """Yield the names that a library and its templates declare."""
     for statement in statements:
         yield _name(statement)
         if isinstance(statement, s.Template):
@@ -248,52 +250,52 @@ def _said(statements: Iterable[s.Statement]) -> Iterator[str]:
 # ---------------------------------------------------------------- rewriting
 
 
-def _closed(statements: list[s.Statement], words: frozenset[str], library: Source) -> list[s.Statement]:
-    """The statements of a library, in which words that it wrote and declares nowhere are the language's own."""
+def _bind_words(statements: list[s.Statement], words: frozenset[str], library: Source) -> list[s.Statement]:
+    """Return a library's statements with undeclared words bound to the language."""
 
     def closed(node: Any) -> Any:
         if isinstance(node, s.Name):
             return replace(node, closed=True) if node.id in words and node.span.source is library else node
-        return _each(node, closed)
+        return _map_children(node, closed)
 
     return [closed(statement) for statement in statements]
 
 
-#: What was made of pieces of libraries, by their identity: syntax trees of libraries are kept for all specs. The pieces
-#: are kept beside what was made of them, so that no other can have their identity.
-_made: dict[tuple[object, ...], tuple[tuple[object, ...], Any]] = {}
-_MOST_MADE = 6000
+#: Results by identity of their source nodes, since libraries' syntax trees are shared by all specs. Entries keep the
+#: nodes alive, so no other object can have their identity.
+_cache: dict[tuple[object, ...], tuple[tuple[object, ...], Any]] = {}
+_MAX_CACHED = 6000
 
 
-def _made_before(of: tuple[object, ...], how: object, make: Callable[[], T]) -> T:
-    """What `make` returns, or returned before for the very same pieces and `how` they are changed."""
+def _cached(of: tuple[object, ...], how: object, make: Callable[[], T]) -> T:
+    """Return `make()`, cached by the identity of the nodes `of` and the change `how`."""
     key = (*map(id, of), how)
-    found = _made.get(key)
+    found = _cache.get(key)
     if found is None:
-        if len(_made) >= _MOST_MADE:
-            _made.clear()
-        found = _made[key] = (of, make())
+        if len(_cache) >= _MAX_CACHED:
+            _cache.clear()
+        found = _cache[key] = (of, make())
     made: T = found[1]
     return made
 
 
-def _replaced_before(item: S, values: Mapping[str, s.Expr]) -> S:
-    """A piece of a library with values for its parameters."""
-    return _made_before((item, *values.values()), tuple(values), lambda: _replaced(item, values))
+def _substitute_cached(item: S, values: Mapping[str, s.Expr]) -> S:
+    """Return a node of a library with parameters substituted."""
+    return _cached((item, *values.values()), tuple(values), lambda: _substitute(item, values))
 
 
 def _names_in(statement: s.Statement) -> tuple[str, ...]:
-    """The names in a statement of a library."""
-    return _made_before((statement,), "names", lambda: tuple(name.id for name in s.names(statement)))
+    """Return the names in a statement of a library."""
+    return _cached((statement,), "names", lambda: tuple(name.id for name in s.names(statement)))
 
 
-def _replaced(node: S, values: Mapping[str, s.Expr], names: Mapping[str, str] | None = None) -> S:
-    """A piece of the syntax tree with values for parameters and new names for what is declared."""
+def _substitute(node: S, values: Mapping[str, s.Expr], names: Mapping[str, str] | None = None) -> S:
+    """Return a subtree with parameters substituted and declarations renamed."""
     return _Replace(values, names or {})(node) if values or names else node
 
 
 class _Replace:
-    """Keys are no names: of properties, arguments and parts; a template's own parameters hide what is outside of it."""
+    """Substitution. Keys (of properties, arguments, parts) are no names; a template's parameters shadow outer names."""
 
     def __init__(self, values: Mapping[str, s.Expr], names: Mapping[str, str]) -> None:
         self._values = values
@@ -312,7 +314,7 @@ class _Replace:
             case s.Part():
                 return replace(node, properties=self(node.properties))
             case s.Question() | s.Counterfactual() | s.Tolerance():
-                return _each(node, self, but="name")
+                return _map_children(node, self, but="name")
             case s.Design():
                 return replace(node, count=self(node.count), baseline=self(node.baseline))
             case s.Template(parameters=parameters) if parameters:
@@ -329,32 +331,32 @@ class _Replace:
                     parts=inner(node.parts),
                 )
             case s.Factor() | s.Let() | s.Block() | s.Action() | s.Template():
-                made = _each(node, self, but="name")
+                made = _map_children(node, self, but="name")
                 return replace(made, name=self._declared(node.name))
-        return _each(node, self)
+        return _map_children(node, self)
 
     def _declared(self, name: s.Name) -> s.Name:
-        """A name where it is declared: no value can stand there."""
+        """Return a declared name, renamed: no value can replace it."""
         return replace(name, id=self._names.get(name.id, name.id))
 
 
 @cache
-def _named(kind: Any) -> frozenset[str]:
-    """The fields of a node that are names and no expressions: only another name can stand there."""
+def _name_fields(kind: Any) -> frozenset[str]:
+    """Return the fields of a node that are names and not expressions."""
     return frozenset(field.name for field in fields(kind) if field.type in ("Name", "Name | None"))
 
 
-def _each(node: Any, change: Any, but: str = "") -> Any:
-    """A piece of the syntax tree whose parts are changed; as it is if none is."""
+def _map_children(node: Any, change: Any, but: str = "") -> Any:
+    """Return a node with its children mapped by `change`; the same node if none changes."""
     if isinstance(node, tuple):
         changed = tuple(change(item) for item in node)
         return changed if any(a is not b for a, b in zip(changed, node, strict=True)) else node
     if not isinstance(node, Node):
         return node
     kind: Any = type(node)
-    named, made = _named(kind), {}
+    named, made = _name_fields(kind), {}
     for name, old in vars(node).items():
-        if name != but and isinstance(old, s.MADE):
+        if name != but and isinstance(old, s.COMPOSITE_TYPES):
             new = change(old)
             if new is not old and (isinstance(new, s.Name) or name not in named):
                 made[name] = new

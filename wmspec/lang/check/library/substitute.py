@@ -1,4 +1,4 @@
-"""Putting values in the place of names, in the syntax tree."""
+"""Substitutes values for names in the syntax tree."""
 
 from __future__ import annotations
 
@@ -8,40 +8,40 @@ from dataclasses import replace
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.parser import MAX_DEPTH
 
-#: The most that templates and sets together may make of a task (nodes of the syntax tree): a second's work to check.
-MOST_NODES = 200_000
+#: Maximum size of a task after expansion of templates and sets (syntax nodes): about one second of checking.
+MAX_NODES = 200_000
 _THING = 50
 
 Values = Mapping[str, s.Expr]
 
 
 class TooLarge(Exception):
-    """What would be made is too large, or nested too deeply."""
+    """The expansion is too large or nested too deeply."""
 
 
 class Substitute:
-    """Substitutes within bounds, for one task: what is made of a small text may be very large."""
+    """Bounded substitution for one task: a small text may expand to a large one."""
 
     def __init__(self) -> None:
-        self._left = MOST_NODES
+        self._left = MAX_NODES
 
     def expression(self, e: s.Expr, values: Values) -> s.Expr:
-        """The expression with values for names; the places in the text stay what they were. Raises TooLarge."""
+        """Return the expression with names replaced; spans stay unchanged. Raises TooLarge."""
         made = _expression(e, values)
         self._count(made)
         return made
 
-    def thing(self) -> None:
-        """Count a thing that is made, with all that it leaves out. Raises TooLarge."""
+    def count_entity(self) -> None:
+        """Count an expanded entity with its default properties. Raises TooLarge."""
         self._left -= _THING
 
     def property(self, p: s.Property, values: Values) -> s.Property:
-        """The same for a property. Raises TooLarge."""
+        """Return a property with names replaced. Raises TooLarge."""
         at = self.expression(p.at, values) if p.at is not None else None
         return replace(p, value=self.expression(p.value, values), at=at)
 
     def part(self, part: s.Part, values: Values) -> s.Part:
-        """The same for a part. Raises TooLarge."""
+        """Return a part with names replaced. Raises TooLarge."""
         return replace(part, properties=tuple(self.property(p, values) for p in part.properties))
 
     def _count(self, e: s.Expr) -> None:

@@ -1,4 +1,4 @@
-"""Templates: what objects of one model have in common, put into each of them before anything is checked."""
+"""Expands templates into the objects that use them, before checks."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from wmspec.core.diagnostics import Note, Report, suggestion
 from wmspec.core.places import Span
-from wmspec.lang.check.expressions.libraries import having
+from wmspec.lang.check.expressions.libraries import library_declaring
 from wmspec.lang.check.library.substitute import Substitute, TooLarge
 from wmspec.lang.check.tables.vocabulary import PROPERTIES
 from wmspec.lang.parse import syntax as s
@@ -27,13 +27,13 @@ class Templates:
                 self._once_each(statement)
 
     def expanded(self, statement: s.Statement) -> s.Statement:
-        """An object or set with what its template says; anything else as it is."""
+        """Return an object or set with its template's properties; other statements are unchanged."""
         if not isinstance(statement, s.Block) or statement.kind not in ("object", "objects") or statement.model is None:
             return statement
         name = statement.model
         bare = replace(statement, model=None)
         if name.id not in self.known:
-            library, _ = having({name.id})
+            library, _ = library_declaring({name.id})
             help = f"write `use {library}` above, which has it" if library else suggestion(name.id, self.known)
             self._report.add("WMS201", f"there is no template `{name.id}`", name.span, help)
             known = tuple(p for p in bare.properties if p.name.id in PROPERTIES["object"])
@@ -42,7 +42,7 @@ class Templates:
         return self._made(bare, self.known[name.id], name.span)
 
     def unused(self) -> Iterable[s.Block]:
-        """An object of each template that no object is made of, so that its mistakes are found too."""
+        """Return an object of each unused template, so that its errors are found."""
         for name, template in self.known.items():
             if name not in self._used:
                 block = s.Block("object", template.name, (), template.span)
@@ -62,7 +62,7 @@ class Templates:
         self._without_place(p for p in block.properties if p.name.id in parameters)
         own = tuple(p for p in block.properties if p.name.id not in parameters and self._known(p, template))
         values: dict[str, s.Expr] = {}
-        for p in template.parameters:  # a default may be made of the parameters before it
+        for p in template.parameters:  # a default may refer to earlier parameters
             value = given.get(p.name.id)
             values[p.name.id] = self._substitute.expression(p.value, values) if value is None else value
         written = {p.name.id for p in own} | {"at" for p in own if p.at is not None}
@@ -70,13 +70,13 @@ class Templates:
             written |= either if written & either else set()
         kept = (p for p in template.properties if p.name.id not in written)
         common = tuple(self._substitute.property(p, values) for p in kept)
-        if "at" in written:  # the object's own place goes before the template's
+        if "at" in written:  # the object's own place takes precedence
             common = tuple(replace(p, at=None) for p in common)
         parts = tuple(self._substitute.part(p, values) for p in template.parts)
         return replace(block, properties=(*common, *own), parts=(*parts, *block.parts))
 
     def _known(self, p: s.Property, template: s.Template) -> bool:
-        """Whether an object can have the property; else complain, with the template's parameters in mind."""
+        """Whether objects can have the property; otherwise report it and suggest the template's parameters."""
         table = PROPERTIES["object"]
         if p.name.id in table:
             return True

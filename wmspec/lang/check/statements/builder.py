@@ -1,7 +1,7 @@
-"""Tasks made in Python instead of written as text: the same IR, with the language's defaults for what is left out.
+"""Builds tasks in Python instead of text: the same IR, with the language's defaults.
 
 Values are SI numbers, truth values, words and names as strings, tuples and lists of these, or expressions of
-`wmspec.lang.check.ir.ir`, such as `Ref(name="pace")` for the value of a factor. Units are not checked here.
+`wmspec.lang.check.ir.ir`, such as `Ref(name="pace")` for the value of a factor. Units are not checked.
 """
 
 from __future__ import annotations
@@ -14,19 +14,25 @@ from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.places import Location
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.statements.defaults import default_value
-from wmspec.lang.check.tables.property_schema import ThingType, inherited, slots, thing_type, unfit
+from wmspec.lang.check.tables.property_schema import (
+    EntityType,
+    allowed_properties,
+    entity_type,
+    exclusion_reason,
+    inherited_appearance,
+)
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
-from wmspec.lang.check.tables.vocabulary import JOINTS, TOLERANCES, Slot
+from wmspec.lang.check.tables.vocabulary import JOINTS, TOLERANCES, PropertySpec
 
-#: The place of whatever stands in no text.
-HERE = Location(file="<python>", line=1, column=1, start=0, end=0)
+#: Location of nodes without source text.
+PYTHON_LOCATION = Location(file="<python>", line=1, column=1, start=0, end=0)
 
-Part = ir.Factor | ir.Let | ir.Require | ir.Thing | ir.Observation | ir.Question
+Part = ir.Factor | ir.Let | ir.Require | ir.Entity | ir.Observation | ir.Question
 _NODES = (ir.Value, ir.Ref, ir.Property, ir.Operation, ir.Call, ir.Items)
 
 
 def expression(value: Any) -> ir.Expr:
-    """A Python value as an expression; an expression as it is. Raises WmsError for anything else."""
+    """Return a Python value as an expression; expressions are returned unchanged. Raises WmsError for other types."""
     if isinstance(value, _NODES):
         return value
     if isinstance(value, bool | str):
@@ -39,9 +45,9 @@ def expression(value: Any) -> ir.Expr:
 
 
 def factor(name: str, values: Iterable[float | bool | str | Sequence[float]], unit: str = "") -> ir.Factor:
-    """A factor with these values, all of one kind; `unit` is the SI unit of numbers and points, such as `m/s`."""
+    """Return a factor with these values, all of one type; `unit` is their SI unit, such as `m/s`."""
     choices = tuple(_constant(v) for v in values)
-    return ir.Factor(name=name, domain=ir.Choices(values=choices), nuisance=False, unit=unit, place=HERE)
+    return ir.Factor(name=name, domain=ir.Choices(values=choices), nuisance=False, unit=unit, place=PYTHON_LOCATION)
 
 
 def _constant(value: float | bool | str | Sequence[float]) -> ir.Scalar | tuple[float, ...]:
@@ -51,75 +57,75 @@ def _constant(value: float | bool | str | Sequence[float]) -> ir.Scalar | tuple[
 
 
 def nuisance(name: str, low: float, high: float, unit: str = "") -> ir.Factor:
-    """A nuisance drawn uniformly from an interval."""
-    return ir.Factor(name=name, domain=ir.Interval(low=low, high=high), nuisance=True, unit=unit, place=HERE)
+    """Return a nuisance drawn uniformly from an interval."""
+    return ir.Factor(name=name, domain=ir.Interval(low=low, high=high), nuisance=True, unit=unit, place=PYTHON_LOCATION)
 
 
 def let(name: str, value: Any) -> ir.Let:
-    """A named value."""
-    return ir.Let(name=name, value=expression(value), place=HERE)
+    """Return a named value."""
+    return ir.Let(name=name, value=expression(value), place=PYTHON_LOCATION)
 
 
 def thing(
     kind: Literal["object", "camera", "light", "world"], name: str, *, set: str = "", **properties: Any
-) -> ir.Thing:
-    """An object, camera, light or the world. Raises WmsError for a property that its kind lacks or that is missing."""
-    return _thing(name, thing_type(kind, properties), properties, set=set)
+) -> ir.Entity:
+    """Return an object, camera, light or the world. Raises WmsError for a disallowed or missing property."""
+    return _thing(name, entity_type(kind, properties), properties, set=set)
 
 
-def compound(name: str, parts: Mapping[str, Mapping[str, Any]], **properties: Any) -> tuple[ir.Thing, ...]:
-    """An object made of parts (their properties by name), followed by these. Raises WmsError as `thing` does."""
-    whole = _thing(name, thing_type("object", properties, parts=True), properties)
+def compound(name: str, parts: Mapping[str, Mapping[str, Any]], **properties: Any) -> tuple[ir.Entity, ...]:
+    """Return an object with parts (properties by part name), followed by the parts. Raises WmsError as `thing` does."""
+    whole = _thing(name, entity_type("object", properties, parts=True), properties)
     return whole, *(_part(whole, part, properties_of) for part, properties_of in parts.items())
 
 
 def objects(
     name: str, most: int, properties: Callable[[int], Mapping[str, Any]], count: Any = None
-) -> tuple[ir.Thing, ...]:
-    """The members of a set, `name_0` to `name_{most - 1}`, with properties from their index.
+) -> tuple[ir.Entity, ...]:
+    """Return the members of a set, `name_0` to `name_{most - 1}`, with properties computed from their index.
 
-    With a `count`, which is an expression, only so many of them are present.
+    With a `count` expression, only the first `count` members are present.
     """
     members = [thing("object", f"{name}_{i}", set=name, **properties(i)) for i in range(most)]
     return tuple(members if count is None else (_below(m, i, expression(count)) for i, m in enumerate(members)))
 
 
-def joint(name: str, model: str, **properties: Any) -> ir.Thing:
-    """A joint of a model: hinge, slider, ball or fixed. Raises WmsError as `thing` does."""
+def joint(name: str, model: str, **properties: Any) -> ir.Entity:
+    """Return a joint of a model: hinge, slider, ball or fixed. Raises WmsError as `thing` does."""
     if model not in JOINTS:
         raise WmsError(f"there is no kind of joint `{model}`; {suggestion(model, JOINTS)}")
-    return _thing(name, thing_type("joint", properties, model), properties, model=model)
+    return _thing(name, entity_type("joint", properties, model), properties, model=model)
 
 
-def robot(name: str, model: str, **properties: Any) -> ir.Thing:
-    """A robot of a model. Raises WmsError as `thing` does."""
+def robot(name: str, model: str, **properties: Any) -> ir.Entity:
+    """Return a robot of a model. Raises WmsError as `thing` does."""
     if model not in ROBOTS:
         raise WmsError(f"there is no kind of robot `{model}`; {suggestion(model, ROBOTS)}")
-    return _thing(name, thing_type("robot", properties, model), properties, model=model)
+    return _thing(name, entity_type("robot", properties, model), properties, model=model)
 
 
 def action(
-    name: str, verb: str, *, by: ir.Thing | None = None, start: Any = 0.0, duration: Any = None, **arguments: Any
-) -> ir.Thing:
-    """An action: `start` (s), for verbs that last a `duration` (s), and the arguments of the verb.
+    name: str, verb: str, *, by: ir.Entity | None = None, start: Any = 0.0, duration: Any = None, **arguments: Any
+) -> ir.Entity:
+    """Return an action with `start` (s), for lasting verbs `duration` (s), and the verb's arguments.
 
-    `by` is the robot that acts, if it is a verb of robots.
+    `by` is the acting robot, for verbs of robots.
     """
     verbs: Mapping[str, Verb] = ROBOTS[by.model] if by is not None else VERBS
     if verb not in verbs:
         raise WmsError(f"there is no verb `{verb}`; {suggestion(verb, verbs)}")
     if verbs[verb].lasts != (duration is not None):
-        raise WmsError(f"`{verb}` {'needs a' if verbs[verb].lasts else 'happens at once and has no'} duration")
+        raise WmsError(f"`{verb}` {'needs a' if verbs[verb].lasts else 'is instantaneous and has no'} duration")
     properties = _filled(verbs[verb].arguments, arguments, f"the action `{name}`") | {"start": _setting(start)}
     if duration is not None:
         properties["duration"] = _setting(duration)
     of = by.name if by is not None else ""
-    return ir.Thing(kind="action", name=name, verb=verb, of=of, properties=properties, place=HERE)
+    return ir.Entity(kind="action", name=name, verb=verb, of=of, properties=properties, place=PYTHON_LOCATION)
 
 
 def observe(camera: str, times: Sequence[Any], channels: tuple[ir.Channel, ...] = ("rgb",)) -> ir.Observation:
-    """What a camera sees at times (s), and what is kept of each picture."""
-    return ir.Observation(camera=camera, times=expression(list(times)), channels=channels, place=HERE)
+    """Return an observation: a camera, times (s), and the recorded channels."""
+    return ir.Observation(camera=camera, times=expression(list(times)), channels=channels, place=PYTHON_LOCATION)
 
 
 def task(
@@ -135,9 +141,9 @@ def task(
     license: str = "",
     source: str = "",
 ) -> ir.TaskSpec:
-    """A task of parts in any order. It lasts until `horizon` (s), or else until the last observation.
+    """Return a task with parts in any order. It ends at `horizon` (s), by default at the last observation.
 
-    `tolerances` (SI) are how far engines may disagree. Raises WmsError for an unknown one.
+    `tolerances` (SI) are the allowed disagreement between engines. Raises WmsError for unknown ones.
     """
     for key in tolerances or {}:
         if key not in TOLERANCES:
@@ -154,10 +160,12 @@ def task(
         factors=tuple(by_type.get(ir.Factor, ())),
         lets=tuple(by_type.get(ir.Let, ())),
         requires=tuple(by_type.get(ir.Require, ())),
-        things=tuple(sorted(by_type.get(ir.Thing, ()), key=lambda t: t.kind == "action")),
+        things=tuple(sorted(by_type.get(ir.Entity, ()), key=lambda t: t.kind == "action")),
         observations=tuple(by_type.get(ir.Observation, ())),
         questions=tuple(by_type.get(ir.Question, ())),
-        horizon=expression(horizon) if horizon is not None else ir.last_shown(by_type.get(ir.Observation, [])),
+        horizon=expression(horizon)
+        if horizon is not None
+        else ir.time_of_last_picture(by_type.get(ir.Observation, [])),
         title=title or name,
         description=description,
         license=license,
@@ -166,30 +174,30 @@ def task(
 
 
 def _setting(value: Any) -> ir.Setting:
-    return ir.Setting(value=expression(value), place=HERE)
+    return ir.Setting(value=expression(value), place=PYTHON_LOCATION)
 
 
-def _thing(name: str, of: ThingType, properties: dict[str, Any], *, model: str = "", set: str = "") -> ir.Thing:
-    """A thing of a type. Raises WmsError for a property that it cannot have or that is missing."""
+def _thing(name: str, of: EntityType, properties: dict[str, Any], *, model: str = "", set: str = "") -> ir.Entity:
+    """Return an entity of a type. Raises WmsError for a disallowed or missing property."""
     whose = f"the {of.kind} `{name}`"
     for key in properties:
-        if reason := unfit(of, key):
+        if reason := exclusion_reason(of, key):
             raise WmsError(f"of {whose}: {reason}")
-    filled = _filled(slots(of), properties, whose)
-    kind = cast(ir.ThingKind, of.kind)
-    return ir.Thing(kind=kind, name=name, model=model, set=set, properties=filled, place=HERE)
+    filled = _filled(allowed_properties(of), properties, whose)
+    kind = cast(ir.EntityKind, of.kind)
+    return ir.Entity(kind=kind, name=name, model=model, set=set, properties=filled, place=PYTHON_LOCATION)
 
 
-def _part(whole: ir.Thing, name: str, given: Mapping[str, Any]) -> ir.Thing:
+def _part(whole: ir.Entity, name: str, given: Mapping[str, Any]) -> ir.Entity:
     name = f"{whole.name}.{name}"
-    properties = _filled(slots(thing_type("part", given)), given, f"the part `{name}`")
-    for look in inherited(given, whole.properties):
+    properties = _filled(allowed_properties(entity_type("part", given)), given, f"the part `{name}`")
+    for look in inherited_appearance(given, whole.properties):
         properties[look] = _setting(ir.Property(owner=ir.Value(value=whole.name), name=look))
-    return ir.Thing(kind="part", name=name, of=whole.name, properties=properties, place=HERE)
+    return ir.Entity(kind="part", name=name, of=whole.name, properties=properties, place=PYTHON_LOCATION)
 
 
-def _below(member: ir.Thing, index: int, count: ir.Expr) -> ir.Thing:
-    """The member, present where its index is below the number."""
+def _below(member: ir.Entity, index: int, count: ir.Expr) -> ir.Entity:
+    """Return the member, present where its index is below `count`."""
     there: ir.Expr = ir.Operation(operator="<", operands=(ir.Value(value=float(index)), count))
     present = member.properties["present"].value
     if present != ir.Value(value=True):
@@ -197,7 +205,7 @@ def _below(member: ir.Thing, index: int, count: ir.Expr) -> ir.Thing:
     return replace(member, properties=member.properties | {"present": _setting(there)})
 
 
-def _filled(table: Mapping[str, Slot], given: Mapping[str, Any], whose: str) -> dict[str, ir.Setting]:
+def _filled(table: Mapping[str, PropertySpec], given: Mapping[str, Any], whose: str) -> dict[str, ir.Setting]:
     for key in given:
         if key not in table:
             raise WmsError(f"{whose} has no `{key}`; {suggestion(key, table)}")

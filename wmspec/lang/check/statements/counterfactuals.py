@@ -1,4 +1,4 @@
-"""Checking counterfactuals: exactly one change each."""
+"""Checks counterfactuals: each has exactly one change."""
 
 from __future__ import annotations
 
@@ -8,37 +8,37 @@ from typing import cast
 from wmspec.core.diagnostics import Note
 from wmspec.core.places import Location
 from wmspec.lang.check.expressions import actions
-from wmspec.lang.check.expressions.bounds import within
+from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.members import named
 from wmspec.lang.check.expressions.typed import Typed, constant
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.library.files import beside
-from wmspec.lang.check.statements.objects import Things
-from wmspec.lang.check.tables.vocabulary import FILES, Slot
+from wmspec.lang.check.library.files import resolve_path
+from wmspec.lang.check.statements.objects import Entities
+from wmspec.lang.check.tables.vocabulary import FILES, PropertySpec
 from wmspec.lang.check.types.types import ACTION, CAMERA, JOINT, LIGHT, OBJECT, PART, ROBOT, WORLD, article
 from wmspec.lang.parse import syntax as s
 
-#: What has properties that a counterfactual can change.
-_CHANGED = (OBJECT, PART, CAMERA, LIGHT, JOINT, ROBOT, WORLD)
+#: Types with properties that a counterfactual can change.
+_CHANGEABLE = (OBJECT, PART, CAMERA, LIGHT, JOINT, ROBOT, WORLD)
 
 
 class Counterfactuals:
-    """Checks the counterfactuals of a task; a mistake is reported and raises `Failed`."""
+    """Checks the counterfactuals of a task; an error is reported and raises `Failed`."""
 
-    def __init__(self, check: Expressions, things: Things) -> None:
+    def __init__(self, check: Expressions, things: Entities) -> None:
         self.check = check
         self.things = things
-        self.added: list[ir.Thing] = []
+        self.added: list[ir.Entity] = []
         """The actions that counterfactuals add."""
 
     def counterfactual(self, written: s.Counterfactual) -> ir.Counterfactual:
-        """A counterfactual: exactly one change."""
+        """Return a counterfactual with its one change."""
         name = written.name.id
         if len(written.changes) != 1:
             many = len(written.changes)
             what = f"a counterfactual changes exactly one thing, but `{name}` changes {many}"
-            remedy = "make one counterfactual of each change" if many else "say what would be different"
+            remedy = "make one counterfactual of each change" if many else "write the change"
             self.check.fail("WMS503", what, written.name.span, remedy)
         (change,) = written.changes
         match change.kind:
@@ -66,18 +66,18 @@ class Counterfactuals:
         )
 
     def _action(self, e: s.Expr, what: str) -> str:
-        """The name of an action."""
+        """Return the name of an action."""
         expr = self.check.value(e, (ACTION,), what).expr
         if not isinstance(expr, ir.Value):
-            self.check.fail("WMS503", f"{what} names an action", e.span, "which action is meant is a constant")
+            self.check.fail("WMS503", f"{what} names an action", e.span, "the action must be constant")
         return str(expr.value)
 
     def _added(self, name: str, change: s.Change) -> ir.Counterfactual:
-        """An action more, which is called as the counterfactual is."""
+        """Add an action, named like the counterfactual."""
         written = s.Action(s.Name(name, change.target.span), change.target, change.timings, change.span)
         if name in self.check.scope.names:
             notes = (Note("declared here", self.check.scope.names[name].name.span),)
-            what = f"the added action is called `{name}`, and something is called so already"
+            what = f"the added action is named `{name}`, and that name is declared already"
             self.check.fail("WMS202", what, change.span, "give the counterfactual another name", notes)
         self.check.scope.names[name] = written
         self.added.append(replace(self.things.action(written), added=True))
@@ -89,7 +89,7 @@ class Counterfactuals:
         assert change.value is not None
         first, second = self._action(change.target, "`order`"), self._action(change.value, "`order`")
         if first == second:
-            message = "an action cannot exchange turns with itself"
+            message = "an action cannot swap its order with itself"
             self.check.fail("WMS503", message, change.value.span, "name two actions")
         if self._turn(first) == self._turn(second) is not None:
             message = f"`{first}` and `{second}` begin and end together, so their order makes no difference"
@@ -97,7 +97,7 @@ class Counterfactuals:
         return self._made(name, change, first, second, None, "")
 
     def _turn(self, name: str) -> tuple[float, float] | None:
-        """When an action starts and how long it lasts, if both are constants."""
+        """Return the start and duration of an action if both are constant."""
         action = actions.named(self.check, name)
         start = self._start(action)
         timing = next((t for t in action.timings if t.kind == "for"), None)
@@ -105,7 +105,7 @@ class Counterfactuals:
         return None if start is None or duration is None else (start, duration)
 
     def _start(self, action: s.Action) -> float | None:
-        """The constant start of an action; `with` another it is the other's."""
+        """Return the constant start of an action; with `with`, that of the other action."""
         expr = actions.start(self.check, action)[0].expr
         if isinstance(expr, ir.Property) and isinstance(expr.owner, ir.Value):
             return self._start(actions.named(self.check, str(expr.owner.value)))
@@ -117,35 +117,37 @@ class Counterfactuals:
         assert change.value is not None
         owner, prop, slot = self._target(change)
         typed = self._value(change, change.value, owner, slot, prop)
-        within(self.check, typed.expr, slot, change.value.span, f"`{prop}`")
-        expr = beside(self.check, prop, change.value, typed.expr) if prop in FILES else typed.expr
+        check_bounds(self.check, typed.expr, slot, change.value.span, f"`{prop}`")
+        expr = resolve_path(self.check, prop, change.value, typed.expr) if prop in FILES else typed.expr
         if expr == ir.Property(owner=ir.Value(value=owner), name=prop):
-            self.check.fail("WMS503", "this is what it was before", change.value.span, "change the value")
+            self.check.fail(
+                "WMS503", "this is the value without the counterfactual", change.value.span, "change the value"
+            )
         return self._made(name, change, owner, prop, expr, str(typed.type))
 
-    def _value(self, change: s.Change, value: s.Expr, owner: str, slot: Slot, prop: str) -> Typed:
+    def _value(self, change: s.Change, value: s.Expr, owner: str, slot: PropertySpec, prop: str) -> Typed:
         if change.kind == "action":
             action = actions.named(self.check, owner)
-            self.check.subject = actions.subject(self.check, action, actions.act(self.check, action))
+            self.check.subject = actions.subject(self.check, action, actions.resolve_action(self.check, action))
         try:
             return self.check.value(value, slot.types, f"`{prop}`")
         finally:
             self.check.subject = None
 
-    def _target(self, change: s.Change) -> tuple[str, str, Slot]:
-        """What a change is made to: its owner, its name and its slot."""
+    def _target(self, change: s.Change) -> tuple[str, str, PropertySpec]:
+        """Return the target of a change: its owner, its name and its slot."""
         target = change.target
         example = "push.speed" if change.kind == "action" else "ball.mass"
         if not isinstance(target, s.Member):
             message = f"`{change.kind}` changes one named value"
             self.check.fail("WMS503", message, target.span, f"write something like `{example}`")
         owner = self.check.infer(target.value)
-        wanted = (ACTION,) if change.kind == "action" else _CHANGED
-        if owner.type not in wanted or not isinstance(owner.expr, ir.Value):
+        expected = (ACTION,) if change.kind == "action" else _CHANGEABLE
+        if owner.type not in expected or not isinstance(owner.expr, ir.Value):
             what = "an action" if change.kind == "action" else "an object or camera"
             actual = article(str(owner.type))
             message = f"`{change.kind}` changes {what}, but this is {actual}"
-            if owner.type in wanted:
+            if owner.type in expected:
                 message = f"`{change.kind}` changes one named value, and which {owner.type} this is depends on a factor"
             self.check.fail("WMS503", message, target.value.span)
         name, prop = str(owner.expr.value), target.name
@@ -153,5 +155,5 @@ class Counterfactuals:
             return name, prop.id, actions.slot_of(self.check, name, prop)
         of = named(self.check, name)
         if prop.id not in of.slots:
-            self.check.fail(*of.lacks(prop))
+            self.check.fail(*of.unknown_property_error(prop))
         return name, prop.id, of.slots[prop.id]

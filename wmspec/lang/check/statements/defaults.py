@@ -1,4 +1,4 @@
-"""The values of what is left out."""
+"""Default values of properties and arguments."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from wmspec.core.places import Source, Span
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.scope import Scope
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.tables.vocabulary import Slot
+from wmspec.lang.check.tables.vocabulary import PropertySpec
 from wmspec.lang.parse.parser import parse_expression
 
 
 @cache
-def default_value(slot: Slot) -> ir.Expr:
-    """The value that a property or argument has when it is left out."""
+def default_value(slot: PropertySpec) -> ir.Expr:
+    """Return the default of a property or argument."""
     assert slot.default is not None
     source = Source("<default>", slot.default)
     report = Report()

@@ -1,14 +1,14 @@
-"""The dimensions under which the tasks of the catalogue stand, so that a misspelt one is told from a new one."""
+"""Known dimensions of the catalogue's tasks, to detect misspelled ones."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from wmspec.core.diagnostics import Remedy, Report
-from wmspec.core.spelling import slips
+from wmspec.core.spelling import edit_distance
 from wmspec.lang.parse import syntax as s
 
-#: Of every path, what it goes on with. A test holds that all specs of the catalogue are in here.
+#: Continuations of every path. A test verifies that all specs of the catalogue are included.
 DIMENSIONS: dict[str, str] = {
     "": "perception prediction custom",
     "perception": "motion physics quantity space time vision",
@@ -28,11 +28,11 @@ DIMENSIONS: dict[str, str] = {
 }
 
 
-def near_known(path: Sequence[s.Name], report: Report) -> None:
-    """Warn of a dimension that is one slip of the hand from a known one: it would be a new one of its own."""
+def warn_near_known(path: Sequence[s.Name], report: Report) -> None:
+    """Warn about a dimension one edit away from a known one."""
     for i, name in enumerate(path):
         known = DIMENSIONS.get(".".join(n.id for n in path[:i]), "").split()
-        near = next((other for other in known if slips(name.id.lower(), other, 2) < 2), None)
+        near = next((other for other in known if edit_distance(name.id.lower(), other, 2) < 2), None)
         if name.id in known or near is None:
             continue
         remedy = Remedy.of(f"did you mean `{near}`?", name.id, near)

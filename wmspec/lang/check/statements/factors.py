@@ -1,4 +1,4 @@
-"""Checking what varies: factors, nuisances, `let`s, `require`s, and which combinations make up the design."""
+"""Checks factors, nuisances, `let`s, `require`s, and the design."""
 
 from __future__ import annotations
 
@@ -6,38 +6,37 @@ from typing import cast
 
 from wmspec.core.diagnostics import Note, suggestion
 from wmspec.core.places import Location, Span
-from wmspec.lang.check.expressions.domains import Level, Written, conditions, names, read
+from wmspec.lang.check.expressions.domains import Level, WrittenDomain, conditions, labels, read_domain
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import ZERO, Failed, constant
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.ir.evaluate import parts
-from wmspec.lang.check.tables.vocabulary import PLANS
+from wmspec.lang.check.ir.evaluate import subexpressions
+from wmspec.lang.check.tables.vocabulary import DESIGNS
 from wmspec.lang.check.types.types import A_NUMBER, TRUTH, Quantity, Type, Vector
 from wmspec.lang.parse import syntax as s
 
-#: More instances are not drawn.
-MOST_DRAWN = 10_000_000
-#: What a design in groups says: the factors that are crossed in every group, those that take turns, and the question
-#: whose answers are to come equally often.
-GROUPED = ("cross", "turn", "balance")
+#: Maximum number of instances.
+MAX_INSTANCES = 10_000_000
+#: Keys of a design in groups: crossed factors, rotating factors, and the question with balanced answers.
+GROUP_KEYS = ("cross", "turn", "balance")
 
 
 class Factors:
-    """Checks the statements of the design; a mistake is reported and raises `Failed`."""
+    """Checks the statements of the design; an error is reported and raises `Failed`."""
 
     def __init__(self, check: Expressions) -> None:
         self.check = check
         check.domain_of = self.type_of
 
     def type_of(self, factor: s.Factor) -> Type:
-        """The type of a factor's values."""
-        return read(self.check, factor.domain).type
+        """Return the type of a factor's values."""
+        return read_domain(self.check, factor.domain).type
 
     # ------------------------------------------------------------ factors
 
     def factor(self, factor: s.Factor) -> ir.Factor:
-        """A factor or nuisance with its domain."""
-        written = read(self.check, factor.domain)
+        """Return a factor or nuisance with its domain."""
+        written = read_domain(self.check, factor.domain)
         domain = self._drawn(factor, written) if factor.nuisance else self._studied(factor, written)
         kind = written.type
         dimension = kind.dimension if isinstance(kind, Quantity | Vector) and kind.dimension != ZERO else None
@@ -49,18 +48,18 @@ class Factors:
             place=Location.of(factor.name.span),
         )
 
-    def _drawn(self, factor: s.Factor, written: Written) -> ir.Domain:
-        """What a nuisance is drawn from. Not from what depends on factors: instances would differ in two things."""
+    def _drawn(self, factor: s.Factor, written: WrittenDomain) -> ir.Domain:
+        """Return the domain of a nuisance. It cannot depend on factors, or neighbours would differ in two variables."""
         name = factor.name.id
         if written.conditional:
             message = f"what the nuisance `{name}` is drawn from depends on a condition"
             remedy = "draw from each domain by itself, and choose between the nuisances with `let`"
             self.check.fail("WMS407", message, factor.domain.span, remedy)
         values = tuple(o.value for o in written.options)
-        return written.spread or ir.Choices(values=values, weights=written.weights, names=names(written))
+        return written.spread or ir.Choices(values=values, weights=written.weights, names=labels(written))
 
-    def _studied(self, factor: s.Factor, written: Written) -> ir.Domain:
-        """The values of a factor; only a Latin hypercube takes them from an interval or a distribution."""
+    def _studied(self, factor: s.Factor, written: WrittenDomain) -> ir.Domain:
+        """Return the values of a factor; only a Latin hypercube accepts intervals and distributions."""
         name, span = factor.name.id, factor.domain.span
         if written.weights is not None:
             message = f"`{name}` is a factor, and all values of a factor count alike"
@@ -72,21 +71,21 @@ class Factors:
                 self.check.fail("WMS401", message, span, remedy)
             return written.spread
         if not written.conditional:
-            return ir.Choices(values=tuple(o.value for o in written.options), names=names(written))
+            return ir.Choices(values=tuple(o.value for o in written.options), names=labels(written))
         values, when = zip(*conditions(self.check, written), strict=True)
-        if any(part == ir.Ref(name=name) for condition in when for part in parts(condition)):
+        if any(part == ir.Ref(name=name) for condition in when for part in subexpressions(condition)):
             self.check.fail("WMS209", f"the values of `{name}` depend on itself", span, "let them depend on others")
-        return ir.Choices(values=values, when=when, names=names(written))
+        return ir.Choices(values=values, when=when, names=labels(written))
 
     # ------------------------------------------------------------ lets and requires
 
     def let(self, let: s.Let) -> ir.Let:
-        """A named value."""
-        typed = self.check.once(("let", let.name.id), let.name.span, lambda: self.check.infer(let.value))
+        """Return a named value."""
+        typed = self.check.memoized(("let", let.name.id), let.name.span, lambda: self.check.infer(let.value))
         return ir.Let(name=let.name.id, value=typed.expr, place=Location.of(let.name.span))
 
     def require(self, require: s.Require) -> ir.Require:
-        """A condition on factors."""
+        """Return a condition on factors."""
         typed = self.check.value(require.condition, (TRUTH,), "`require`")
         return ir.Require(
             condition=typed.expr, text=require.condition.span.words, place=Location.of(require.condition.span)
@@ -95,13 +94,13 @@ class Factors:
     # ------------------------------------------------------------ the design
 
     def plan(self) -> ir.Plan:
-        """Which combinations of the factors there are; all of them if nothing is said. Mistakes are reported."""
+        """Return the design, by default factorial. Errors are reported."""
         if not self.check.scope.designs:
             return ir.Plan()
         first, *more = self.check.scope.designs
         for other in more:
-            notes = (Note("said here first", first.span),)
-            self.check.report.add("WMS202", "`design` is said twice", other.span, "remove one", notes)
+            notes = (Note("first set here", first.span),)
+            self.check.report.add("WMS202", "`design` is set twice", other.span, "remove one", notes)
         try:
             return self._plan(first)
         except Failed:
@@ -109,13 +108,13 @@ class Factors:
 
     def _plan(self, design: s.Design) -> ir.Plan:
         kind, name = design.kind.id, design.kind
-        if kind not in PLANS:
-            self.check.fail("WMS201", f"there is no design `{kind}`", name.span, suggestion(kind, PLANS))
-        if PLANS[kind].counted and design.count is None:
+        if kind not in DESIGNS:
+            self.check.fail("WMS201", f"there is no design `{kind}`", name.span, suggestion(kind, DESIGNS))
+        if DESIGNS[kind].counted and design.count is None:
             self.check.fail(
-                "WMS408", f"`{kind}` does not say of how many instances", name.span, f"write `design {kind} of 500`"
+                "WMS408", f"`{kind}` needs a number of instances", name.span, f"write `design {kind} of 500`"
             )
-        if design.count is not None and not PLANS[kind].counted:
+        if design.count is not None and not DESIGNS[kind].counted:
             remedy = "write `design sample of N` for N of them"
             self.check.fail(
                 "WMS408", f"the number of instances of `{kind}` follows from the factors", design.count.span, remedy
@@ -127,17 +126,17 @@ class Factors:
         plan, place = cast(ir.PlanKind, kind), Location.of(design.span)
         if kind == "groups":
             named = self._grouped(design)
-            cross, turn, balance = (named.get(key, ()) for key in GROUPED)
+            cross, turn, balance = (named.get(key, ()) for key in GROUP_KEYS)
             return ir.Plan(kind=plan, count=count, cross=cross, turn=turn, balance="".join(balance), place=place)
         return ir.Plan(kind=plan, count=count, baseline=self._baseline(design), place=place)
 
     def _grouped(self, design: s.Design) -> dict[str, tuple[str, ...]]:
-        """What groups say: the factors that `cross` and `turn` name, and the question that `balance` does."""
+        """Return the factors named by `cross` and `turn`, and the question named by `balance`."""
         named: dict[str, tuple[str, ...]] = {}
         taken: dict[str, Span] = {}
         for p in design.baseline:
-            if p.name.id not in GROUPED:
-                remedy = suggestion(p.name.id, GROUPED)
+            if p.name.id not in GROUP_KEYS:
+                remedy = suggestion(p.name.id, GROUP_KEYS)
                 self.check.fail("WMS203", f"groups have no `{p.name.id}`", p.name.span, remedy)
             if p.name.id in named:
                 self.check.fail("WMS202", f"`{p.name.id}` is set twice", p.name.span, "put the names in one list")
@@ -146,11 +145,11 @@ class Factors:
             named[p.name.id] = (self._question(p.value),) if balance else tuple(self._factor(e, taken) for e in names)
         if not {"cross", "turn"} & named.keys():
             remedy = "write `{ cross: FACTOR }`, or `{ turn: [FACTOR, ...] }` for factors that take turns"
-            self.check.fail("WMS408", "groups do not say what is crossed in them", design.kind.span, remedy)
+            self.check.fail("WMS408", "groups need crossed factors", design.kind.span, remedy)
         return named
 
     def _question(self, e: s.Expr) -> str:
-        """The name of a question."""
+        """Return the name of a question."""
         named = [q.name.id for q in self.check.scope.questions if q.name is not None]
         if isinstance(e, s.Name) and e.id in named:
             return e.id
@@ -159,7 +158,7 @@ class Factors:
         self.check.unknown(s.Name(name, e.span), f"there is no question `{name}`", remedy)
 
     def _factor(self, e: s.Expr, taken: dict[str, Span]) -> str:
-        """The name of a factor, none of which may be named twice."""
+        """Return the name of a factor, which must not be `taken`."""
         name = e.span.text
         self._declared(name, e.span)
         if name in taken:
@@ -169,7 +168,7 @@ class Factors:
         return name
 
     def _declared(self, name: str, span: Span) -> s.Factor:
-        """The factor of that name."""
+        """Return the factor of that name."""
         factor = self.check.scope.names.get(name)
         if not isinstance(factor, s.Factor) or factor.nuisance:
             factors = [f for f, x in self.check.scope.names.items() if isinstance(x, s.Factor) and not x.nuisance]
@@ -178,8 +177,10 @@ class Factors:
 
     def _count(self, e: s.Expr) -> int:
         count = constant(self.check.value(e, (A_NUMBER,), "`of`").expr)
-        if count is None or count != int(count) or not 1 <= count <= MOST_DRAWN:
-            self.check.fail("WMS408", f"the number of instances is a whole constant from 1 to {MOST_DRAWN:,}", e.span)
+        if count is None or count != int(count) or not 1 <= count <= MAX_INSTANCES:
+            self.check.fail(
+                "WMS408", f"the number of instances is a whole constant from 1 to {MAX_INSTANCES:,}", e.span
+            )
         return int(count)
 
     def _baseline(self, design: s.Design) -> dict[str, Level]:
@@ -195,8 +196,8 @@ class Factors:
         return levels
 
     def _level(self, factor: s.Factor, e: s.Expr) -> Level:
-        """One of the values of a factor."""
-        written = read(self.check, factor.domain)
+        """Return one of the values of a factor."""
+        written = read_domain(self.check, factor.domain)
         expr = self.check.value(e, (written.type,), f"`{factor.name.id}`").expr
         for option in written.options:
             if _same(option.value, expr):
@@ -207,7 +208,7 @@ class Factors:
 
 
 def _same(value: Level, expr: ir.Expr) -> bool:
-    """Whether a constant is a value, but for the rounding of units."""
+    """Whether a constant equals a value, up to rounding of units."""
     if isinstance(value, tuple):
         items = expr.items if isinstance(expr, ir.Items) else ()
         return len(items) == len(value) and all(map(_same, value, items))

@@ -1,4 +1,4 @@
-"""Checking what is there and what is done to it: objects and their parts, cameras, lights, joints, robots, actions."""
+"""Checks entities: objects and parts, cameras, lights, joints, robots, actions."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from typing import cast
 from wmspec.core.diagnostics import Note, Remedy, suggestion
 from wmspec.core.places import Location, Span
 from wmspec.lang.check.expressions import actions
-from wmspec.lang.check.expressions.actions import DURATION, START, Act
-from wmspec.lang.check.expressions.bounds import within
+from wmspec.lang.check.expressions.actions import DURATION, START, ResolvedAction
+from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.members import setting
-from wmspec.lang.check.expressions.owners import Owner, owner, parts
+from wmspec.lang.check.expressions.owners import Owner, owner, part_owners
 from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.library.files import beside, texts
+from wmspec.lang.check.library.files import possible_texts, resolve_path
 from wmspec.lang.check.statements.defaults import default_value
-from wmspec.lang.check.tables.property_schema import inherited
+from wmspec.lang.check.tables.property_schema import inherited_appearance
 from wmspec.lang.check.tables.verbs import ROBOTS
-from wmspec.lang.check.tables.vocabulary import COLORS, FILES, JOINTS, MEASURES, PROPERTIES, Slot
+from wmspec.lang.check.tables.vocabulary import COLORS, FILES, JOINTS, MEASURES, PROPERTIES, PropertySpec
 from wmspec.lang.check.types.types import A_TIME, article, either
 from wmspec.lang.parse import syntax as s
 from wmspec.sim.shapes import SHAPES
@@ -28,8 +28,8 @@ _ARTICLE = re.compile(r"(the|an?)\b\s*", re.IGNORECASE)
 _MODELS = {"joint": tuple(JOINTS), "robot": tuple(ROBOTS)}
 
 
-class Things:
-    """Checks blocks and actions; a mistake in one property is reported and the others are still looked at."""
+class Entities:
+    """Checks blocks and actions; an error in one property is reported and the others are still checked."""
 
     def __init__(self, check: Expressions) -> None:
         self.check = check
@@ -39,12 +39,12 @@ class Things:
 
     # ------------------------------------------------------------ blocks
 
-    def block(self, block: s.Block) -> tuple[ir.Thing, ...]:
-        """A thing, with the defaults of what it leaves out; the parts of an object follow it."""
-        self._fits_kind(block)
+    def block(self, block: s.Block) -> tuple[ir.Entity, ...]:
+        """Return an entity with its defaults, followed by the parts of an object."""
+        self._check_kind(block)
         of = owner(block)
-        whole = ir.Thing(
-            kind=cast(ir.ThingKind, block.kind),  # sets have become objects by now
+        whole = ir.Entity(
+            kind=cast(ir.EntityKind, block.kind),  # sets are already expanded
             name=of.name,
             model=block.model.id if block.model else "",
             of=block.whole,
@@ -53,20 +53,20 @@ class Things:
             place=Location.of(of.span),
         )
         if block.kind == "joint":
-            self._joins_two(whole, block)
-        return whole, *(self._part(whole, part) for part in parts(block))
+            self._check_joined(whole, block)
+        return whole, *(self._part(whole, part) for part in part_owners(block))
 
-    def _fits_kind(self, block: s.Block) -> None:
-        """Complain about a model or parts where they mean nothing."""
+    def _check_kind(self, block: s.Block) -> None:
+        """Report a model or parts on a kind of block that has none."""
         kind, model = block.kind, block.model
         if block.parts and kind != "object":
             self.report.add("WMS405", f"{article(kind)} has no parts", block.parts[0].name.span, "only an object has")
         if kind in _MODELS and (model is None or model.id not in _MODELS[kind]):
-            self._once(model or block)
+            self._fail_once(model or block)
             known = ", ".join(_MODELS[kind])
             if model is None:
                 name = self.scope.sets.get(block.name.id, block.name.id)
-                message = f"the {kind} `{name}` does not say which kind it is"
+                message = f"the {kind} `{name}` has no kind"
                 remedy = f"write `: KIND` after its name: {known}"
                 self.check.fail("WMS206", message, block.name.span, remedy)
             message = f"there is no kind of {kind} `{model.id}`"
@@ -82,23 +82,23 @@ class Things:
                 self.report.add("WMS202", message, part.name.span, "give one of them another name", notes)
             seen.setdefault(part.name.id, part.name.span)
 
-    def _once(self, written: s.Name | s.Block) -> None:
-        """Give up silently on what was reported of another member of the same set."""
+    def _fail_once(self, written: s.Name | s.Block) -> None:
+        """Fail silently if the error was reported for another member of the same set."""
         if written.span in self._reported:
             raise Failed
         self._reported.add(written.span)
 
-    def _part(self, whole: ir.Thing, of: Owner) -> ir.Thing:
-        """A part: what it does not say of its looks is that of its object."""
+    def _part(self, whole: ir.Entity, of: Owner) -> ir.Entity:
+        """Return a part; it inherits unset appearance properties from its object."""
         properties = self._properties(of)
-        for name in inherited(of.said, whole.properties):
+        for name in inherited_appearance(of.set_properties, whole.properties):
             value = ir.Property(owner=ir.Value(value=whole.name), name=name)
             properties[name] = ir.Setting(value=value, place=Location.of(of.span))
         place = Location.of(of.span)
-        return ir.Thing(kind="part", name=of.name, of=whole.name, properties=properties, place=place)
+        return ir.Entity(kind="part", name=of.name, of=whole.name, properties=properties, place=place)
 
     def _properties(self, of: Owner) -> dict[str, ir.Setting]:
-        """The properties that are written, and the defaults of the others."""
+        """Return the written properties and the defaults of the others."""
         properties: dict[str, ir.Setting] = {}
         spans: dict[str, Span] = {}
         here = Location.of(of.span)
@@ -116,37 +116,40 @@ class Things:
         for name, slot in of.slots.items():
             if name not in spans and slot.default is not None:
                 properties[name] = ir.Setting(value=default_value(slot), place=here)
-            elif name not in spans and not slot.optional and not of.strange:
+            elif name not in spans and not slot.optional and not of.has_unknown_property:
                 message = f"the {of.type.kind} `{of.name}` needs `{name}`: {slot.meaning}"
                 self.report.add("WMS206", message, of.span)
-        self._in_vain(of, properties)
+        self._report_ineffective(of, properties)
         return properties
 
-    def _in_vain(self, of: Owner, properties: dict[str, ir.Setting]) -> None:
-        """Complain about what says nothing: a second word on the weight, measures that the shape does not have."""
+    def _report_ineffective(self, of: Owner, properties: dict[str, ir.Setting]) -> None:
+        """Report ineffective properties: `density` next to `mass`, and sizes that the shape lacks."""
         if (
             of.type.kind == "object"
             and not of.type.asset
-            and "file" not in of.said
-            and {"mass", "density"} <= of.said.keys()
+            and "file" not in of.set_properties
+            and {"mass", "density"} <= of.set_properties.keys()
         ):
-            notes = (Note("its mass is said here", of.said["mass"].span),)
-            message = "`density` says nothing beside `mass`"
-            self.report.add("WMS203", message, of.said["density"].name.span, "remove one of them", notes)
+            notes = (Note("its mass is set here", of.set_properties["mass"].span),)
+            message = "`density` has no effect next to `mass`"
+            self.report.add("WMS203", message, of.set_properties["density"].name.span, "remove one of them", notes)
         shape = properties["shape"].value if "shape" in properties else None
         for name in MEASURES:
-            if name in of.said and isinstance(shape, ir.Value) and not SHAPES[str(shape.value)].takes(name):
-                takes = [f"`{m}:`" for m in MEASURES if SHAPES[str(shape.value)].takes(m)]
+            if name in of.set_properties and isinstance(shape, ir.Value) and not SHAPES[str(shape.value)].accepts(name):
+                takes = [f"`{m}:`" for m in MEASURES if SHAPES[str(shape.value)].accepts(m)]
                 takes = takes[:1] if takes[:1] == ["`size:`"] else takes
-                remedy = f"say how large it is with {either(takes[:3])}"
-                self.report.add("WMS203", f"a {shape.value} has no `{name}`", of.said[name].name.span, remedy)
+                remedy = f"set its size with {either(takes[:3])}"
+                self.report.add("WMS203", f"a {shape.value} has no `{name}`", of.set_properties[name].name.span, remedy)
 
     def _written(self, of: Owner, p: s.Property) -> dict[str, ir.Setting]:
-        """A written property, and where it is placed with `at`."""
+        """Return a written property, and its `at` if any."""
         if p.name.id not in of.slots:
-            if p.name.id in PROPERTIES[of.type.kind] and not of.said.keys() <= PROPERTIES[of.type.kind].keys():
-                raise Failed  # what it needs may be misspelt
-            self.check.fail(*of.lacks(p.name))
+            if (
+                p.name.id in PROPERTIES[of.type.kind]
+                and not of.set_properties.keys() <= PROPERTIES[of.type.kind].keys()
+            ):
+                raise Failed  # the required property may be misspelled
+            self.check.fail(*of.unknown_property_error(p.name))
         if p.at is not None and p.name.id not in ("on", "inside"):
             remedy = "write `at: (x, y, z)`"
             self.check.fail("WMS101", "`at` follows `on:` and `inside:` only", p.at.span, remedy)
@@ -159,38 +162,38 @@ class Things:
     def _setting(self, of: Owner, p: s.Property) -> ir.Setting:
         name, slot = p.name.id, of.slots[p.name.id]
         typed = setting(self.check, of, p, slot)
-        within(self.check, typed.expr, slot, p.value.span, f"`{name}`")
+        check_bounds(self.check, typed.expr, slot, p.value.span, f"`{name}`")
         if name in ("called", "plural"):
-            self._noun(of, p)
-        expr = beside(self.check, name, p.value, typed.expr) if name in FILES else typed.expr
+            self._check_noun(of, p)
+        expr = resolve_path(self.check, name, p.value, typed.expr) if name in FILES else typed.expr
         return ir.Setting(value=expr, place=Location.of(p.value.span))
 
-    def _noun(self, of: Owner, p: s.Property) -> None:
-        """Complain about a name with what texts put before it: `the blue crate`; and about one without letters."""
-        for text in texts(self.check, p.value, set()):
+    def _check_noun(self, of: Owner, p: s.Property) -> None:
+        """Report a name with an article or colour, as in `the blue crate`, and a name without letters."""
+        for text in possible_texts(self.check, p.value, set()):
             noun = text.value.strip()
             before = _ARTICLE.match(noun)
             noun = noun[before.end() :] if before else noun
             color, _, rest = noun.partition(" ")
-            noun = rest.strip() if rest and color in COLORS and "color" in of.said else noun
+            noun = rest.strip() if rest and color in COLORS and "color" in of.set_properties else noun
             if not noun:
-                self.check.fail("WMS304", f"`{p.name.id}` says no name", text.span, 'write a noun, as in `"crate"`')
+                self.check.fail("WMS304", f"`{p.name.id}` contains no name", text.span, 'write a noun, as in `"crate"`')
             if noun != text.value:
                 remedy = Remedy.of(f'write `"{noun}"`', text.span.text, f'"{noun}"')
                 what = f"texts put article and colour before what is said with `{p.name.id}`"
                 self.check.fail("WMS304", what, text.span, remedy)
 
-    def _joins_two(self, joint: ir.Thing, block: s.Block) -> None:
+    def _check_joined(self, joint: ir.Entity, block: s.Block) -> None:
         of, to = joint.properties.get("of"), joint.properties.get("to")
         if of is not None and to is not None and of.value == to.value and isinstance(of.value, ir.Value):
             self.check.fail("WMS304", f"`{joint.name}` joins `{of.value.value}` to itself", block.name.span)
 
     # ------------------------------------------------------------ actions
 
-    def action(self, action: s.Action) -> ir.Thing:
-        """An action: its verb, arguments and timings."""
-        does = actions.act(self.check, action)
-        self._all_known(does)
+    def action(self, action: s.Action) -> ir.Entity:
+        """Return an action with its verb, arguments and timings."""
+        does = actions.resolve_action(self.check, action)
+        self._check_arguments(does)
         properties: dict[str, ir.Setting] = {}
         for name, slot in does.verb.arguments.items():
             if name in does.written:
@@ -200,11 +203,11 @@ class Things:
                     continue
             elif slot.default is not None:
                 properties[name] = ir.Setting(value=default_value(slot), place=Location.of(action.name.span))
-            elif not slot.optional and not does.strange:
+            elif not slot.optional and not does.has_unknown_property:
                 self.report.add("WMS205", f"`{does.name}` needs `{name}`: {slot.meaning}", does.call.span)
         if does.name == "drive" and not does.robot:
-            self._driven(action, does)
-        return ir.Thing(
+            self._check_drive(action, does)
+        return ir.Entity(
             kind="action",
             name=action.name.id,
             verb=does.name,
@@ -213,14 +216,14 @@ class Things:
             place=Location.of(action.name.span),
         )
 
-    def _argument(self, action: s.Action, does: Act, name: str, slot: Slot) -> ir.Setting:
+    def _argument(self, action: s.Action, does: ResolvedAction, name: str, slot: PropertySpec) -> ir.Setting:
         typed = actions.argument(self.check, action, does, name)
         span = does.written[name].value.span
-        within(self.check, typed.expr, slot, span, f"`{name}`")
+        check_bounds(self.check, typed.expr, slot, span, f"`{name}`")
         return ir.Setting(value=typed.expr, place=Location.of(span))
 
-    def _all_known(self, does: Act) -> None:
-        """Complain about arguments that the verb does not know and those that are given twice."""
+    def _check_arguments(self, does: ResolvedAction) -> None:
+        """Report unknown and duplicate arguments."""
         given: set[str] = set()
         for name, argument in does.assigned:
             if not name:
@@ -231,39 +234,39 @@ class Things:
                 self.report.add("WMS205", f"`{name}` is given twice", argument.span, "remove one")
             given.add(name)
 
-    def _driven(self, action: s.Action, does: Act) -> None:
-        """Complain about a drive that the joint lacks."""
+    def _check_drive(self, action: s.Action, does: ResolvedAction) -> None:
+        """Report a target for a joint without a drive."""
         joint = actions.argument(self.check, action, does, "joint").expr if "joint" in does.written else None
         block = self.scope.names.get(str(joint.value)) if isinstance(joint, ir.Value) else None
         if not isinstance(block, s.Block):
             return
-        if "stiffness" not in owner(block).said:
+        if "stiffness" not in owner(block).set_properties:
             message = f"nothing drives `{block.name.id}`: it has no stiffness"
             notes = (Note(f"`{block.name.id}` is declared here", block.name.span),)
             self.report.add("WMS206", message, does.call.span, "add `stiffness:` to the joint", notes)
 
-    def _timings(self, action: s.Action, does: Act) -> dict[str, ir.Setting]:
-        """When an action starts and how long it lasts, from `at`, `for`, `after` and `with`."""
+    def _timings(self, action: s.Action, does: ResolvedAction) -> dict[str, ir.Setting]:
+        """Return the start and duration of an action, from `at`, `for`, `after` and `with`."""
         spans: dict[bool, Span] = {}
         for timing in action.timings:
             lasts = timing.kind == "for"
             if lasts in spans:
-                notes = (Note("said here first", spans[lasts]),)
+                notes = (Note("first set here", spans[lasts]),)
                 what = "how long this lasts" if lasts else "when this starts"
-                self.report.add("WMS202", f"{what} is said twice", timing.span, "remove one", notes)
+                self.report.add("WMS202", f"{what} is set twice", timing.span, "remove one", notes)
             spans.setdefault(lasts, timing.span)
         begin, span = actions.start(self.check, action)
-        within(self.check, begin.expr, START, span, "`at`")
+        check_bounds(self.check, begin.expr, START, span, "`at`")
         settings = {"start": ir.Setting(value=begin.expr, place=Location.of(span))}
         lasting = next((t for t in action.timings if t.kind == "for"), None)
         if lasting is None and does.verb.lasts:
-            message = f"`{does.name}` needs to know how long: `for TIME`"
+            message = f"`{does.name}` needs a duration: `for TIME`"
             self.check.fail("WMS205", message, does.call.span, "add for instance `for 2 s`")
         if lasting is not None:
             if not does.verb.lasts:
-                message = f"`{does.name}` happens at once and cannot last"
+                message = f"`{does.name}` is instantaneous and has no duration"
                 self.check.fail("WMS205", message, does.call.span, "remove `for`")
             typed = self.check.value(lasting.value, (A_TIME,), "`for`")
-            within(self.check, typed.expr, DURATION, lasting.value.span, "`for`")
+            check_bounds(self.check, typed.expr, DURATION, lasting.value.span, "`for`")
             settings["duration"] = ir.Setting(value=typed.expr, place=Location.of(lasting.value.span))
         return settings

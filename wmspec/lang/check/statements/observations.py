@@ -1,4 +1,4 @@
-"""Checking who looks: cameras, times and what is kept of each picture."""
+"""Checks observations: cameras, times and recorded channels."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from wmspec.lang.parse import syntax as s
 
 
 class Observations:
-    """Checks `observe` statements; a mistake is reported and raises `Failed`."""
+    """Checks `observe` statements; an error is reported and raises `Failed`."""
 
     def __init__(self, check: Expressions) -> None:
         self.check = check
 
     def observe(self, observe: s.Observe) -> ir.Observation:
-        """A camera's pictures at times."""
+        """Return the observation of a camera at times."""
         camera = self.check.value(observe.camera, (CAMERA,), "`observe`").expr
-        assert isinstance(camera, ir.Value)  # the grammar takes a name here, and a factor is none
+        assert isinstance(camera, ir.Value)  # the grammar allows names only, and factors are refused
         times = self.check.value(observe.times, (List(A_TIME), A_TIME), "`at`")
         expr = times.expr if isinstance(times.type, List) else ir.Items(items=(times.expr,))
         if expr == ir.Items(items=()):
-            message = "there is no time here at which to look"
+            message = "there are no times of observation here"
             self.check.fail("WMS504", message, observe.times.span, "write `[0 s, 1 s]`")
         channels = self._channels(observe.channels) if observe.channels else ("rgb",)
         place = Location.of(observe.span)
@@ -35,7 +35,7 @@ class Observations:
         items = expr.items if isinstance(expr, ir.Items) else (expr,)
         channels = [i.value for i in items if isinstance(i, ir.Value)]
         if len(channels) < len(items) or not channels:
-            self.check.fail("WMS304", "what is kept of a picture is a constant", e.span, "write `[rgb, depth, ids]`")
+            self.check.fail("WMS304", "channels must be constant", e.span, "write `[rgb, depth, ids]`")
         if len(set(channels)) < len(channels):
             self.check.fail("WMS202", "a channel is named twice here", e.span, "remove one")
         return cast(tuple[ir.Channel, ...], tuple(channels))

@@ -1,4 +1,4 @@
-"""Checking what is said of other levels of factors: closed sets of options, and counterfactuals of each other level."""
+"""Checks orbits (closed sets of options) and counterfactuals of each other level."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from wmspec.core.places import Location, Span
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.ir.evaluate import parts
-from wmspec.lang.check.tables.vocabulary import PLANS
+from wmspec.lang.check.ir.evaluate import subexpressions
+from wmspec.lang.check.tables.vocabulary import DESIGNS
 from wmspec.lang.check.types import units
 from wmspec.lang.parse import syntax as s
 
-#: So many options may a closed set have.
-FEWEST, MOST = 2, 8
+#: Number of options of a closed set.
+MIN_OPTIONS, MAX_OPTIONS = 2, 8
 
 
 class Orbits:
-    """Checks what is said of levels, given the rest of the task; a mistake is reported and raises `Failed`."""
+    """Checks orbits and `each other`, given the rest of the task; an error is reported and raises `Failed`."""
 
     def __init__(
         self,
@@ -32,7 +32,7 @@ class Orbits:
         factors: Iterable[ir.Factor],
         lets: Iterable[ir.Let],
         requires: Iterable[ir.Require],
-        things: Sequence[ir.Thing],
+        things: Sequence[ir.Entity],
     ) -> None:
         self.check = check
         self.plan = plan
@@ -43,28 +43,28 @@ class Orbits:
 
     # ------------------------------------------------------------ closed sets of options
 
-    def orbit(self, clause: s.Clause) -> tuple[tuple[ir.Varied, ...], tuple[ir.Counterfactual, ...]]:
-        """The factors of `options orbit of ...`, and a counterfactual for every combination of their levels."""
+    def orbit(self, clause: s.Clause) -> tuple[tuple[ir.OrbitFactor, ...], tuple[ir.Counterfactual, ...]]:
+        """Return the factors of `options orbit of ...`, and a counterfactual for every combination of their levels."""
         assert isinstance(clause.value, s.Items)
-        varied: dict[str, ir.Varied] = {}
+        varied: dict[str, ir.OrbitFactor] = {}
         for item in clause.value.items:
             name = item.span.text
             if name in varied:
                 self.check.fail("WMS202", f"`{name}` is named twice", item.span, "name it once")
             varied[name] = self._varied(name, item.span)
         sizes = [len(self._values(name)) for name in varied]
-        if not FEWEST <= prod(sizes) <= MOST:
+        if not MIN_OPTIONS <= prod(sizes) <= MAX_OPTIONS:
             many = " x ".join(map(str, sizes))
             what = f"this orbit has {many}{f' = {prod(sizes)}' if len(sizes) > 1 else ''} options"
-            remedy = f"a question has {FEWEST} to {MOST}: name other factors, or give them other values"
+            remedy = f"a question has {MIN_OPTIONS} to {MAX_OPTIONS}: name other factors, or give them other values"
             self.check.fail("WMS508", what, clause.value.span, remedy)
         return tuple(varied.values()), tuple(self._siblings(tuple(varied), Location.of(clause.span)))
 
-    def _varied(self, name: str, span: Span) -> ir.Varied:
+    def _varied(self, name: str, span: Span) -> ir.OrbitFactor:
         factor = self._factor(name, span)
-        others = PLANS.keys() - {"groups"}
+        others = DESIGNS.keys() - {"groups"}
         if self.plan.kind != "groups" and any(d.kind.id not in others for d in self.check.scope.designs):
-            raise Failed  # what is wrong with the design was told
+            raise Failed  # the design's error was reported
         if self.plan.kind != "groups":
             what = "the options of an orbit are siblings in a group, and this design has no groups"
             remedy = f"write `design groups of 100 {{ cross: {name} }}`"
@@ -81,14 +81,14 @@ class Orbits:
             self.check.fail("WMS508", what, span, "let conditions be about other factors")
         reads = self._reads(name)
         if reads is None and self.check.report.failed:
-            raise Failed  # what was not understood may say it
+            raise Failed  # an erroneous statement may refer to it
         if reads is None:
-            what = f"nothing in the scene is said in terms of `{name}`, so siblings that differ in it look alike"
+            what = f"nothing in the scene depends on `{name}`, so siblings that differ in it look alike"
             self.check.fail("WMS508", what, span, "let an object or an action depend on it")
-        return ir.Varied(factor=name, reads=reads)
+        return ir.OrbitFactor(factor=name, reads=reads)
 
     def _reads(self, name: str) -> Literal["state", "action", "both"] | None:
-        """What is said in terms of a factor: properties that hold before anything happens, or what happens."""
+        """Return whether the initial state, the action or both depend on a factor; None if neither."""
         read = set[bool]()
         for thing in self.things:
             refs = (ref for setting in thing.properties.values() for ref in self._refs(setting.value))
@@ -99,20 +99,20 @@ class Orbits:
         return "both" if len(read) == 2 else "action" if True in read else "state"
 
     def _siblings(self, names: Sequence[str], place: Location) -> Iterator[ir.Counterfactual]:
-        """Every combination, the last factor fastest."""
+        """Yield every combination, the last factor fastest."""
         for levels in product(*map(self._values, names)):
             yield _otherwise(self.factors, dict(zip(names, levels, strict=True)), place)
 
     # ------------------------------------------------------------ each other level
 
     def each_other(self, written: s.EachOther) -> tuple[ir.Counterfactual, ...]:
-        """A counterfactual for every level of a factor, or for an argument every level of the factor that gives it."""
+        """Return a counterfactual for every level of a factor or of the factor that sets an argument."""
         target, place = written.target, Location.of(written.span)
         if isinstance(target, s.Name):
             self._free(target.id, target.span)
             return tuple(self._siblings((target.id,), place))
         if not isinstance(target, s.Member) or not isinstance(target.value, s.Name):
-            what = "`each other` wants a factor, or an argument that a factor gives"
+            what = "`each other` expects a factor, or an argument that a factor gives"
             self.check.fail("WMS503", what, target.span, "write something like `each other pace` or `push.speed`")
         owner = next((t for t in self.things if t.name == target.value.id), None)
         setting = owner.properties.get(target.name.id) if owner else None
@@ -140,11 +140,11 @@ class Orbits:
         )
 
     def _free(self, name: str, span: Span) -> None:
-        """Complain unless it is a factor whose levels can all be had."""
+        """Report a name that is no factor with freely available levels."""
         factor = self._factor(name, span)
         if not isinstance(factor.domain, ir.Choices) or factor.domain.when is not None:
             what = f"which other levels `{name}` can have depends on the instance"
-            self.check.fail("WMS503", what, span, "give it a list of values that are always there")
+            self.check.fail("WMS503", what, span, "give it a list of unconditional values")
         if len(factor.domain.values) < 2:
             self.check.fail("WMS503", f"`{name}` has no other level", span, "give it two values or more")
 
@@ -154,7 +154,7 @@ class Orbits:
         if name not in self.factors:
             declared = self.check.scope.names.get(name)
             if isinstance(declared, s.Factor) and not declared.nuisance:
-                raise Failed  # what is wrong with it was told
+                raise Failed  # its error was reported
             self.check.unknown(s.Name(name, span), f"there is no factor `{name}`", suggestion(name, self.factors))
         return self.factors[name]
 
@@ -164,10 +164,10 @@ class Orbits:
         return domain.values
 
     def _refs(self, expr: ir.Expr) -> frozenset[str]:
-        """The factors that a value is said in terms of, by itself or by `let`s."""
+        """Return the factors that a value depends on, directly or through `let`s."""
         refs, waiting = set[str](), [expr]
         while waiting:
-            for part in parts(waiting.pop()):
+            for part in subexpressions(waiting.pop()):
                 if isinstance(part, ir.Ref) and part.name not in refs:
                     refs.add(part.name)
                     if part.name in self.lets:
@@ -189,7 +189,7 @@ def _otherwise(factors: Mapping[str, ir.Factor], levels: dict[str, ir.Level], pl
 
 
 def level_words(factor: ir.Factor, level: ir.Level) -> str:
-    """A level in words: what it is called, or its value."""
+    """Return a level in words: its label or its value."""
     called = factor.called(level)
     if called is not None:
         return called
@@ -197,7 +197,7 @@ def level_words(factor: ir.Factor, level: ir.Level) -> str:
         case bool():
             return "yes" if level else "no"
         case float():
-            return units.told(level, units.parse_unit(factor.unit)[1])
+            return units.format_quantity(level, units.parse_unit(factor.unit)[1])
         case tuple():
             return f"({', '.join(level_words(factor, x) for x in level)})"
         case _:
@@ -205,7 +205,7 @@ def level_words(factor: ir.Factor, level: ir.Level) -> str:
 
 
 def _slug(factor: ir.Factor, level: ir.Level) -> str:
-    """A name made of a level, such as `full_of_sand` or `pace_55_cm_s`."""
+    """Return an identifier of a level, such as `full_of_sand` or `pace_55_cm_s`."""
     words = level_words(factor, level).replace("-", "minus ").replace(".", "p")
     name = re.sub(r"\W+", "_", words).strip("_")
     return name if name[:1].isalpha() and not isinstance(level, bool) else f"{factor.name}_{name}"

@@ -1,4 +1,4 @@
-"""What stands on what: a circle of things that rest on one another or are placed by one another is a mistake."""
+"""Checks placement: objects that rest on or are placed by one another must not form a cycle."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from wmspec.lang.check.expressions.members import named
 from wmspec.lang.check.ir import ir
 
 
-def no_circles(check: Expressions, things: Iterable[ir.Thing]) -> None:
-    """Report every circle among the objects that are named outright; those that factors make show in an instance."""
-    needs = {t.name: dict(_needs(t)) for t in things if t.kind in ("object", "robot")}
+def report_placement_cycles(check: Expressions, things: Iterable[ir.Entity]) -> None:
+    """Report every cycle among constant references; cycles that depend on factors appear in an instance."""
+    needs = {t.name: dict(_dependencies(t)) for t in things if t.kind in ("object", "robot")}
     graph = dict(needs)
-    while circle := _circle(graph):
+    while circle := _find_cycle(graph):
         _report(check, circle, needs)
         for name in circle:
             graph[name] = {}
 
 
-def _circle(graph: dict[str, dict[str, str]]) -> list[str]:
-    """Things each of which needs the next, and the last the first; from the one that was declared first."""
+def _find_cycle(graph: dict[str, dict[str, str]]) -> list[str]:
+    """Return a cycle of entities, starting with the one declared first, or an empty list."""
     try:
         TopologicalSorter(graph).prepare()
     except CycleError as error:
@@ -33,8 +33,8 @@ def _circle(graph: dict[str, dict[str, str]]) -> list[str]:
     return []
 
 
-def _needs(thing: ir.Thing) -> Iterator[tuple[str, str]]:
-    """The things that decide where this one is, each with the property that says so; of a link, its asset."""
+def _dependencies(thing: ir.Entity) -> Iterator[tuple[str, str]]:
+    """Yield the entities that determine this one's place, each with the property; for a link, its asset."""
     if thing.of:
         yield thing.of, "of"
     for name in ("on", "inside", "at"):
@@ -59,4 +59,6 @@ def _report(check: Expressions, circle: list[str], needs: dict[str, dict[str, st
 
 def _span(check: Expressions, name: str, prop: str) -> Span:
     of = named(check, name)
-    return of.said[prop].value.span if prop in of.said else of.span  # the name may be declared twice
+    return (
+        of.set_properties[prop].value.span if prop in of.set_properties else of.span
+    )  # a duplicate may lack the property

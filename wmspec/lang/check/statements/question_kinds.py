@@ -1,4 +1,4 @@
-"""Which clauses each kind of question allows. `wmspec.runtime.questions.kinds` asks and compares them."""
+"""Clauses that each kind of question allows. `wmspec.runtime.questions.kinds` implements the kinds."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.types.types import PICTURE, TRUTH, Quantity, Type
 
-#: The clause in which a question says what it is asked for, and what stands for its counterfactuals beside clauses.
+#: Keyword of the answer's clause, and the pseudo-clause of counterfactuals.
 ANSWER, COUNTERFACTUAL = "answer", "counterfactual"
 #: A closed set of options: the pictures of the siblings in the group.
 ORBIT = "orbit"
 
 
 @dataclass(frozen=True)
-class Rule:
-    """A clause that a kind of question needs or refuses: `message` (`{answer}` is what the answer is) and `remedy`.
+class ClauseRule:
+    """A clause that a kind of question requires or refuses: `message` (`{answer}` is the answer's type) and `remedy`.
 
-    It is pointed out `at` a clause. It holds `where` the answer is of such a kind; always, if None.
+    The error is located `at` a clause. The rule applies `where` the answer's type matches; always, if None.
     """
 
     clause: str
@@ -27,71 +27,73 @@ class Rule:
     at: str
     where: Callable[[Type], bool] | None = None
 
-    def holds(self, answer: Type) -> bool:
-        """Whether the rule is one for such answers."""
+    def applies_to(self, answer: Type) -> bool:
+        """Whether the rule applies to answers of this type."""
         return self.where is None or self.where(answer)
 
 
 @dataclass(frozen=True)
 class QuestionRules:
-    """A kind of question: which answers, with which clauses beside them, make it, and the rules for its clauses.
+    """A kind of question: the answers and clauses that select it, and the rules for its clauses.
 
-    What is `spoken` is answered in words, so that its values must have some.
+    A `spoken` kind is answered in words, so its values must have a wording.
     """
 
     fits: Callable[[Type, Set[str]], bool]
     spoken: bool
-    refused: tuple[Rule, ...] = ()
-    needed: tuple[Rule, ...] = ()
+    refused: tuple[ClauseRule, ...] = ()
+    needed: tuple[ClauseRule, ...] = ()
 
 
 def _quantity(answer: Type) -> bool:
     return isinstance(answer, Quantity)
 
 
-_NO_COUNTERFACTUALS = Rule(
+_NO_COUNTERFACTUALS = ClauseRule(
     clause=COUNTERFACTUAL,
     message="counterfactuals are the options of picture questions",
     remedy="answer with `frame(CAMERA, TIME)`",
     at=COUNTERFACTUAL,
 )
-_NO_DISTANCE = Rule(
+_NO_DISTANCE = ClauseRule(
     clause="distinct",
     message="`distinct by` is for options that are pictures, and the answer is {answer}",
     remedy="remove it",
     at="distinct",
 )
-_NO_TOLERANCE = Rule(
+_NO_TOLERANCE = ClauseRule(
     clause="within",
     message="`within` is for answers that are quantities, and this one is {answer}",
     remedy="remove it",
     at="within",
 )
 
-_NO_ORBIT = Rule(
+_NO_ORBIT = ClauseRule(
     clause=ORBIT,
     message="an orbit is the options of a picture question, and the answer to this is {answer}",
     remedy="answer with `frame(CAMERA, TIME)`, or list the options: `options [...]`",
     at=ORBIT,
 )
-_NO_KINDS = Rule(
+_NO_KINDS = ClauseRule(
     clause="kinds",
     message="`kinds` are those of outcomes that pictures show, and the answer to this is {answer}",
     remedy="ask for the kind itself: `answer if CONDITION then ... else ...`",
     at="kinds",
 )
 
-#: The first kind that fits is that of a question.
+#: Kinds of questions; the first that fits applies.
 QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
     "pictures": QuestionRules(
         fits=lambda answer, _: answer == PICTURE,
         spoken=False,
         refused=(
-            Rule("options", "the options of a picture question are its counterfactuals", "remove `options`", "options"),
+            ClauseRule(
+                "options", "the options of a picture question are its counterfactuals", "remove `options`", "options"
+            ),
             _NO_TOLERANCE,
         ),
         needed=(
-            Rule(
+            ClauseRule(
                 clause=COUNTERFACTUAL,
                 message="a picture question needs counterfactuals to choose from",
                 remedy="add `counterfactual NAME { ... }`, or `options orbit of FACTOR, ...`",
@@ -107,7 +109,7 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
             _NO_KINDS,
             _NO_COUNTERFACTUALS,
             _NO_DISTANCE,
-            Rule(
+            ClauseRule(
                 clause="options",
                 message="an answer is one of its options or open, not both",
                 remedy="remove `options` or `within`",
@@ -120,14 +122,14 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
         spoken=True,
         refused=(_NO_ORBIT, _NO_KINDS, _NO_COUNTERFACTUALS, _NO_TOLERANCE, _NO_DISTANCE),
         needed=(
-            Rule(
+            ClauseRule(
                 clause="options",
                 message="the answer is {answer}, but there are no options",
                 remedy="add `options [...]` or, to ask for it openly, `within TOLERANCE`",
                 at=ANSWER,
                 where=_quantity,
             ),
-            Rule(
+            ClauseRule(
                 clause="options",
                 message="the answer is {answer}, but there are no options",
                 remedy="add `options [...]`",
@@ -140,17 +142,17 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
 
 
 def question_kind(answer: Type, clauses: Set[str]) -> ir.QuestionKind:
-    """The kind of a question that has such an answer and these clauses."""
+    """Return the kind of a question with this type of answer and these clauses."""
     return next(name for name, rules in QUESTION_RULES.items() if rules.fits(answer, clauses))
 
 
-def counted(question: ir.Question) -> bool:
-    """Whether a question's answers are names, of which one can count how often each comes."""
+def has_countable_answers(question: ir.Question) -> bool:
+    """Whether the answers of a question are names, whose frequencies can be counted."""
     return question.kind == "labels"
 
 
-def broken(rules: QuestionRules, answer: Type, clauses: Set[str]) -> Rule | None:
-    """The first rule for its clauses that a question breaks."""
-    refused = (rule for rule in rules.refused if rule.clause in clauses and rule.holds(answer))
-    needed = (rule for rule in rules.needed if rule.clause not in clauses and rule.holds(answer))
+def violated_rule(rules: QuestionRules, answer: Type, clauses: Set[str]) -> ClauseRule | None:
+    """Return the first rule that a question violates, or None."""
+    refused = (rule for rule in rules.refused if rule.clause in clauses and rule.applies_to(answer))
+    needed = (rule for rule in rules.needed if rule.clause not in clauses and rule.applies_to(answer))
     return next((rule for some in (refused, needed) for rule in some), None)

@@ -1,4 +1,4 @@
-"""Sets of objects and joints: as many members as there can be at most, each there if its index is below the number."""
+"""Expands sets of objects and joints: the maximum number of members, each present if its index is below `count`."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import constant
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.ir.evaluate import evaluate, parts
+from wmspec.lang.check.ir.evaluate import evaluate, subexpressions
 from wmspec.lang.check.library.substitute import Substitute, TooLarge
 from wmspec.lang.check.statements.factors import Factors
 from wmspec.lang.check.tables.vocabulary import SETS
 from wmspec.lang.check.types.types import A_NUMBER
 from wmspec.lang.parse import syntax as s
 
-#: The most members of a set, and the most combinations of factors that are tried to find the largest number.
-MOST_MEMBERS, MOST_TRIED = 500, 10_000
+#: Maximum number of members, and of factor combinations tried to find the largest count.
+MAX_MEMBERS, MAX_COMBINATIONS = 500, 10_000
 
 
 class Sets:
-    """Makes the members of sets and declares them."""
+    """Creates the members of sets and declares them."""
 
     def __init__(self, check: Expressions, factors: Factors, substitute: Substitute) -> None:
         self.check = check
@@ -31,7 +31,7 @@ class Sets:
         self.substitute = substitute
 
     def members(self, whole: s.Block) -> tuple[s.Block, ...]:
-        """The members of a set as blocks; none if its number is wrong, and what is no set as it is. Raises Failed."""
+        """Return a set's members as blocks, none if its count is wrong; other blocks are unchanged. Raises Failed."""
         if whole.count is None:
             return (whole,)
         count = self.check.value(whole.count, (A_NUMBER,), "the number of a set").expr
@@ -47,7 +47,7 @@ class Sets:
 
     def _member(self, whole: s.Block, i: int, varies: bool) -> s.Block:
         assert whole.count is not None
-        self.substitute.thing()
+        self.substitute.count_entity()
         values = {"index": s.Number(float(i), None, whole.name.span)}
         properties = tuple(self.substitute.property(p, values) for p in whole.properties)
         if varies:
@@ -57,7 +57,7 @@ class Sets:
         return s.Block(SETS[whole.kind], name, properties, whole.span, whole.model, parts=made)
 
     def _largest(self, written: s.Expr, count: ir.Expr) -> int:
-        """The largest number over all values of the factors that it depends on."""
+        """Return the largest count over all values of its factors."""
         numbers = list(self._numbers(written, count))
         if odd := [n for n in numbers if n != int(n)]:
             message = f"a set has a whole number of members, and this can be {odd[0]:g}"
@@ -65,17 +65,17 @@ class Sets:
         if min(numbers) < 0:
             message = f"a set has no fewer than 0 members, and this can be {min(numbers):g}"
             self.check.fail("WMS304", message, written.span, "make it whole numbers from 0 on")
-        if not 1 <= max(numbers) <= MOST_MEMBERS:
-            message = f"the most members that this set can have are {max(numbers):g}"
-            self.check.fail("WMS304", message, written.span, f"make that a number from 1 to {MOST_MEMBERS}")
+        if not 1 <= max(numbers) <= MAX_MEMBERS:
+            message = f"this set can have {max(numbers):g} members"
+            self.check.fail("WMS304", message, written.span, f"make that a number from 1 to {MAX_MEMBERS}")
         return int(max(numbers))
 
     def _numbers(self, written: s.Expr, count: ir.Expr) -> Iterator[float]:
         lets: dict[str, ir.Expr] = {}
         domains: dict[str, tuple[Any, ...]] = {}
         self._needs(written, count, lets, domains)
-        if prod(len(d) for d in domains.values()) > MOST_TRIED:
-            message = f"this number depends on too many factors; {MOST_TRIED:,} combinations are the most"
+        if prod(len(d) for d in domains.values()) > MAX_COMBINATIONS:
+            message = f"this number depends on too many factors; {MAX_COMBINATIONS:,} combinations is the maximum"
             self.check.fail("WMS304", message, written.span, "make it a factor of its own")
         for row in product(*domains.values()):
             try:
@@ -86,10 +86,10 @@ class Sets:
     def _needs(
         self, written: s.Expr, expr: ir.Expr, lets: dict[str, ir.Expr], domains: dict[str, tuple[Any, ...]]
     ) -> None:
-        """Collect the `let`s and factors that a number depends on."""
-        for part in parts(expr):
+        """Collect the `let`s and factors that a count depends on."""
+        for part in subexpressions(expr):
             if isinstance(part, ir.Property | ir.Call) or part == ir.Ref(name="end"):
-                message = "the number of a set is worked out from factors, `let`s and numbers alone"
+                message = "the number of a set can depend on factors, `let`s and numbers only"
                 self.check.fail("WMS304", message, written.span)
             if not isinstance(part, ir.Ref) or part.name in lets or part.name in domains:
                 continue
@@ -108,7 +108,7 @@ class Sets:
 
 
 class _Numbers:
-    """Factors and `let`s alone, as an environment for `evaluate`."""
+    """Environment for `evaluate` with factors and `let`s only."""
 
     def __init__(self, factors: dict[str, Any], lets: dict[str, ir.Expr]) -> None:
         self._known = factors
@@ -126,7 +126,7 @@ class _Numbers:
 
 
 def _present(properties: tuple[s.Property, ...], index: s.Expr, count: s.Expr) -> tuple[s.Property, ...]:
-    """The properties with `present: index < count`, beside what was said of it."""
+    """Return the properties with `present: index < count`, combined with a written `present`."""
     there: s.Expr = s.Operation("<", (index, count), count.span)
     present = next((p for p in properties if p.name.id == "present"), None)
     if present is not None:

@@ -1,4 +1,4 @@
-"""Checking a task statement by statement: every mistake is reported, then the next statement is looked at."""
+"""Checks a task statement by statement; errors are reported and the next statement is checked."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from wmspec.core.diagnostics import Diagnostic, Note, Report
-from wmspec.core.limits import SECONDS
+from wmspec.core.limits import EPISODE_SECONDS
 from wmspec.core.places import Source, Span
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.scope import Scope
@@ -20,16 +20,16 @@ from wmspec.lang.check.library.modules import Item, Modules
 from wmspec.lang.check.library.substitute import Substitute
 from wmspec.lang.check.library.templates import Templates
 from wmspec.lang.check.statements.balance import balance
-from wmspec.lang.check.statements.dimensions import near_known
+from wmspec.lang.check.statements.dimensions import warn_near_known
 from wmspec.lang.check.statements.factors import Factors
-from wmspec.lang.check.statements.objects import Things
+from wmspec.lang.check.statements.objects import Entities
 from wmspec.lang.check.statements.observations import Observations
 from wmspec.lang.check.statements.orbits import Orbits
-from wmspec.lang.check.statements.placement_cycles import no_circles
+from wmspec.lang.check.statements.placement_cycles import report_placement_cycles
 from wmspec.lang.check.statements.questions import Questions
 from wmspec.lang.check.statements.sets import Sets
 from wmspec.lang.check.statements.tolerances import tolerances
-from wmspec.lang.check.statements.unused import unused
+from wmspec.lang.check.statements.unused import warn_unused
 from wmspec.lang.check.tables.vocabulary import SETTINGS
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.load import Program, load
@@ -39,17 +39,17 @@ T = TypeVar("T")
 
 
 def check(path: Path, report: Report) -> tuple[ir.TaskSpec, ...]:
-    """The tasks of a spec file. Mistakes go to the report; if there is an error, there are no tasks."""
+    """Return the tasks of a spec file. Errors are reported; after an error there are no tasks."""
     own = Report()
     tasks = check_program(load(path, own), own)
-    report.take(own)
+    report.merge(own)
     return tasks
 
 
 def check_program(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
-    """The tasks of a parsed spec. A library (a file without tasks) is checked and yields none.
+    """Return the tasks of a parsed spec. A library (a file without tasks) is checked and yields none.
 
-    Where a line could not be read as it is written, only that is told of it: the rest rests on a guess.
+    On a line with a syntax error only that error is reported: later ones depend on the repair.
     """
     guessed = {_line(d) for d in report.diagnostics}
     own = Report()
@@ -61,7 +61,7 @@ def check_program(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
 
 
 def _of(d: Diagnostic, source: Source) -> bool:
-    """Whether something is told of this text, and not of a library that it uses."""
+    """Whether a diagnostic belongs to this text, and not to a library."""
     return not isinstance(d.place, Span) or d.place.source is source
 
 
@@ -74,15 +74,15 @@ def _specs(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
     if not tasks:
         _Task(None, Modules(program, report), (program.file.items,), report, set()).library()
         return ()
-    _named_apart(tasks, report)
+    _check_unique_names(tasks, report)
     specs = [spec for task in tasks for spec in _checked(task, program, report)]
     if not report.failed:
-        unused(program.file, report)
+        warn_unused(program.file, report)
     return tuple(spec for spec in specs if spec is not None)
 
 
-def _named_apart(tasks: Iterable[s.Task], report: Report) -> None:
-    """Complain about two tasks of one name: their instances would be taken for one another."""
+def _check_unique_names(tasks: Iterable[s.Task], report: Report) -> None:
+    """Report two tasks of one name: their instances would be confused."""
     named: dict[str, s.Task] = {}
     for task in tasks:
         if task.name.id and (first := named.setdefault(task.name.id, task)) is not task:
@@ -92,7 +92,7 @@ def _named_apart(tasks: Iterable[s.Task], report: Report) -> None:
 
 
 def _variants(task: s.Task, report: Report) -> list[s.Variant | None]:
-    """The variants of a task; of a task without any, the task itself."""
+    """Return the variants of a task; [None] for a task without variants."""
     named: dict[str, s.Variant] = {}
     for variant in (item for item in task.body if isinstance(item, s.Variant)):
         if (first := named.setdefault(variant.name.id, variant)) is not variant:
@@ -103,7 +103,7 @@ def _variants(task: s.Task, report: Report) -> list[s.Variant | None]:
 
 
 def _checked(task: s.Task, program: Program, report: Report) -> Iterator[ir.TaskSpec | None]:
-    """The tasks that the variants are, each with what is common to all of them and to the file."""
+    """Yield the tasks of the variants, each with the common statements of task and file."""
     unknown: set[str] = set()
     for variant in _variants(task, report):
         named = task
@@ -116,8 +116,8 @@ def _items(program: Program, task: s.Task | None, variant: s.Variant | None) -> 
     return [program.file.items, task.body if task else (), variant.body if variant else ()]
 
 
-def known(program: Program, task: s.Task | None, variant: s.Variant | None) -> Expressions:
-    """What expressions mean in a variant, in a task without any, or in a library; mistakes are passed over."""
+def scope_of(program: Program, task: s.Task | None, variant: s.Variant | None) -> Expressions:
+    """Return the checker state of a variant, a task without variants, or a library; errors are ignored."""
     report = Report()
     return _Task(task, Modules(program, report), _items(program, task, variant), report, set()).check
 
@@ -142,9 +142,9 @@ class _Task:
         self.check = Expressions(self.scope, report, unknown)
         guessed = {_line(d) for d in report.diagnostics}
         declared = (x.name for x in self.statements if isinstance(x, s.Let | s.Factor) and guessed)
-        self.check.doubtful = {n.id for n in declared if (n.span.source.name, n.span.line) in guessed}
+        self.check.tainted = {n.id for n in declared if (n.span.source.name, n.span.line) in guessed}
         self.factors = Factors(self.check)
-        self.things = Things(self.check)
+        self.things = Entities(self.check)
         self.questions = Questions(self.check, modules, self.things)
         self.observations = Observations(self.check)
         self._replace(Sets(self.check, self.factors, substitute).members)
@@ -153,7 +153,7 @@ class _Task:
         report.names |= modules.written() | self.scope.written(modules.written())
 
     def _replace(self, made: Callable[[s.Block], tuple[s.Block, ...]]) -> None:
-        """Put what is made of blocks in their place, and nothing where that fails."""
+        """Replace blocks by their expansion, and by nothing where that fails."""
         statements: list[s.Statement] = []
         for statement in self.statements:
             with suppress(Failed):
@@ -171,19 +171,19 @@ class _Task:
     def tolerances(self) -> dict[str, float]:
         return tolerances(self.check, (x for x in self.statements if isinstance(x, s.Tolerance)))
 
-    def blocks(self) -> list[ir.Thing]:
-        """What there is. Templates that nothing is made of are tried as well."""
+    def blocks(self) -> list[ir.Entity]:
+        """Return all entities. Unused templates are checked as well."""
         for block in self.unused:
             with suppress(Failed):
                 self.things.block(block)
         things = [thing for group in self.each(s.Block, self.things.block) for thing in group]
-        no_circles(self.check, things)
+        report_placement_cycles(self.check, things)
         return things
 
     def task(self) -> ir.TaskSpec | None:
         assert self.declaration is not None
         path = [n.id for n in self.declaration.path]
-        near_known(self.declaration.path, self.report)
+        warn_near_known(self.declaration.path, self.report)
         factors = self.each(s.Factor, self.factors.factor)
         lets = self.each(s.Let, self.factors.let)
         requires = self.each(s.Require, self.factors.require)
@@ -222,14 +222,14 @@ class _Task:
         return None if self.report.failed else spec
 
     def _questions(self) -> list[ir.Question]:
-        """Those of the task's own text come first, then those of the libraries that it uses."""
+        """Return the questions, those of the task's own text first, then those of its libraries."""
         assert self.declaration is not None
         text = self.declaration.span.source
-        asked = self.each(s.Question, lambda q: (q.span.source is not text, self.questions.question(q)))
-        return [question for _, question in sorted(asked, key=lambda pair: pair[0])]
+        questions = self.each(s.Question, lambda q: (q.span.source is not text, self.questions.question(q)))
+        return [question for _, question in sorted(questions, key=lambda pair: pair[0])]
 
     def each(self, sort: type[S], check: Callable[[S], T]) -> list[T]:
-        """The results of checking every statement of a sort, without those that failed."""
+        """Return the results of checking every statement of a type, without failed ones."""
         results = []
         for statement in self.statements:
             if isinstance(statement, sort):
@@ -241,7 +241,7 @@ class _Task:
 
     def _docstring(self) -> str:
         assert self.declaration is not None
-        source = self.declaration.span.source  # the text of a library describes the library
+        source = self.declaration.span.source  # a library's docstring describes the library
         texts = [x.text for x in self.statements if isinstance(x, s.Docstring) and x.span.source is source]
         return texts[-1] if texts else ""
 
@@ -256,8 +256,8 @@ class _Task:
         for x in self.statements:
             if isinstance(x, s.Setting):
                 if x.key in settings:
-                    notes = (Note("said here first", settings[x.key].span),)
-                    self.report.add("WMS202", f"`{x.key}` is said twice", x.span, "remove one", notes)
+                    notes = (Note("first set here", settings[x.key].span),)
+                    self.report.add("WMS202", f"`{x.key}` is set twice", x.span, "remove one", notes)
                 settings[x.key] = x
         self._settings = settings
         return {k: x.value.value for k, x in settings.items() if isinstance(x.value, s.Text)}
@@ -286,8 +286,8 @@ class _Task:
     def horizon(self, observations: list[ir.Observation]) -> ir.Expr:
         typed = self.setting("horizon")
         if typed is not None:
-            if (constant(typed.expr) or 0.0) > SECONDS.most:
+            if (constant(typed.expr) or 0.0) > EPISODE_SECONDS.most:
                 span = self._settings["horizon"].value.span
-                self.report.add("WMS304", f"`horizon` must be at most {SECONDS.most} s", span)
+                self.report.add("WMS304", f"`horizon` must be at most {EPISODE_SECONDS.most} s", span)
             return typed.expr
-        return ir.last_shown(observations)
+        return ir.time_of_last_picture(observations)

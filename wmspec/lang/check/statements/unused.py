@@ -1,4 +1,4 @@
-"""Names that a file declares and never uses: values, cameras, templates."""
+"""Finds unused declarations of a file: values, cameras, templates."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from wmspec.lang.parse import syntax as s
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
-def unused(file: s.File, report: Report) -> None:
-    """Warn of what the tasks of a file declare and nobody uses. What stands in a text counts as used."""
+def warn_unused(file: s.File, report: Report) -> None:
+    """Warn about unused declarations of a file. A name that occurs in a text counts as used."""
     if not any(isinstance(item, s.Task) for item in file.items) or not file.whole:
         return
     used = Counter(name.id for name in s.names(file.items))

@@ -1,1 +1,1 @@
-"""The tables of the language: properties, verbs, functions, colours."""
+"""Tables of the language: properties, verbs, functions, colours."""

@@ -1,4 +1,4 @@
-"""What can be worked out and measured: the functions, as a table."""
+"""Table of functions: computations and measurements."""
 
 from __future__ import annotations
 
@@ -32,16 +32,15 @@ from wmspec.lang.check.types.units import SPEED, VOLUME
 
 @dataclass(frozen=True)
 class Function:
-    """A function: its parameters and its result.
+    """A function: its parameters and result type.
 
-    `options` are parameters that may be left out, by name; each is written `name: value`, and a keyword of Python has
-    `_` after it there. Where one thing is wanted a list may stand, if the result is a truth value, a quantity or a
-    word: then it is a list of those. With `repeated`, the last of the parameters may be given any number of times.
-    `measured` is what measures it on the executed episode, if that is what it does: `module:function`, called with what
-    was `Observed` and the arguments, names for bodies and cameras. What `chooses` among bodies by another measure is
-    given `Measured`.
-    `moments` is how many moments of the episode it takes to see it: 1 for how something is, 2 for how it changes, 3 for
-    the course of that.
+    `options` are optional named parameters, written `name: value`; the Python parameter of a keyword has a trailing
+    `_`. A list may replace a single parameter if the result is a truth value, a quantity or a word; the result is then
+    a list. With `repeated`, the last parameter may occur any number of times.
+
+    `measured` is the implementation of a measurement, `module:function`, called with an `Observed` and the arguments
+    (names of bodies and cameras). A function that `chooses` among bodies by another measure receives a `Measured`.
+    `moments` is the number of moments that show the value: 1 for a state, 2 for a change, 3 for a course.
     """
 
     meaning: str
@@ -54,8 +53,8 @@ class Function:
     moments: int = 1
 
 
-_TIE: dict[str, Type] = {"tie": A_NUMBER}
-_SEEN: dict[str, Type] = {"seen_from": VIEWER}
+_TIE_OPTION: dict[str, Type] = {"tie": A_NUMBER}
+_VIEWER_OPTION: dict[str, Type] = {"seen_from": VIEWER}
 _AT: dict[str, Type] = {"at": A_TIME}
 _DURING: dict[str, Type] = {"from": A_TIME, "to": A_TIME}
 _OBJECTS = List(OBJECT)
@@ -66,16 +65,16 @@ FUNCTIONS: dict[str, Function] = {
     # places
     "toward": Function("the heading from the acting object to another", (OBJECT,), AN_ANGLE),
     "opposite": Function("the heading the other way", (AN_ANGLE,), AN_ANGLE),
-    "left_of": Function("the place so far to the left of an object's middle, seen from the front or from a viewer", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
-    "right_of": Function("the place so far to the right of an object's middle, seen from the front or from a viewer", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
-    "in_front_of": Function("the place so much nearer to the front, or to a viewer, than an object's middle", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
-    "behind": Function("the place so much further from the front, or from a viewer, than an object's middle", (OBJECT, A_LENGTH), PLACE, options=_SEEN),
+    "left_of": Function("the place at a distance to the left of an object's middle, seen from the front or from a viewer", (OBJECT, A_LENGTH), PLACE, options=_VIEWER_OPTION),
+    "right_of": Function("the place at a distance to the right of an object's middle, seen from the front or from a viewer", (OBJECT, A_LENGTH), PLACE, options=_VIEWER_OPTION),
+    "in_front_of": Function("the place at a distance in front of an object's middle, or nearer to a viewer", (OBJECT, A_LENGTH), PLACE, options=_VIEWER_OPTION),
+    "behind": Function("the place at a distance behind an object's middle, or further from a viewer", (OBJECT, A_LENGTH), PLACE, options=_VIEWER_OPTION),
     "polar": Function("the place at a distance and heading from an object's middle", (OBJECT, A_LENGTH, AN_ANGLE), PLACE),
     "between": Function("the place half way between two objects", (OBJECT, OBJECT), PLACE),
     # colours
     "rgb": Function("a colour by its sRGB parts, 0 to 1", (A_NUMBER, A_NUMBER, A_NUMBER), COLOR),
     "shade": Function("a shade of a colour: 0 is the darkest that is still that colour, 1 the lightest", (COLOR, A_NUMBER), COLOR),
-    # sums
+    # arithmetic
     "min": Function("the smallest of quantities of one kind, or of lists of them", (QUANTITY,), QUANTITY, repeated=True),
     "max": Function("the largest of quantities of one kind, or of lists of them", (QUANTITY,), QUANTITY, repeated=True),
     "sum": Function("quantities of one kind, or lists of them, added up", (QUANTITY,), QUANTITY, repeated=True),
@@ -86,56 +85,56 @@ FUNCTIONS: dict[str, Function] = {
     "sqrt": Function("the square root", (A_NUMBER,), A_NUMBER),
     "sin": Function("of an angle", (AN_ANGLE,), A_NUMBER),
     "cos": Function("of an angle", (AN_ANGLE,), A_NUMBER),
-    # what is there
+    # presence and size
     "count": Function("how many of the objects are there, or how many of the truth values are true", (COUNTED,), A_NUMBER),
     "any": Function("whether at least one of them is true", (_TRUTHS,), TRUTH),
     "all": Function("whether all of them are true", (_TRUTHS,), TRUTH),
     "volume": Function("how much room an object takes", (OBJECT,), Quantity(VOLUME)),
-    "largest": Function("the one with the largest volume", (_OBJECTS,), OBJECT, options=_TIE),
-    "smallest": Function("the one with the smallest volume", (_OBJECTS,), OBJECT, options=_TIE),
+    "largest": Function("the one with the largest volume", (_OBJECTS,), OBJECT, options=_TIE_OPTION),
+    "smallest": Function("the one with the smallest volume", (_OBJECTS,), OBJECT, options=_TIE_OPTION),
     "luminance": Function("how light an object's colour is, 0 to 1", (OBJECT,), A_NUMBER),
-    "darkest": Function("the one with the darkest colour", (_OBJECTS,), OBJECT, options=_TIE),
-    "lightest": Function("the one with the lightest colour", (_OBJECTS,), OBJECT, options=_TIE),
+    "darkest": Function("the one with the darkest colour", (_OBJECTS,), OBJECT, options=_TIE_OPTION),
+    "lightest": Function("the one with the lightest colour", (_OBJECTS,), OBJECT, options=_TIE_OPTION),
     "fits": Function("whether an object fits into the hollow of a compound one, without turning it", (OBJECT, OBJECT), TRUTH),
-    # what happened while observed
+    # motion while observed
     "speed": Function("distance travelled while observed, over that time; or how fast it is at a time", (OBJECT,), Quantity(SPEED), "wmspec.runtime.questions.motion:speed", {**_DURING, **_AT}, moments=2),
-    "fastest": Function("the one with the largest speed", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:fastest", _TIE, chooses=True, moments=2),
-    "slowest": Function("the one with the smallest speed", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:slowest", _TIE, chooses=True, moments=2),
+    "fastest": Function("the one with the largest speed", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:fastest", _TIE_OPTION, chooses=True, moments=2),
+    "slowest": Function("the one with the smallest speed", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:slowest", _TIE_OPTION, chooses=True, moments=2),
     "moved": Function("whether it moved while observed", (OBJECT,), TRUTH, "wmspec.runtime.questions.motion:moved", _DURING, moments=2),
     "mover": Function("the one that travelled furthest", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:mover", chooses=True, moments=2),
     "onset": Function("when it first moved", (OBJECT,), A_TIME, "wmspec.runtime.questions.motion:onset", moments=3),
     "moving_time": Function("how long it moved, from first to last", (OBJECT,), A_TIME, "wmspec.runtime.questions.motion:moving_time", moments=3),
     "first": Function("the one that moved first", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:first", {"tie": A_TIME}, chooses=True, moments=3),
-    "longest": Function("the one that moved for the longest time", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:longest", _TIE, chooses=True, moments=3),
+    "longest": Function("the one that moved for the longest time", (_OBJECTS,), OBJECT, "wmspec.runtime.questions.choices:longest", _TIE_OPTION, chooses=True, moments=3),
     "heading": Function("where it went: the heading from where it was first seen to where it was last, above -180 and up to 180 deg; a whole turn makes no difference to it; or the way that it moves at a time", (OBJECT,), AN_ANGLE, "wmspec.runtime.questions.motion:heading", _AT, moments=2),
     "heads_to": Function("which of the others it went most directly towards", (OBJECT, _OBJECTS), OBJECT, "wmspec.runtime.questions.motion:heads_to", moments=2),
     "trajectory": Function("the form of its path", (OBJECT,), PATH, "wmspec.runtime.questions.motion:trajectory", moments=3),
-    # how it was and how it ended
+    # states, by default the final one
     "position": Function("where its middle is at the end, or at a time", (OBJECT,), POINT3, "wmspec.runtime.questions.outcome:position", _AT),
     "displacement": Function("how far it is at the end, or at a time, from where it began", (OBJECT,), A_LENGTH, "wmspec.runtime.questions.outcome:displacement", _AT, moments=2),
     "distance": Function("between the middles of two objects, at the end or at a time", (OBJECT, OBJECT), A_LENGTH, "wmspec.runtime.questions.outcome:distance", _AT),
-    "relation": Function("where the first is from the second when last seen, or at a time, as the pictures show it or as a viewer sees it", (OBJECT, OBJECT), RELATION, "wmspec.runtime.questions.choices:relation", {**_AT, **_SEEN}, chooses=True),
+    "relation": Function("where the first is from the second when last seen, or at a time, as the pictures show it or as a viewer sees it", (OBJECT, OBJECT), RELATION, "wmspec.runtime.questions.choices:relation", {**_AT, **_VIEWER_OPTION}, chooses=True),
     "at_rest": Function("whether it stands still at the end, or at a time", (OBJECT,), TRUTH, "wmspec.runtime.questions.outcome:at_rest", _AT, moments=2),
     "toppled": Function("whether it is more than half way tipped over at the end, or at a time", (OBJECT,), TRUTH, "wmspec.runtime.questions.outcome:toppled", _AT),
     "height": Function("how high its middle is at the end, or at a time", (OBJECT,), A_LENGTH, "wmspec.runtime.questions.outcome:height", _AT),
     "contains": Function("whether the first has the second within its upright box at the end, or at a time", (OBJECT, OBJECT), TRUTH, "wmspec.runtime.questions.outcome:contains", _AT),
     "angle": Function("how far a hinge has turned from 0, at the end or at a time", (JOINT,), AN_ANGLE, "wmspec.runtime.questions.joints:angle", _AT),
     "extension": Function("how far a slider has slid from 0, at the end or at a time", (JOINT,), A_LENGTH, "wmspec.runtime.questions.joints:extension", _AT),
-    # what happened when
+    # events and their times
     "contact": Function("whether the two touch at any time: come within 0.1 mm of each other", (OBJECT, OBJECT), TRUTH, "wmspec.runtime.questions.events:contact", _DURING, moments=3),
     "contact_time": Function("when the two first touch", (OBJECT, OBJECT), A_TIME, "wmspec.runtime.questions.events:contact_time", _DURING, moments=3),
     "touches_first": Function("which of the others it touches first", (OBJECT, _OBJECTS), OBJECT, "wmspec.runtime.questions.choices:touches_first", {"tie": A_TIME}, chooses=True, moments=3),
     "highest": Function("the greatest height of its middle", (OBJECT,), A_LENGTH, "wmspec.runtime.questions.events:highest", _DURING, moments=3),
     "when_highest": Function("when its middle is highest", (OBJECT,), A_TIME, "wmspec.runtime.questions.events:when_highest", _DURING, moments=3),
-    # what is seen
+    # visibility
     "visible": Function("the share of the picture that shows it, least over the looks of a camera", (OBJECT, CAMERA), _FRACTION, "wmspec.runtime.questions.visibility:visible"),
     "occluded": Function("the share of it that others hide, most over the looks of a camera", (OBJECT, CAMERA), _FRACTION, "wmspec.runtime.questions.visibility:occluded"),
     "contrast": Function("how much its colour differs from what is around it (CIEDE2000), least over the looks", (OBJECT, CAMERA), A_NUMBER, "wmspec.runtime.questions.visibility:contrast"),
     "frame": Function("the picture from a camera at a time of the episode", (CAMERA, A_TIME), PICTURE, "wmspec.runtime.questions.observed:frame", moments=2),
 }  # fmt: skip
 
-#: What people call functions that have another name here; and what to write for those that there are not.
-OTHERWISE: dict[str, str] = {
+#: Functions of other languages and their names here, or the remedy for missing ones.
+FUNCTION_ALIASES: dict[str, str] = {
     **dict.fromkeys(("len", "length", "number", "size", "num"), "count"),
     **dict.fromkeys(("collide", "collides", "collided", "collision", "touch", "touches", "touching", "hit", "hits"), "contact"),
     **dict.fromkeys(("collision_time", "hit_time", "touch_time", "time_of_contact"), "contact_time"),
@@ -163,7 +162,7 @@ OTHERWISE: dict[str, str] = {
 }  # fmt: skip
 
 #: The same for domains.
-DRAWN: dict[str, str] = {
+DOMAIN_REMEDIES: dict[str, str] = {
     **dict.fromkeys(("random", "rand", "randint", "choice", "range", "linspace"), "write `[a, b, c]`, `a .. b by c` or `a .. b in 5`; a nuisance is drawn from that, or from `a .. b`"),
     **dict.fromkeys(("gauss", "gaussian"), "did you mean `normal`?"),
 }  # fmt: skip

@@ -1,10 +1,10 @@
-"""What can happen: the verbs of actions and of robots, as tables."""
+"""Tables of verbs: actions on objects and of robots."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from wmspec.lang.check.tables.vocabulary import Slot
+from wmspec.lang.check.tables.vocabulary import PropertySpec
 from wmspec.lang.check.types.types import (
     A_LENGTH,
     AN_ANGLE,
@@ -25,26 +25,28 @@ from wmspec.lang.check.types.units import FORCE, IMPULSE, SPEED
 
 @dataclass(frozen=True)
 class Verb:
-    """An action's verb: its arguments in order. `start` and `duration` come from the timings `at`, `for`, ...
+    """A verb: its arguments in order. `start` and `duration` come from the timings `at`, `for`, ...
 
-    `lasts`: it needs `for TIME`. `author` is the function that says on the stage what happens, as `module:function`; a
-    verb without one is checked, and refused when a stage is made. `staged` is which action of the stage it becomes, if
-    not one of its own name. `carries`: it moves its object whatever is in the way. `holds`: its object stays until then.
-    `whatever`: it can be done to what is carried, too.
+    `lasts`: it requires `for TIME`. `author` writes it to the stage, as `module:function`; a verb without one is
+    checked, but cannot be staged. `staged` is the stage's action type if it differs from the name. `carries`: it moves
+    its object regardless of obstacles. `holds`: its object is fixed until then. `whatever`: it also applies to carried
+    objects.
     """
 
     meaning: str
-    arguments: dict[str, Slot]
+    arguments: dict[str, PropertySpec]
     lasts: bool
     author: str = ""
     staged: str = ""
     carries: bool = False
     holds: bool = False
-    whatever: bool = False
+    allows_carried: bool = False
 
 
-_DIRECTION = Slot((AN_ANGLE, DIRECTION), "heading on the ground, anticlockwise from +x; a word; or `toward(object)`")
-_OBJECT = Slot((OBJECT,), "what is moved")
+_DIRECTION = PropertySpec(
+    (AN_ANGLE, DIRECTION), "heading on the ground, anticlockwise from +x; a word; or `toward(object)`"
+)
+_OBJECT = PropertySpec((OBJECT,), "what is moved")
 
 VERBS: dict[str, Verb] = {
     "launch": Verb(
@@ -52,15 +54,15 @@ VERBS: dict[str, Verb] = {
         {
             "object": _OBJECT,
             "direction": _DIRECTION,
-            "speed": Slot((Quantity(SPEED),), "how fast it sets off", least=0, most=100),
-            "climb": Slot((AN_ANGLE,), "how steeply upwards", "0 deg"),
-            "rolling": Slot((TRUTH,), "whether a round object sets off rolling instead of sliding", "false"),
+            "speed": PropertySpec((Quantity(SPEED),), "how fast it sets off", least=0, most=100),
+            "climb": PropertySpec((AN_ANGLE,), "how steeply upwards", "0 deg"),
+            "rolling": PropertySpec((TRUTH,), "whether a round object sets off rolling instead of sliding", "false"),
         },
         lasts=False, author="wmspec.compile.stage.actions:launch",
     ),
     "slide": Verb(
         "sets the object sliding on what it rests on, as fast as makes friction stop it after the distance",
-        {"object": _OBJECT, "direction": _DIRECTION, "distance": Slot((A_LENGTH,), "how far it slides", above=0)},
+        {"object": _OBJECT, "direction": _DIRECTION, "distance": PropertySpec((A_LENGTH,), "how far it slides", above=0)},
         lasts=False, author="wmspec.compile.stage.actions:slide", staged="launch",
     ),
     "glide": Verb(
@@ -68,7 +70,7 @@ VERBS: dict[str, Verb] = {
         {
             "object": _OBJECT,
             "direction": _DIRECTION,
-            "speed": Slot((Quantity(SPEED),), "how fast it goes", least=0, most=100),
+            "speed": PropertySpec((Quantity(SPEED),), "how fast it goes", least=0, most=100),
         },
         lasts=True, author="wmspec.compile.stage.actions:glide", carries=True,
     ),
@@ -76,11 +78,11 @@ VERBS: dict[str, Verb] = {
         "carries the object along a path at constant speed, from where it is",
         {
             "object": _OBJECT,
-            "path": Slot((PATH, List(POINT2), List(POINT3)), "the form of the path, or points relative to where it is"),
-            "direction": Slot((AN_ANGLE, DIRECTION), "where the path leads; turns given points too", "0 deg"),
-            "length": Slot((A_LENGTH,), "from one end of the path to the other; the diameter of a circle, the side of a square or triangle", "40 cm", above=0),
-            "width": Slot((A_LENGTH,), "how far the path strays to the side", "10 cm", above=0),
-            "facing": Slot((TRUTH,), "whether it turns with the path, as a car does; else it keeps its turn", "false"),
+            "path": PropertySpec((PATH, List(POINT2), List(POINT3)), "the form of the path, or points relative to where it is"),
+            "direction": PropertySpec((AN_ANGLE, DIRECTION), "where the path leads; turns given points too", "0 deg"),
+            "length": PropertySpec((A_LENGTH,), "from one end of the path to the other; the diameter of a circle, the side of a square or triangle", "40 cm", above=0),
+            "width": PropertySpec((A_LENGTH,), "how far the path strays to the side", "10 cm", above=0),
+            "facing": PropertySpec((TRUTH,), "whether it turns with the path, as a car does; else it keeps its turn", "false"),
         },
         lasts=True, author="wmspec.compile.stage.actions:follow", carries=True,
     ),
@@ -88,8 +90,8 @@ VERBS: dict[str, Verb] = {
         "puts the object somewhere else at once",
         {
             "object": _OBJECT,
-            "to": Slot((POINT2, POINT3, PLACE), "where to, as in its `at`"),
-            "yaw": Slot((AN_ANGLE,), "how it is turned there; as before if left out", optional=True),
+            "to": PropertySpec((POINT2, POINT3, PLACE), "where to, as in its `at`"),
+            "yaw": PropertySpec((AN_ANGLE,), "how it is turned there; as before if left out", optional=True),
         },
         lasts=False, author="wmspec.compile.stage.actions:teleport", carries=True,
     ),
@@ -98,8 +100,8 @@ VERBS: dict[str, Verb] = {
         {
             "object": _OBJECT,
             "direction": _DIRECTION,
-            "impulse": Slot((Quantity(IMPULSE),), "mass times the change of velocity", least=0),
-            "climb": Slot((AN_ANGLE,), "how steeply upwards", "0 deg"),
+            "impulse": PropertySpec((Quantity(IMPULSE),), "mass times the change of velocity", least=0),
+            "climb": PropertySpec((AN_ANGLE,), "how steeply upwards", "0 deg"),
         },
         lasts=False, author="wmspec.compile.stage.actions:impulse",
     ),
@@ -108,61 +110,63 @@ VERBS: dict[str, Verb] = {
         {
             "object": _OBJECT,
             "direction": _DIRECTION,
-            "force": Slot((Quantity(FORCE),), "how strongly", least=0),
-            "climb": Slot((AN_ANGLE,), "how steeply upwards", "0 deg"),
+            "force": PropertySpec((Quantity(FORCE),), "how strongly", least=0),
+            "climb": PropertySpec((AN_ANGLE,), "how steeply upwards", "0 deg"),
         },
         lasts=True, author="wmspec.compile.stage.actions:force",
     ),
     "release": Verb("holds the object where it is until then, and lets go", {"object": _OBJECT}, lasts=False, author="wmspec.compile.stage.actions:release", holds=True),
     "drop": Verb(
         "holds the object above where it would rest until then, and lets go",
-        {"object": _OBJECT, "height": Slot((A_LENGTH,), "how far above", above=0, most=100)},
+        {"object": _OBJECT, "height": PropertySpec((A_LENGTH,), "how far above", above=0, most=100)},
         lasts=False, author="wmspec.compile.stage.actions:release", staged="release", holds=True,
     ),
     "drive": Verb(
         "sends a joint's drive to another target",
-        {"joint": Slot((JOINT,), "which joint"), "target": Slot((AN_ANGLE, A_LENGTH), "where to")},
+        {"joint": PropertySpec((JOINT,), "which joint"), "target": PropertySpec((AN_ANGLE, A_LENGTH), "where to")},
         lasts=False, author="wmspec.compile.stage.actions:drive",
     ),
     "stop": Verb("makes the object stand still at once", {"object": _OBJECT}, lasts=False, author="wmspec.compile.stage.actions:stop", staged="launch"),
     "paint": Verb(
         "gives all of the object another colour",
-        {"object": Slot((OBJECT,), "what is painted"), "color": Slot((COLOR,), "which colour")},
-        lasts=False, author="wmspec.compile.stage.actions:paint", whatever=True,
+        {"object": PropertySpec((OBJECT,), "what is painted"), "color": PropertySpec((COLOR,), "which colour")},
+        lasts=False, author="wmspec.compile.stage.actions:paint", allows_carried=True,
     ),
     "vanish": Verb(
         "takes the object away: from then on nothing touches or shows it",
-        {"object": Slot((OBJECT,), "what vanishes")},
-        lasts=False, author="wmspec.compile.stage.actions:vanish", whatever=True,
+        {"object": PropertySpec((OBJECT,), "what vanishes")},
+        lasts=False, author="wmspec.compile.stage.actions:vanish", allows_carried=True,
     ),
 }  # fmt: skip
 
-_GRIPPED = Slot((OBJECT,), "what is handled")
-_FAR = Slot((A_LENGTH,), "how far", above=0, most=100)
-_HIGH = Slot((A_LENGTH,), "how high", above=0, most=2)
-_SIDE = Slot((DIRECTION,), "to which side, as the robot sees it: `left` or `right`", among=("left", "right"))
-_WHERE = Slot((POINT2,), "where it takes it, along its own axes, from its middle: beside it, it misses", "(0 m, 0 m)")
-_HANDLE = Slot((OBJECT,), "what it takes")
-_JOINT = Slot((JOINT,), "a hinge or slider")
-_ALONG = Slot((AN_ANGLE, A_LENGTH), "how far, in the joint's own sense", above=0, most=6.3)
-_BY = Slot((AN_ANGLE,), "by how much", "90 deg", above=0, most=6.3)
+_GRIPPED = PropertySpec((OBJECT,), "what is handled")
+_FAR = PropertySpec((A_LENGTH,), "how far", above=0, most=100)
+_HIGH = PropertySpec((A_LENGTH,), "how high", above=0, most=2)
+_SIDE = PropertySpec((DIRECTION,), "to which side, as the robot sees it: `left` or `right`", among=("left", "right"))
+_WHERE = PropertySpec(
+    (POINT2,), "where it takes it, along its own axes, from its middle: beside it, it misses", "(0 m, 0 m)"
+)
+_HANDLE = PropertySpec((OBJECT,), "what it takes")
+_JOINT = PropertySpec((JOINT,), "a hinge or slider")
+_ALONG = PropertySpec((AN_ANGLE, A_LENGTH), "how far, in the joint's own sense", above=0, most=6.3)
+_BY = PropertySpec((AN_ANGLE,), "by how much", "90 deg", above=0, most=6.3)
 
-#: What an arm can do.
+#: Verbs of arms.
 _ARM = {
     "push": Verb("pushes an object over what it rests on", {"object": _GRIPPED, "direction": _DIRECTION, "distance": _FAR}, True),
     "pick": Verb("grasps an object and lifts it", {"object": _GRIPPED, "height": _HIGH, "at": _WHERE}, True),
     "grasp": Verb("grasps an object where it is, on something or in another hand", {"object": _GRIPPED, "at": _WHERE}, True),
-    "lift": Verb("raises an object that it holds, or an end of it", {"object": _GRIPPED, "height": _HIGH, "at": Slot((POINT2,), "where it takes it, along its own axes, from its end: beside it, it misses", "(0 m, 0 m)")}, True),
+    "lift": Verb("raises an object that it holds, or an end of it", {"object": _GRIPPED, "height": _HIGH, "at": PropertySpec((POINT2,), "where it takes it, along its own axes, from its end: beside it, it misses", "(0 m, 0 m)")}, True),
     "carry": Verb("moves an object that it holds to a side", {"object": _GRIPPED, "direction": _DIRECTION, "distance": _FAR}, True),
-    "place": Verb("puts down the object that it holds", {"object": _GRIPPED, "on": Slot((OBJECT,), "on what"), "at": Slot((POINT2,), "where on it", "(0 m, 0 m)")}, True),
-    "rotate": Verb("turns an object that it holds", {"object": _GRIPPED, "angle": Slot((AN_ANGLE,), "by how much, anticlockwise from above")}, True),
-    "tilt": Verb("tips an object that it holds, as one pours", {"object": _GRIPPED, "angle": Slot((AN_ANGLE,), "how far"), "direction": Slot((AN_ANGLE, DIRECTION), "to which side its top goes", "0 deg")}, True),
+    "place": Verb("puts down the object that it holds", {"object": _GRIPPED, "on": PropertySpec((OBJECT,), "on what"), "at": PropertySpec((POINT2,), "where on it", "(0 m, 0 m)")}, True),
+    "rotate": Verb("turns an object that it holds", {"object": _GRIPPED, "angle": PropertySpec((AN_ANGLE,), "by how much, anticlockwise from above")}, True),
+    "tilt": Verb("tips an object that it holds, as one pours", {"object": _GRIPPED, "angle": PropertySpec((AN_ANGLE,), "how far"), "direction": PropertySpec((AN_ANGLE, DIRECTION), "to which side its top goes", "0 deg")}, True),
     "drop": Verb("opens its hand", {"object": _GRIPPED}, False),
     "open": Verb("takes a handle, moves it as a joint lets it, and lets go", {"object": _HANDLE, "joint": _JOINT, "far": _ALONG, "at": _WHERE}, True),
     "close": Verb("does so the other way", {"object": _HANDLE, "joint": _JOINT, "far": _ALONG, "at": _WHERE}, True),
 }  # fmt: skip
 
-#: What each model of robot can do. Its verbs take as long as `for TIME` says.
+#: Verbs of each robot model. They take the time given by `for TIME`.
 ROBOTS: dict[str, dict[str, Verb]] = {
     "panda": _ARM,
     "arm": _ARM,
@@ -171,19 +175,19 @@ ROBOTS: dict[str, dict[str, Verb]] = {
         "turn": Verb("drives on to the next crossing, turns into the road on that side, and a little further", {"direction": _SIDE}, True),
         "change_lane": Verb("moves over to the next lane", {"direction": _SIDE}, True),
         "stop": Verb("brakes to a halt in its lane", {}, True),
-        "go_to": Verb("drives the shortest way to where one of its roads is nearest to an object", {"to": Slot((OBJECT,), "where to")}, True),
+        "go_to": Verb("drives the shortest way to where one of its roads is nearest to an object", {"to": PropertySpec((OBJECT,), "where to")}, True),
     },
     "walker": {
         "move": Verb("walks straight ahead, until something stops it", {"distance": _FAR}, True),
         "back": Verb("walks straight back, until something stops it", {"distance": _FAR}, True),
-        "go_to": Verb("walks the shortest way around all that stands there to within reach of an object, and turns to it", {"to": Slot((OBJECT,), "where to")}, True),
+        "go_to": Verb("walks the shortest way around all that stands there to within reach of an object, and turns to it", {"to": PropertySpec((OBJECT,), "where to")}, True),
         "turn": Verb("turns on the spot", {"direction": _SIDE, "angle": _BY}, True),
-        "look": Verb("looks up or down", {"angle": Slot((AN_ANGLE,), "how far up from level; negative is down", least=-1.5, most=1.5)}, True),
+        "look": Verb("looks up or down", {"angle": PropertySpec((AN_ANGLE,), "how far up from level; negative is down", least=-1.5, most=1.5)}, True),
     },
 }  # fmt: skip
 
-#: What people call verbs that have another name here.
-OTHERWISE: dict[str, str] = {
+#: Verbs of other languages and their names here.
+VERB_ALIASES: dict[str, str] = {
     **dict.fromkeys(("throw", "toss", "shoot", "kick", "roll", "set_velocity"), "launch"),
     **dict.fromkeys(("hit", "strike", "knock"), "impulse"),
     **dict.fromkeys(("animate", "translate", "walk"), "glide"),
@@ -193,5 +197,5 @@ OTHERWISE: dict[str, str] = {
     **dict.fromkeys(("fall",), "drop"),
     **dict.fromkeys(("freeze", "halt"), "stop"),
 }
-#: What objects have for what only robots can do.
-UNAIDED: dict[str, str] = {"push": "launch", "move": "glide", "carry": "glide", "rotate": "follow"}
+#: Verbs of objects that correspond to verbs of robots.
+OBJECT_VERBS: dict[str, str] = {"push": "launch", "move": "glide", "carry": "glide", "rotate": "follow"}

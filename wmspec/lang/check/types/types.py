@@ -1,4 +1,4 @@
-"""The types of values that the language knows."""
+"""Types of values."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Word:
-    """One of the words of a vocabulary, such as a shape or a colour."""
+    """A word of a vocabulary, such as a shape or a colour."""
 
     vocabulary: str
 
@@ -30,7 +30,7 @@ class Word:
 
 @dataclass(frozen=True)
 class Plain:
-    """A type without parameters: a truth value, a text, a kind of thing, a picture, a place, a label."""
+    """A type without parameters: a truth value, a text, a kind of entity, a picture, a place, a label."""
 
     name: str
 
@@ -62,7 +62,7 @@ class Vector:
 
     @property
     def plural(self) -> str:
-        """Several of them, in words."""
+        """The plural, for messages."""
         return f"{self._tuple}s of {self._parts}"
 
     @property
@@ -89,17 +89,17 @@ JOINT = Plain("joint")
 ROBOT = Plain("robot")
 LIGHT = Plain("light")
 WORLD = Plain("world")
-#: In a function's parameters and result: a quantity of whatever dimension, the same for all of them.
+#: In function signatures: a quantity of any dimension, the same throughout the signature.
 QUANTITY = Plain("quantity")
-#: In a function's parameters: things to count, or truth values of which those that hold are counted.
+#: In function parameters: objects to count, or truth values of which the true ones are counted.
 COUNTED = Plain("list of objects or truth values")
-#: In a function's options: from where something is seen.
+#: In function options: a viewpoint.
 VIEWER = Plain("camera or object")
-#: Where something is in the world, as a relation to something else: a point on the ground that is no pair of numbers.
+#: A location relative to another object: a point on the ground that is no pair of numbers.
 PLACE = Plain("place")
-#: An object, a text or `neither`: what the options of one question may hold side by side.
+#: An object, a text or `neither`: types that may be mixed among the options of one question.
 LABEL = Plain("label")
-#: Whatever a list holds, in the tables of functions.
+#: In function signatures: the item type of a list.
 ITEM = Plain("item")
 COLOR = Word("color")
 SHAPE = Word("shape")
@@ -121,10 +121,10 @@ TURNS = Vector(ANGLE, 3)
 
 
 def either(words: Sequence[str]) -> str:
-    """`a, b or c`, for messages."""
+    """Return `a, b or c`, for messages."""
     return " or ".join([*([", ".join(words[:-1])] if len(words) > 1 else []), *words[-1:]])
 
 
 def article(noun: str) -> str:
-    """The noun with `a` or `an`, for messages."""
+    """Return the noun with `a` or `an`, for messages."""
     return f"{'an' if noun[0] in 'aeio' else 'a'} {noun}"

@@ -1,4 +1,4 @@
-"""Units and dimensions. Values are SI numbers once a spec is checked; there are no unit objects at run time."""
+"""Units and dimensions. Checked values are SI numbers; there are no unit objects at run time."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
-from wmspec.core.spelling import nearest
+from wmspec.core.spelling import closest_word
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Dimension:
 
     @property
     def symbol(self) -> str:
-        """The SI unit, such as `kg*m/s^2`; empty for a plain number."""
+        """The SI unit, such as `kg*m/s^2`; '' for a plain number."""
         parts = [("kg", self.mass), ("m", self.length), ("rad", self.angle), ("s", self.time)]
         above = "*".join(u if n == 1 else f"{u}^{n}" for u, n in parts if n > 0)
         below = "/".join(u if n == -1 else f"{u}^{-n}" for u, n in parts if n < 0)
@@ -81,7 +81,7 @@ _NAMES = {
     INERTIA: "moment of inertia",
 }
 
-#: How a value of a dimension may be written, for messages.
+#: Example values by dimension, for messages.
 EXAMPLES = {
     LENGTH: "6 cm",
     MASS: "200 g",
@@ -97,8 +97,8 @@ EXAMPLES = {
     NUMBER: "0.5",
 }
 
-#: In which units messages tell a quantity, each from how much of it (SI) on.
-_TOLD = {
+#: Display units by dimension, each with its lower bound (SI).
+_DISPLAY_UNITS = {
     LENGTH: (("km", 1000.0), ("m", 1.0), ("cm", 0.01), ("mm", 0.0)),
     MASS: (("kg", 1.0), ("g", 0.0)),
     TIME: (("s", 0.0),),
@@ -139,11 +139,11 @@ _FACTOR = re.compile(r"([*/]?)([A-Za-z]+|%)(?:\^(-?\d+))?")
 
 
 class UnknownUnit(Exception):
-    """The unit's name, as written."""
+    """Unknown unit; the argument is its name as written."""
 
 
-#: Units of elsewhere, and what people write for those there are: how much of which unit each is.
-FOREIGN: dict[str, tuple[float, str]] = {
+#: Foreign units and spellings: factor and equivalent unit.
+FOREIGN_UNITS: dict[str, tuple[float, str]] = {
     **dict.fromkeys(("inch", "inches"), (2.54, "cm")),
     **dict.fromkeys(("ft", "foot", "feet"), (30.48, "cm")),
     **dict.fromkeys(("yd", "yard", "yards"), (91.44, "cm")),
@@ -179,23 +179,23 @@ FOREIGN: dict[str, tuple[float, str]] = {
 }
 
 
-def remedy(unknown: str, text: str, wanted: Iterable[Dimension]) -> str:
-    """What to write for an unknown unit in a text such as `8 inch`; of units equally close one that is wanted."""
-    if unknown in FOREIGN:
-        scale, unit = FOREIGN[unknown]
+def remedy(unknown: str, text: str, expected: Iterable[Dimension]) -> str:
+    """Return the remedy for an unknown unit in a text such as `8 inch`; among equals, an expected dimension wins."""
+    if unknown in FOREIGN_UNITS:
+        scale, unit = FOREIGN_UNITS[unknown]
         match = re.fullmatch(r"([\d.]+(?:[eE][+-]?\d+)?)\s*(.+)", text)
         if match and match[2] == unknown:
             return f"write `{float(match[1]) * scale:.6g} {unit}`"
         return f"write `{unit}`" if scale == 1 else f"1 {unknown} is {scale:g} {unit}"
-    dimensions = set(wanted)
+    dimensions = set(expected)
     fitting = [name for name, (_, dimension) in UNITS.items() if dimension in dimensions]
-    close = nearest(unknown, fitting, ("cm", "m", "s", "deg", "kg", "g", "N"), UNITS)
+    close = closest_word(unknown, fitting, ("cm", "m", "s", "deg", "kg", "g", "N"), UNITS)
     return f"did you mean `{close}`?" if close else "the units are mm, cm, m, g, kg, ms, s, deg, N and others"
 
 
 @lru_cache(maxsize=256)
 def parse_unit(text: str) -> tuple[float, Dimension]:
-    """The SI value and dimension of a unit such as `cm/s` or `kg*m^2`. Raises UnknownUnit with the unknown part."""
+    """Return the SI value and dimension of a unit such as `cm/s` or `kg*m^2`. Raises UnknownUnit."""
     scale, dimension = 1.0, NUMBER
     for sign, name, power in _FACTOR.findall(text):
         if name not in UNITS:
@@ -208,29 +208,29 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
     return scale, dimension
 
 
-def named(text: str) -> Dimension:
-    """The dimension that is called so, such as `length` or `kg/s`."""
+def dimension_named(text: str) -> Dimension:
+    """Return the dimension of a name or unit, such as `length` or `kg/s`."""
     return next((dimension for dimension, name in _NAMES.items() if name == text), None) or parse_unit(text)[1]
 
 
-def told(value: float, dimension: Dimension) -> str:
-    """An SI value in the unit in which people say it, such as `-5 cm` or `30 deg`."""
-    small = 0.1 if dimension == LENGTH else 0.0  # 0 is so many cm
+def format_quantity(value: float, dimension: Dimension) -> str:
+    """Return an SI value with its customary unit, such as `-5 cm` or `30 deg`."""
+    small = 0.1 if dimension == LENGTH else 0.0  # zero is shown in cm
     least = abs(value) or small
-    unit = next((u for u, from_ in _TOLD.get(dimension, ()) if least >= from_ * (1 - 1e-9)), dimension.symbol)
+    unit = next((u for u, from_ in _DISPLAY_UNITS.get(dimension, ()) if least >= from_ * (1 - 1e-9)), dimension.symbol)
     number = value / parse_unit(unit)[0] if unit else value
-    return f"{number + 0.0:.6g} {unit}".rstrip()  # -0.0 + 0.0 is 0.0
+    return f"{number + 0.0:.6g} {unit}".rstrip()  # turns -0.0 into 0.0
 
 
-def fitting(dimension: Dimension) -> tuple[str, ...]:
-    """The units in which a quantity may be written: those of the table, then those made of several."""
+def units_of(dimension: Dimension) -> tuple[str, ...]:
+    """Return the units of a dimension: those of the table, then compound ones."""
     plain = [name for name, (_, of) in UNITS.items() if of == dimension]
-    made = [unit for unit, _ in _TOLD.get(dimension, ())]
+    made = [unit for unit, _ in _DISPLAY_UNITS.get(dimension, ())]
     made += [EXAMPLES[dimension].partition(" ")[2]] if dimension in EXAMPLES else []
     return tuple(dict.fromkeys(filter(None, (*plain, *made, dimension.symbol))))
 
 
 def convert(value: float, scale: float) -> float:
-    """`value * scale`, rounded correctly where the scale is one over a whole number (35 cm is 0.35 m to the bit)."""
+    """Return `value * scale`, rounded correctly if the scale is the inverse of an integer (35 cm is exactly 0.35 m)."""
     inverse = round(1 / scale)
     return value / inverse if inverse > 1 and abs(inverse * scale - 1) < 1e-12 else value * scale

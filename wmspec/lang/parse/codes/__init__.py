@@ -1,6 +1,6 @@
-"""Every code of the language. Each has its page in this folder, which `wmspec explain` shows."""
+"""All diagnostic codes. Each code has a page in this folder, which `wmspec explain` prints."""
 
-#: Every code with its meaning. The hundreds are the stages: text, names, units, design, questions, scene.
+#: Codes and their titles. The hundreds digit is the phase: text, names, units, design, questions, scene.
 CODES: dict[str, str] = {
     "WMS101": "unexpected text",
     "WMS102": "unreadable character",

@@ -1,4 +1,4 @@
-"""The kinds of questions, each alone in its module. A new one is a module and a row here and in the checker."""
+"""The kinds of questions, one module each. A new kind is a module, and a row here and in the checker."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from wmspec.runtime.questions.kinds.labels import Labels
 from wmspec.runtime.questions.kinds.numbers import Numbers
 from wmspec.runtime.questions.kinds.pictures import Pictures
 
-#: Every kind by its name in the IR.
+#: Kinds by their name in the IR.
 KINDS: dict[QuestionKind, Kind[Any]] = {"labels": Labels(), "numbers": Numbers(), "pictures": Pictures()}
 
 __all__ = ["KINDS", "Kind"]

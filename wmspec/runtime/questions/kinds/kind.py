@@ -1,4 +1,4 @@
-"""What every kind of question does: answer, offer options, compare answers, and say what a row holds of it."""
+"""The interface of a kind of question: answer, options, comparison of answers, and contents of rows."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import Any, Generic, TypeVar
 
 from wmspec.lang.check.ir.ir import Counterfactual, Level, Question
 from wmspec.runtime.questions.model import Answer, Number, Option, Picture
-from wmspec.runtime.questions.question_context import AnswerSlot, Asking
+from wmspec.runtime.questions.question_context import AnswerSlot, QuestionContext
 from wmspec.runtime.questions.runs import Run
-from wmspec.runtime.questions.verbalize import filled, say_option, si_unit
+from wmspec.runtime.questions.verbalize import fill_template, si_unit, verbalize_option
 
 
 @dataclass(frozen=True)
-class Depicted:
-    """A picture that is an option: its name, and of which run, from which camera and when (s) it is."""
+class OptionImage:
+    """An option that is a picture: name, run, camera and time (s)."""
 
     name: str
     run: Run
@@ -25,8 +25,8 @@ class Depicted:
 
 
 @dataclass(frozen=True)
-class Offered:
-    """The options as a row holds them: `texts` (None if they are pictures; empty if there are none) and `pictures`."""
+class OptionSet:
+    """Options as a row stores them: `texts` (None for pictures, empty without options) and `pictures`."""
 
     texts: tuple[str, ...] | None
     pictures: tuple[Picture, ...] = ()
@@ -36,72 +36,72 @@ A = TypeVar("A", bound=Answer)
 
 
 class Kind(ABC, Generic[A]):
-    """One kind of question; it has no options unless it says more than it must.
+    """One kind of question, by default without options.
 
-    `ask` calls `answer`, `gate`, `disturbed` after every nudge, and `options`; a crosscheck calls `answer` and `gate`.
-    Engines are then compared by their answers alone, which hold whatever can be told without drawing a picture.
+    `ask` calls `answer`, `gate`, `change_under_nudge` after every nudge, and `options`; crosscheck calls `answer` and
+    `gate`. Answers hold everything that is known without drawing, so that engines can be compared by them.
     """
 
     def executed(self, question: Question, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:
-        """The counterfactuals that have to be executed, of an instance with these levels of its factors."""
+        """Return the counterfactuals to execute for an instance with these factor levels."""
         return ()
 
     @abstractmethod
-    def answer(self, asking: Asking) -> A:
-        """The answer, before any gate. Raises WmsError if it has no value."""
+    def answer(self, asking: QuestionContext) -> A:
+        """Return the answer before gates. Raises WmsError if it is undefined."""
 
     @abstractmethod
-    def words(self, asking: Asking, answer: A) -> str:
-        """The answer in words. Raises Ambiguous if words cannot tell it."""
+    def words(self, asking: QuestionContext, answer: A) -> str:
+        """Return the answer in words. Raises Ambiguous if words cannot express it."""
 
-    def gate(self, asking: Asking, answer: A) -> None:
-        """Raise Reject if the options are not what they should be, as far as can be told without drawing them."""
+    def gate(self, asking: QuestionContext, answer: A) -> None:
+        """Raise Reject if the options are invalid, as far as known without drawing."""
 
     @abstractmethod
-    def disturbed(self, asking: Asking, answer: A, nudged: Run, by: float) -> str:
-        """Why the answer does not hold when everything free is set aside by so much (m); empty if it does."""
+    def change_under_nudge(self, asking: QuestionContext, answer: A, nudged: Run, by: float) -> str:
+        """Return why the answer changes when free bodies are displaced by `by` metres, or ''."""
 
-    def depicted(self, asking: Asking, answer: A) -> Sequence[Depicted]:
-        """The pictures that are options."""
+    def option_images(self, asking: QuestionContext, answer: A) -> Sequence[OptionImage]:
+        """Return the options that are pictures."""
         return ()
 
-    def options(self, asking: Asking, answer: A, slot: AnswerSlot) -> tuple[Option, ...]:
-        """The options in order, the true one at its slot. Raises Reject if two look alike."""
+    def options(self, asking: QuestionContext, answer: A, slot: AnswerSlot) -> tuple[Option, ...]:
+        """Return the options in order with the truth at its slot. Raises Reject if two look alike."""
         return ()
 
-    def number(self, asking: Asking, answer: A) -> Number | None:
-        """The answer as a number, if it is one."""
+    def number(self, asking: QuestionContext, answer: A) -> Number | None:
+        """Return the answer as a number, if it is one."""
         return None
 
     def picked(self, mine: A, other: A) -> str | None:
-        """The name of the option of mine that the other engine's outcome picks; None if it picks none."""
+        """Return the name of the option of `mine` that the other engine's outcome selects, or None."""
         return None
 
     @abstractmethod
     def agree(self, a: A, b: A) -> bool:
-        """Whether each engine's outcome picks the other's answer."""
+        """Whether the outcome of each engine selects the answer of the other."""
 
     def compared(self, a: A, b: A, engines: tuple[str, str]) -> str:
-        """How far apart two answers are, for a person; empty if their words say all of it."""
+        """Return how far apart two answers are, in words; '' if the answers themselves say it."""
         return ""
 
     @abstractmethod
     def remedy(self, sort: str) -> str:
-        """What to do about an answer (of a sort of value) that the least difference between engines decides."""
+        """Return the remedy for an answer of type `sort` that depends on the smallest differences between engines."""
 
-    def offered(self, options: Sequence[Option]) -> Offered:
-        """The options as a row holds them."""
-        return Offered(())
+    def option_set(self, options: Sequence[Option]) -> OptionSet:
+        """Return the options as a row stores them."""
+        return OptionSet(())
 
 
 def quantity(value: Any, sort: str, within: float | None = None) -> Number | None:
-    """A value of a sort with its SI unit, if it is a number."""
+    """Return a value with its SI unit if it is a number."""
     return Number(value, si_unit(sort), within) if isinstance(value, float) else None
 
 
-def in_words(asking: Asking, value: Any) -> str:
-    """A value of the question's sort in words that stand alone. Raises Ambiguous if words cannot tell it."""
+def in_words(asking: QuestionContext, value: Any) -> str:
+    """Return a value of the question's type in words that stand alone. Raises Ambiguous if words cannot express it."""
     parts = next((text.parts for text in asking.question.texts if text.text == value), None)
     if parts is not None:
-        return filled(parts, asking.measured, asking.values)
-    return say_option(value, asking.question.sort, asking.values)
+        return fill_template(parts, asking.measured, asking.values)
+    return verbalize_option(value, asking.question.sort, asking.values)

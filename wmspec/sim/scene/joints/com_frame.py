@@ -1,6 +1,6 @@
-"""Bodies as engines like them: frame at the centre of mass, along the principal axes.
+"""Bodies in frames at the centre of mass along the principal axes.
 
-There free flight is exact in every engine and an inertia is three numbers.
+There, free flight is exact in every engine and an inertia has three numbers.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from wmspec.sim.scene.model.transform import apply, compose, identity, inverse
 _ROUND_OFF = 1e-12  # m, or of a unit quaternion
 
 
-def mount(body: Body) -> Pose:
-    """The body's own frame, seen from its centre-of-mass frame (the same one, unless it is dynamic)."""
+def body_frame_in_com(body: Body) -> Pose:
+    """Return the body frame in the centre-of-mass frame; the identity unless the body is dynamic."""
     return cached_on(body, _mount)
 
 
 def com_frame(body: Body) -> Body:
-    """The same body, described in its centre-of-mass frame."""
+    """Return the body expressed in its centre-of-mass frame."""
     return body if body.inertia is None else cached_on(body, _com_frame)
 
 
@@ -32,20 +32,20 @@ def _mount(body: Body) -> Pose:
 
 def _com_frame(body: Body) -> Body:
     assert body.inertia is not None
-    inside = mount(body)
+    inside = body_frame_in_com(body)
     geoms = tuple(replace(geom, pose=_clean(compose(inside, geom.pose))) for geom in body.geoms)
     own = identity()
     inertia = Inertia(body.inertia.mass, own.position, own.orientation, body.inertia.moments)
     return replace(body, pose=compose(body.pose, _center(body)), geoms=geoms, inertia=inertia)
 
 
-def placed(pose: Pose, points: Array) -> Array:
-    """Points of a shape in the frame around it; exactly themselves if the shape is not moved."""
+def transform_points(pose: Pose, points: Array) -> Array:
+    """Return points transformed by `pose`, unchanged to the bit if it is the identity."""
     return points if is_identity(pose) else apply(pose, points)
 
 
 def is_identity(pose: Pose) -> bool:
-    """Whether the pose changes nothing."""
+    """Whether the pose is the identity."""
     return not pose.position.any() and not pose.orientation[1:].any()
 
 
@@ -54,7 +54,7 @@ def _center(body: Body) -> Pose:
 
 
 def _clean(pose: Pose) -> Pose:
-    """Free of rounding: engines treat a shape differently unless its frame is exactly the body's."""
+    """Return the pose without round-off: engines treat a shape differently unless its frame equals the body frame."""
     position = np.where(np.abs(pose.position) < _ROUND_OFF, 0.0, pose.position)
     turned = np.abs(pose.orientation[1:]).max() >= _ROUND_OFF
     return Pose(position, pose.orientation if turned else identity().orientation)

@@ -1,4 +1,4 @@
-"""The coordinates of all joints at once: how the bodies move with each, and how heavy each is."""
+"""All joint coordinates of a scene: Jacobians and mass matrix."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmspec.sim.scene.joints.articulations import Gear, Tree, trees
+from wmspec.sim.scene.joints.articulations import MimicConstraint, Tree, trees
 from wmspec.sim.scene.joints.com_frame import com_frame
 from wmspec.sim.scene.joints.drives import motions
 from wmspec.sim.scene.model import Array, Scene
@@ -16,10 +16,10 @@ from wmspec.sim.scene.model.transform import rotation
 
 @dataclass(frozen=True)
 class Coordinates:
-    """The n coordinates of the joints of N bodies.
+    """The n joint coordinates of N bodies.
 
-    `bodies`: the numbers of those in trees (N,). `ways` (n, 6 N): their velocities, in world axes, where one of the
-    coordinates changes by 1 a second. `holders` (n,): the body that each one's joint holds. `masses` (6 N, 6 N).
+    `bodies` (N,): numbers of the bodies in trees. `ways` (n, 6 N): Jacobian, the body velocities (world axes) per unit
+    rate of each coordinate. `holders` (n,): the body below each joint. `masses` (6 N, 6 N): mass matrix.
     """
 
     bodies: tuple[int, ...]
@@ -28,12 +28,12 @@ class Coordinates:
     masses: Array
 
     def along(self, body: int) -> Array:
-        """What picks the coordinate (n,) of the joint that holds a body."""
+        """Return the unit vector (n,) of the coordinate of the joint above a body."""
         return np.array([float(holder == body) for holder in self.holders])
 
 
 def coordinates(scene: Scene) -> Coordinates:
-    """The coordinates of all trees at the start."""
+    """Return the coordinates of all trees at the start."""
     grown = trees(scene)
     order = tuple(link.body for tree in grown for link in tree)
     each = [(body, way) for tree in grown for body, way in _ways(scene, tree, order)]
@@ -41,8 +41,8 @@ def coordinates(scene: Scene) -> Coordinates:
     return Coordinates(order, ways, tuple(body for body, _ in each), _masses(scene, order))
 
 
-def gears(scene: Scene) -> tuple[Gear, ...]:
-    """The joints that mimic others."""
+def mimic_constraints(scene: Scene) -> tuple[MimicConstraint, ...]:
+    """Return the constraints of mimic joints."""
     if not any(joint.mimic for joint in scene.joints):
         return ()
     all_ = coordinates(scene)
@@ -56,8 +56,8 @@ def gears(scene: Scene) -> tuple[Gear, ...]:
             body, leader = holds[j], holds[number[joint.mimic.leader]]
             pull = all_.along(body) - joint.mimic.ratio * all_.along(leader)
             light = float(pull @ heavy @ pull)
-            offset = start[body] - joint.mimic.ratio * start[leader]  # so that it fits at the start, whole turns aside
-            made.append(Gear(j, body, leader, float(joint.mimic.ratio), float(offset), light))
+            offset = start[body] - joint.mimic.ratio * start[leader]  # satisfied at the start, up to full turns
+            made.append(MimicConstraint(j, body, leader, float(joint.mimic.ratio), float(offset), light))
     return tuple(made)
 
 

@@ -1,4 +1,4 @@
-"""How stiff a drive is for what it moves: an engine that computes it step by step overshoots if it is too stiff."""
+"""Stiffness of drives relative to the step rate: explicit integration overshoots if a drive is too stiff."""
 
 from __future__ import annotations
 
@@ -10,35 +10,38 @@ import numpy as np
 from wmspec.sim.scene.joints.articulations import Link, Tree, trees
 from wmspec.sim.scene.joints.com_frame import com_frame
 from wmspec.sim.scene.model import Array, Drive, Joint, Scene
-from wmspec.sim.scene.model.numbers import placed
+from wmspec.sim.scene.model.numbers import pose_of
 from wmspec.sim.scene.model.transform import compose, cross, rotate, rotation
-from wmspec.sim.scene.regime_thresholds import FINEST
+from wmspec.sim.scene.regime_thresholds import MAX_STEP_MULTIPLIER
 
-STIFFEST = 0.5  # of a vibration, in radians a step, squared; of a decay, the part in a step
+MAX_STEP_RESPONSE = 0.5  # oscillation: (rad per step)²; decay: fraction per step
 
 
 def too_stiff(scene: Scene, rate: int) -> Iterator[Joint]:
-    """The joints whose drives would vibrate faster than `rate` steps per second can follow."""
-    return (joint for joint, drive, lightness in _driven(scene) if drive.stiffness * lightness > STIFFEST * rate**2)
+    """Yield joints whose drives oscillate too fast for `rate` steps per second."""
+    return (
+        joint for joint, drive, lightness in _driven(scene) if drive.stiffness * lightness > MAX_STEP_RESPONSE * rate**2
+    )
 
 
 def too_damped(scene: Scene, rate: int) -> Iterator[Joint]:
-    """The joints whose drives would brake in less than `rate` steps per second can follow."""
-    return (joint for joint, drive, lightness in _driven(scene) if drive.damping * lightness > STIFFEST * rate)
+    """Yield joints whose drives decay too fast for `rate` steps per second."""
+    return (joint for joint, drive, lightness in _driven(scene) if drive.damping * lightness > MAX_STEP_RESPONSE * rate)
 
 
-def enough(scene: Scene, rate: int, *, damped: bool = True) -> int:
-    """The least of 1, 2, 4 .. `FINEST` times `rate` steps a second that the drives need; unless they can be `damped`
-    however much, their damping counts too.
+def required_step_rate(scene: Scene, rate: int, *, damped: bool = True) -> int:
+    """Return the lowest of 1, 2, 4 .. `MAX_STEP_MULTIPLIER` times `rate` that all drives need.
+
+    With `damped`, damping counts like stiffness.
     """
     for finer in (1, 2, 4, 8):
         if not any(too_stiff(scene, finer * rate)) and not (damped and any(too_damped(scene, finer * rate))):
             return finer * rate
-    return FINEST * rate
+    return MAX_STEP_MULTIPLIER * rate
 
 
-def weighed(scene: Scene) -> Scene:
-    """The scene whose drives by acceleration are forces, for the mass or moment that each moves at the start."""
+def with_force_drives(scene: Scene) -> Scene:
+    """Return the scene with acceleration drives converted to force drives, using initial effective masses."""
     if not any(joint.drive and joint.drive.weightless for joint in scene.joints):
         return scene
     moved = {number: 1 / light for tree in trees(scene) for number, light in mobility(scene, tree).items()}
@@ -53,7 +56,7 @@ def _weighed(joint: Joint, mass: float) -> Joint:
 
 
 def _driven(scene: Scene) -> Iterator[tuple[Joint, Drive, float]]:
-    """The joints with drives, and the acceleration that a force gives to them."""
+    """Yield joints with drives, and their acceleration per unit of force."""
     for tree in trees(scene) if any(joint.drive for joint in scene.joints) else ():
         lightness = mobility(scene, tree)
         for link in tree:
@@ -62,7 +65,7 @@ def _driven(scene: Scene) -> Iterator[tuple[Joint, Drive, float]]:
 
 
 def mobility(scene: Scene, tree: Tree) -> dict[int, float]:
-    """For each joint of one coordinate, the acceleration per force at the start, 1/kg or 1/(kg m²)."""
+    """Return the initial acceleration per unit of force for each joint with one coordinate, 1/kg or 1/(kg m²)."""
     bodies = [com_frame(scene.bodies[link.body]) for link in tree]
     columns = [column for link in tree for column in motions(scene, tree, link)]
     mass = np.zeros((len(columns), len(columns)))
@@ -78,10 +81,10 @@ def mobility(scene: Scene, tree: Tree) -> dict[int, float]:
 
 
 def motions(scene: Scene, tree: Tree, link: Link) -> list[Array]:
-    """For each way that a joint moves, none of a fixed one: the linear and angular velocities (N, 6) of the bodies."""
+    """Return the Jacobian columns of a joint: linear and angular body velocities (N, 6); none if fixed."""
     bodies = [com_frame(scene.bodies[one.body]) for one in tree]
     at = next(body for body, one in zip(bodies, tree, strict=True) if one is link)
-    joint = compose(at.pose, placed(link.below))
+    joint = compose(at.pose, pose_of(link.below))
     axes = [rotate(joint.orientation, axis) for axis in np.eye(3)]
     slides, turns = {"free": (3, 3), "ball": (0, 3), "hinge": (0, 1), "slider": (1, 0), "fixed": (0, 0)}[link.kind]
     carried = _below(tree, link)

@@ -1,6 +1,6 @@
-"""Where jointed bodies begin: a joint that is drawn apart, or outside its limits, is put where it holds them.
+"""Initial poses of jointed bodies: bodies that violate a joint or its limits are moved to satisfy it.
 
-What hangs on a body that is moved goes with it, as the joints' own tools do it.
+A moved body carries its subtree along.
 """
 
 from __future__ import annotations
@@ -13,90 +13,92 @@ import numpy as np
 
 from wmspec.core.diagnostics import Diagnostic, StageError
 from wmspec.core.places import PrimPlace
-from wmspec.sim.scene.joints.articulations import WORLD, Branch, coordinate, relative, spanning
-from wmspec.sim.scene.joints.mimics import ahead
+from wmspec.sim.scene.joints.articulations import WORLD, Branch, joint_coordinate, relative_frame, spanning_trees
+from wmspec.sim.scene.joints.mimics import mimic_error
 from wmspec.sim.scene.model import Body, Joint, Pose, Scene
-from wmspec.sim.scene.model.transform import compose, identity, inverse, turned, turning
+from wmspec.sim.scene.model.transform import compose, from_rotation_vector, identity, inverse, to_rotation_vector
 
-TOLD = 1e-5
-"""m or rad: what is moved by less is not told."""
+REPORTED_SHIFT = 1e-5
+"""m or rad: smaller shifts are not reported."""
 
 
-def settled(scene: Scene) -> tuple[Scene, tuple[Diagnostic, ...]]:
-    """The scene with its jointed bodies where their joints hold them, and what was moved for that, as warnings."""
-    told: list[Diagnostic] = []
-    for tree in spanning(scene):
+def project_to_limits(scene: Scene) -> tuple[Scene, tuple[Diagnostic, ...]]:
+    """Return the scene with joints and limits satisfied, and a warning for each body that was moved."""
+    warnings: list[Diagnostic] = []
+    for tree in spanning_trees(scene):
         for branch in tree:
-            if branch.joint >= 0 and (moved := _moved(scene.joints[branch.joint], scene.bodies, branch)):
-                scene = _carried(scene, tree, branch, moved, told)
+            if branch.joint >= 0 and (moved := _shift_into_joint(scene.joints[branch.joint], scene.bodies, branch)):
+                scene = _apply_shift(scene, tree, branch, moved, warnings)
     names = {joint.name: joint for joint in scene.joints}
-    for tree in spanning(scene):
+    for tree in spanning_trees(scene):
         for branch in tree:
-            if branch.joint >= 0 and (moved := _matched(scene, scene.joints[branch.joint], names, branch)):
-                scene = _carried(scene, tree, branch, moved, told)
-    return scene, tuple(told)
+            if branch.joint >= 0 and (moved := _shift_to_mimic(scene, scene.joints[branch.joint], names, branch)):
+                scene = _apply_shift(scene, tree, branch, moved, warnings)
+    return scene, tuple(warnings)
 
 
 _Move = tuple[Pose, float, float]
-"""How a body is moved in the world, by how much (m, rad)."""
+"""A world-frame displacement of a body, and its size (m, rad)."""
 
 
-def _carried(scene: Scene, tree: tuple[Branch, ...], branch: Branch, moved: _Move, told: list[Diagnostic]) -> Scene:
-    """The scene in which a body, and what hangs on it, is moved; it is told if that is more than round-off."""
+def _apply_shift(
+    scene: Scene, tree: tuple[Branch, ...], branch: Branch, moved: _Move, warnings: list[Diagnostic]
+) -> Scene:
+    """Return the scene with a body and its subtree moved; append a warning if the shift exceeds `REPORTED_SHIFT`."""
     step, gap, turn = moved
     below = set(_below(tree, branch.body))
     bodies = [
         replace(body, pose=compose(step, body.pose)) if i in below else body for i, body in enumerate(scene.bodies)
     ]
-    reason = f"it starts {1e3 * gap:.3g} mm and {turn:.3g} rad from where its joint and its limits let it be"
+    reason = f"it starts {1e3 * gap:.3g} mm and {turn:.3g} rad outside its joint or limits"
     place = PrimPlace(scene.joints[branch.joint].path)
-    if max(gap, turn) > TOLD:
-        told.append(Diagnostic(f"{reason}; {bodies[branch.body].path} is moved there", place, severity="warning"))
+    if max(gap, turn) > REPORTED_SHIFT:
+        warnings.append(Diagnostic(f"{reason}; {bodies[branch.body].path} is moved", place, severity="warning"))
     return replace(scene, bodies=tuple(bodies))
 
 
-def _matched(scene: Scene, joint: Joint, names: dict[str, Joint], branch: Branch) -> _Move | None:
-    """The same of what a joint holds that mimics another."""
-    if joint.mimic is None or joint.mimic.leader not in names or abs(off := ahead(scene, joint, names)) < 1e-12:
+def _shift_to_mimic(scene: Scene, joint: Joint, names: dict[str, Joint], branch: Branch) -> _Move | None:
+    """Return the displacement that satisfies a mimic joint, or None."""
+    if joint.mimic is None or joint.mimic.leader not in names or abs(off := mimic_error(scene, joint, names)) < 1e-12:
         return None
     named = {body.name: body for body in scene.bodies}
-    between = relative(named, joint.first, joint.second, joint.first_frame, joint.second_frame)
+    between = relative_frame(named, joint.first, joint.second, joint.first_frame, joint.second_frame)
     back = -off * np.array([1.0, 0.0, 0.0])
     still = identity()
-    step = Pose(back, still.orientation) if joint.kind == "slider" else Pose(np.zeros(3), turning(back))
-    return _put(joint, named, branch, between, compose(between, step))
+    step = Pose(back, still.orientation) if joint.kind == "slider" else Pose(np.zeros(3), from_rotation_vector(back))
+    return _shift_to(joint, named, branch, between, compose(between, step))
 
 
-def _moved(joint: Joint, bodies: Sequence[Body], branch: Branch) -> _Move | None:
-    """How a body is to be moved so that its joint fits and is within its limits; None if it may stay."""
+def _shift_into_joint(joint: Joint, bodies: Sequence[Body], branch: Branch) -> _Move | None:
+    """Return the displacement that satisfies a joint and its limits, or None if they hold already."""
     named = {body.name: body for body in bodies}
-    between = relative(named, joint.first, joint.second, joint.first_frame, joint.second_frame)
+    between = relative_frame(named, joint.first, joint.second, joint.first_frame, joint.second_frame)
     try:
-        coordinate(joint, between)
+        joint_coordinate(joint, between)
     except StageError:
-        wanted = _nearest(joint, between)
+        target = _nearest(joint, between)
     else:
         return None
-    return _put(joint, named, branch, between, wanted)
+    return _shift_to(joint, named, branch, between, target)
 
 
-def _put(joint: Joint, named: dict[str, Body], branch: Branch, between: Pose, wanted: Pose) -> _Move:
-    """How a body is to be moved so that a joint's second frame is as `wanted` in its first; it is `between` now."""
+def _shift_to(joint: Joint, named: dict[str, Body], branch: Branch, between: Pose, target: Pose) -> _Move:
+    """Return the displacement that brings the second joint frame from `between` to `target` in the first."""
     body = list(named.values())[branch.body]
     here = body.pose
     if body.name == joint.second:
         first = named[joint.first].pose if joint.first is not None else identity()
-        there = compose(compose(compose(first, joint.first_frame), wanted), inverse(joint.second_frame))
+        there = compose(compose(compose(first, joint.first_frame), target), inverse(joint.second_frame))
     else:
         second = compose(named[joint.second].pose, joint.second_frame)
-        there = compose(compose(second, inverse(wanted)), inverse(joint.first_frame))
-    off = compose(inverse(between), wanted)
-    size = float(np.linalg.norm(off.position)), float(np.linalg.norm(turned(off.orientation)))
+        there = compose(compose(second, inverse(target)), inverse(joint.first_frame))
+    off = compose(inverse(between), target)
+    size = float(np.linalg.norm(off.position)), float(np.linalg.norm(to_rotation_vector(off.orientation)))
     return compose(there, inverse(here)), *size
 
 
 def _nearest(joint: Joint, between: Pose) -> Pose:
-    """The nearest that the joint allows to where its second frame is in its first."""
+    """Return the allowed pose of the second joint frame that is nearest to `between`."""
     low, high = joint.limits if joint.limits and joint.kind != "ball" else (-np.inf, np.inf)
     x, still = np.array([1.0, 0.0, 0.0]), identity()
     match joint.kind:
@@ -107,7 +109,7 @@ def _nearest(joint: Joint, between: Pose) -> Pose:
             angle = (2 * atan2(q[1], q[0]) + np.pi) % (2 * np.pi) - np.pi
             options = [angle + 2 * np.pi * k for k in (0, -1, 1)]
             best = min(options, key=lambda a: abs(a - min(max(a, low), high)))
-            return Pose(still.position, turning(x * min(max(best, low), high)))
+            return Pose(still.position, from_rotation_vector(x * min(max(best, low), high)))
         case "ball":
             return Pose(still.position, between.orientation)
         case _:

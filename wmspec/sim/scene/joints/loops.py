@@ -1,23 +1,23 @@
-"""Loops of joints of which none is only a matter of points that stay together.
+"""Loops in which no joint can be replaced by coinciding points.
 
-There a body is split in two halves, which weigh half each and are held together: what had been a loop is a tree again,
-and every joint of it keeps its limits and its drive.
+A body of such a loop is split into two halves of half the mass that are tied together. The loop becomes a tree, and
+every joint keeps its limits and drive.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from wmspec.sim.scene.joints.articulations import closes, closing, paired
+from wmspec.sim.scene.joints.articulations import can_close_loop, loop_joints, mimic_joint_names
 from wmspec.sim.scene.model import Body, Joint, Scene
 from wmspec.sim.scene.model.transform import identity
 
 
-def opened(scene: Scene) -> Scene:
-    """The scene in which points can close every loop."""
-    for number in closing(scene):
+def split_loops(scene: Scene) -> Scene:
+    """Return the scene with bodies split so that points can close every loop."""
+    for number in loop_joints(scene):
         joint = scene.joints[number]
-        if not closes(joint, paired(scene)):
+        if not can_close_loop(joint, mimic_joint_names(scene)):
             scene = _split(scene, number)
     return scene
 
@@ -37,7 +37,7 @@ def _split(scene: Scene, number: int) -> Scene:
 
 
 def _ordered(scene: Scene, one: str, other: str) -> tuple[str, str]:
-    """The names of two bodies in the order of the scene."""
+    """Return two body names in scene order."""
     names = [body.name for body in scene.bodies]
     return (one, other) if names.index(one) < names.index(other) else (other, one)
 

@@ -1,7 +1,7 @@
-"""What a backend is given (`Scene`) and what it gives back (`Trace`, `Frame`).
+"""The input of backends (`Scene`) and their output (`Trace`, `Frame`).
 
-Units are SI, the world is Z up, quaternions are (w, x, y, z), colours are sRGB in 0..1. Everything is
-immutable; arrays are float64 and never written to after construction.
+Units are SI, the world is Z up, quaternions are (w, x, y, z), colours are sRGB in 0..1. All values are immutable;
+arrays are float64 and never written after construction.
 """
 
 from wmspec.sim.scene.model.actions import (

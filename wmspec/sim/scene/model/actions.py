@@ -1,4 +1,4 @@
-"""What is done to bodies and drives."""
+"""Actions on bodies and drives."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from wmspec.sim.scene.model.geometry import Array, Pose
 
 @dataclass(frozen=True)
 class Launch:
-    """At `start` (s) the dynamic body's velocity becomes `linear` (3,) m/s and `angular` (3,) rad/s."""
+    """Sets the velocity of a dynamic body to `linear` (3,) m/s and `angular` (3,) rad/s at `start` (s)."""
 
     name: str
     body: str
@@ -20,7 +20,7 @@ class Launch:
 
 @dataclass(frozen=True)
 class Glide:
-    """From `start` to `stop` (s) the kinematic body moves with constant `velocity` (3,) m/s."""
+    """Moves a kinematic body with constant `velocity` (3,) m/s from `start` to `stop` (s)."""
 
     name: str
     body: str
@@ -31,9 +31,9 @@ class Glide:
 
 @dataclass(frozen=True)
 class Follow:
-    """The kinematic body's frame is at `points[i]` (n, 3) m at `start + times[i]` (s), linear between them.
+    """Moves a kinematic body through `points[i]` (n, 3) m at `start + times[i]` (s), linear between them.
 
-    `times` (n,) grow from 0. `orientations` (n, 4), or None to keep the one it has, turn by the shortest way.
+    `times` (n,) increase from 0. `orientations` (n, 4) are interpolated the shortest way; None keeps the orientation.
     """
 
     name: str
@@ -45,13 +45,13 @@ class Follow:
 
     @property
     def stop(self) -> float:
-        """When the way ends, s."""
+        """End of the path, s."""
         return self.start + float(self.times[-1])
 
 
 @dataclass(frozen=True)
 class Teleport:
-    """At `start` (s) the kinematic body is placed at `pose`."""
+    """Places a kinematic body at `pose` at `start` (s)."""
 
     name: str
     body: str
@@ -61,7 +61,7 @@ class Teleport:
 
 @dataclass(frozen=True)
 class Impulse:
-    """At `start` (s) the dynamic body is hit at its centre of mass with `impulse` (3,) N s, world axes."""
+    """Applies `impulse` (3,) N s, world axes, at the centre of mass of a dynamic body at `start` (s)."""
 
     name: str
     body: str
@@ -71,7 +71,7 @@ class Impulse:
 
 @dataclass(frozen=True)
 class Force:
-    """From `start` to `stop` (s) the `force` (3,) N, world axes, acts at the centre of mass of the dynamic body."""
+    """Applies `force` (3,) N, world axes, at the centre of mass of a dynamic body from `start` to `stop` (s)."""
 
     name: str
     body: str
@@ -82,7 +82,7 @@ class Force:
 
 @dataclass(frozen=True)
 class Release:
-    """The dynamic body, with all that is jointed to it, is held where it begins until `start` (s), then let go."""
+    """Holds a dynamic body and all bodies jointed to it at their start until `start` (s)."""
 
     name: str
     body: str
@@ -91,7 +91,7 @@ class Release:
 
 @dataclass(frozen=True)
 class Steer:
-    """From `start` (s) on the drive of the `joint` has this `target` (rad or m)."""
+    """Sets the `target` (rad or m) of the drive of a joint at `start` (s)."""
 
     name: str
     joint: str
@@ -101,10 +101,9 @@ class Steer:
 
 @dataclass(frozen=True)
 class Grip:
-    """From `start` to `stop` (s) the kinematic body `hand` holds the dynamic `body` by `points` (n, 3) m of its frame.
+    """Ties the dynamic `body` to the kinematic `hand` by `points` (n, 3) m of the hand's frame, `start` to `stop` (s).
 
-    The place of the body in the hand is the one that it has at `start`. One point is a ball joint, two a hinge, three
-    hold it fast.
+    The relative pose at `start` is kept. One point acts as a ball joint, two as a hinge, three fix the body.
     """
 
     name: str
@@ -117,7 +116,7 @@ class Grip:
 
 @dataclass(frozen=True)
 class Paint:
-    """From `start` (s) on all of the body has this `color`, sRGB in 0..1, whatever moves it."""
+    """Sets the `color` of all of a body, sRGB in 0..1, from `start` (s) on."""
 
     name: str
     body: str
@@ -127,7 +126,7 @@ class Paint:
 
 @dataclass(frozen=True)
 class Vanish:
-    """From `start` (s) on the body, which can move and has no joints, is nowhere: nothing touches or shows it."""
+    """Removes a non-static body without joints from `start` (s) on: it neither collides nor is visible."""
 
     name: str
     body: str

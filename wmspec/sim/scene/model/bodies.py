@@ -1,4 +1,4 @@
-"""Bodies, what they are made of and look like, and the joints between them."""
+"""Bodies, their geoms and materials, and the joints between them."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from wmspec.sim.shapes import Shape
 
 @dataclass(frozen=True)
 class Surface:
-    """How a geometry looks: a UsdPreviewSurface. The image at the path `texture` is multiplied by the colour.
+    """The appearance of a geom, as in UsdPreviewSurface. The image `texture` is multiplied by the colour.
 
-    Without `repeats` the image is laid out as the shape's texture coordinates say; with it, it is repeated so often (in
-    s and t) on a metre of the shape, or on a unit of a mesh's own texture coordinates if it has any.
+    Without `repeats` the texture coordinates of the shape apply. With `repeats` (s and t) the image repeats per metre
+    of the shape, or per unit of the texture coordinates of a mesh.
     """
 
     color: tuple[float, float, float] = (0.5, 0.5, 0.5)
@@ -26,7 +26,7 @@ class Surface:
 
 @dataclass(frozen=True)
 class Friction:
-    """Physics material. A touching pair has the geometric mean of both sides' friction and restitution."""
+    """Physics material. A pair has the geometric mean of the friction and restitution of both sides."""
 
     static: float = 0.5
     dynamic: float = 0.5
@@ -35,7 +35,7 @@ class Friction:
 
 @dataclass(frozen=True)
 class Geom:
-    """One piece of a body, placed in the body's frame: drawn if `visible`, touched if `collides`."""
+    """One shape of a body, placed in the body frame: drawn if `visible`, collides if `collides`."""
 
     name: str
     shape: Shape
@@ -48,7 +48,7 @@ class Geom:
 
 @dataclass(frozen=True)
 class Inertia:
-    """Mass (kg); centre of mass (3,) and principal axes (4,) in the body's frame; moments (3,) in kg m²."""
+    """Mass (kg); centre of mass (3,) and principal axes (4,) in the body frame; moments (3,) in kg m²."""
 
     mass: float
     center: Array
@@ -63,8 +63,8 @@ Motion = Literal["static", "dynamic", "kinematic"]
 class Body:
     """A rigid body. `name` is unique in the scene, `path` is its prim.
 
-    `inertia` is None unless the body is dynamic. A kinematic body moves as the scene's actions say
-    and stands still otherwise. Velocities (3,) are in world axes, at the centre of mass.
+    `inertia` is None unless the body is dynamic. A kinematic body follows the actions of the scene and rests otherwise.
+    Velocities (3,) are in world axes at the centre of mass.
     """
 
     name: str
@@ -80,7 +80,7 @@ class Body:
 
     @property
     def mass(self) -> float:
-        """Its mass (kg), 0 unless it is dynamic."""
+        """Mass (kg), 0 unless the body is dynamic."""
         return float(self.inertia.mass) if self.inertia is not None else 0.0
 
 
@@ -89,11 +89,11 @@ JointKind = Literal["fixed", "hinge", "slider", "ball"]
 
 @dataclass(frozen=True)
 class Drive:
-    """A damped spring along a joint's one coordinate.
+    """A damped spring along the single coordinate of a joint.
 
-    Its force is `stiffness` (target - coordinate) + `damping` (velocity - rate of the coordinate), at most `max_force`.
-    SI units: N/m and m of a slider, N m/rad and rad of a hinge. What is `weightless` is so for each unit of what it
-    moves; no engine is given that, see `wmspec.sim.scene.joints.drives.weighed`.
+    Its force is `stiffness` * (target - coordinate) + `damping` * (velocity - rate), at most `max_force`. SI units: N/m
+    and m of a slider, N m/rad and rad of a hinge. A `weightless` drive prescribes acceleration;
+    `wmspec.sim.scene.joints.drives.with_force_drives` converts it before an engine receives it.
     """
 
     stiffness: float
@@ -106,7 +106,7 @@ class Drive:
 
 @dataclass(frozen=True)
 class Mimic:
-    """A joint's coordinate is `ratio` times that of the joint named `leader`, and `offset`; rad and m."""
+    """Couples a joint to joint `leader`: coordinate = `ratio` * leader + `offset`, rad and m."""
 
     leader: str
     ratio: float
@@ -115,11 +115,11 @@ class Mimic:
 
 @dataclass(frozen=True)
 class Joint:
-    """Holds `second` to `first`, names of bodies (`first` may be None: the world), by a frame in each of them.
+    """Connects body `second` to `first` (None for the world) by a frame in each of them.
 
-    The coordinate is where the second frame is seen from the first: the angle about the common x axis (rad) of a hinge,
-    the way along it (m) of a slider. `limits`: its least and greatest value. The frames of a ball joint share their
-    origin, those of a fixed one are the same. `collides`: whether the two bodies can touch each other.
+    The coordinate is the pose of the second frame in the first: the angle about the common x axis (rad) of a hinge, the
+    distance along it (m) of a slider. `limits`: lowest and highest value. The frames of a ball joint share their
+    origin, those of a fixed joint coincide. `collides`: whether the two bodies collide with each other.
     """
 
     name: str

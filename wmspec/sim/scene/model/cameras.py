@@ -1,4 +1,4 @@
-"""Who looks, in which light, and what is seen."""
+"""Cameras, light, and pictures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from wmspec.sim.scene.model.geometry import Array, Pose
 class Camera:
     """A pinhole camera in USD's axes (looks along -z, +y up); `fovy` in radians, vertical.
 
-    `pose` is in the frame of the `body` that it rides on, or in the world.
+    `pose` is in the frame of `body` if the camera is attached to one, else in the world.
     """
 
     name: str
@@ -28,9 +28,9 @@ class Camera:
 
 @dataclass(frozen=True)
 class Light:
-    """The sun: unit `direction` (3,) in which the light goes; `diffuse` + `ambient` = 1 lights a facing white fully.
+    """The sun: unit `direction` (3,) of its light; `diffuse` + `ambient` = 1 lights a facing white surface fully.
 
-    Without `shadows` it shines through everything, as light from all around seems to.
+    Without `shadows` it approximates light from all directions.
     """
 
     direction: Array
@@ -41,7 +41,7 @@ class Light:
 
 @dataclass(frozen=True)
 class Observation:
-    """The stage's own list of pictures to take: camera name and times (s)."""
+    """Pictures that the stage prescribes: camera name and times (s)."""
 
     name: str
     camera: str
@@ -50,7 +50,7 @@ class Observation:
 
 @dataclass(frozen=True)
 class Shot:
-    """A picture asked for: which camera, and where every body of the scene is."""
+    """A request to render: the camera, and the poses of all bodies."""
 
     camera: str
     poses: Sequence[Pose]
@@ -58,10 +58,10 @@ class Shot:
 
 @dataclass(frozen=True)
 class Frame:
-    """A picture.
+    """A rendered picture.
 
-    `rgb` (h, w, 3) uint8; `ids` (h, w) int16, the index of the body seen, -1 for the background; `depth` (h, w)
-    float32 in metres along the view axis, 0 for the background, or None if it was not asked for.
+    `rgb` (h, w, 3) uint8; `ids` (h, w) int16, the index of the visible body, -1 for the background; `depth` (h, w)
+    float32 in metres along the view axis, 0 for the background, or None if it was not requested.
     """
 
     rgb: NDArray[np.uint8]

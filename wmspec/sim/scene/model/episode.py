@@ -1,4 +1,4 @@
-"""A scene, which is everything that an engine is given, and the trace of what happened in it."""
+"""Scenes, the complete input of engines, and traces, their output."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from wmspec.sim.scene.model.bodies import Body, Joint
 from wmspec.sim.scene.model.cameras import Camera, Light, Observation
 from wmspec.sim.scene.model.geometry import Array, Pose
 
-INSTANT = 1e-6  # s
+TIME_EPSILON = 1e-6  # s
 
 
 @dataclass(frozen=True)
 class Scene:
     """An episode, complete: everything that an engine needs to execute and draw it.
 
-    `bodies` keep the stage's order, which is part of the result: engines are only bit-identical for a fixed order.
-    `filtered`: pairs of names of bodies, each in the order of `bodies`, sorted, that pass through each other.
-    `notes`: what of the stage was taken for something else, as warnings.
+    `bodies` keep the order of the stage, which affects the result: engines are bit-identical only for a fixed order.
+    `filtered`: sorted pairs of names of bodies that do not collide, each in the order of `bodies`. `notes`: warnings
+    about substitutions made by the reader.
     """
 
     name: str
@@ -42,7 +42,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Contact:
-    """Two bodies (in scene order) touched from `start` to `stop` (s)."""
+    """A contact of two bodies (in scene order) from `start` to `stop` (s)."""
 
     first: str
     second: str
@@ -52,10 +52,10 @@ class Contact:
 
 @dataclass(frozen=True)
 class Trace:
-    """An executed episode: T samples of all N bodies (static ones included, in scene order), the first at time 0.
+    """An executed episode: T samples of all N bodies (including static ones, in scene order), the first at time 0.
 
-    `position` (T, N, 3) and `orientation` (T, N, 4) are of the body's frame; `linear_velocity` and
-    `angular_velocity` (T, N, 3) of its centre of mass, in world axes.
+    `position` (T, N, 3) and `orientation` (T, N, 4) are of the body frame; `linear_velocity` and `angular_velocity` (T,
+    N, 3) of the centre of mass, in world axes.
     """
 
     engine: str
@@ -68,32 +68,32 @@ class Trace:
     contacts: tuple[Contact, ...]
 
     def sample(self, time: float) -> int:
-        """The index of the sample nearest to `time` (s)."""
+        """Return the index of the sample nearest to `time` (s)."""
         return int(np.abs(self.time - time).argmin())
 
     def poses(self, time: float) -> tuple[Pose, ...]:
-        """The pose of every body at `time` (s): on a straight line between the samples before and after it.
+        """Return the pose of every body at `time` (s), interpolated linearly between samples.
 
-        A sample stands for what is within a microsecond of it, and for what leaps: a body that comes further than it is
-        fast has been put elsewhere, and is on no way between. Where a body falls freely the line is off by 0.02 mm.
+        Times within a microsecond of a sample use that sample. A body that moves further than its speed allows has been
+        teleported and is not interpolated. In free fall the linear error is 0.02 mm.
         """
         i = self.sample(time)
         position, orientation = self.position[i], self.orientation[i]
         j = i + (1 if time > self.time[i] else -1)
-        if abs(time - self.time[i]) > INSTANT and 0 <= j < len(self.time):
+        if abs(time - self.time[i]) > TIME_EPSILON and 0 <= j < len(self.time):
             part = (time - self.time[i]) / (self.time[j] - self.time[i])
             share = np.where(self._leaps(i, j), 0.0, part)[:, None]
             other = self.orientation[j]
-            alike = (orientation * other).sum(axis=1, keepdims=True) >= 0  # else -q, which is the same turn, is nearer
+            alike = (orientation * other).sum(axis=1, keepdims=True) >= 0  # -q is the same rotation
             position = position + share * (self.position[j] - position)
             orientation = orientation + share * (np.where(alike, other, -other) - orientation)
             orientation /= np.linalg.norm(orientation, axis=1, keepdims=True)
         return tuple(Pose(p, q) for p, q in zip(position, orientation, strict=True))
 
     def _leaps(self, i: int, j: int) -> NDArray[np.bool_]:
-        """Which bodies (N,) come twice as far from one sample to the next as their speeds at both could take them.
+        """Return which bodies (N,) move more than twice as far between two samples as their speeds allow.
 
-        The frame of a body is taken to be a metre from its centre of mass at most.
+        The body frame is assumed to be within a metre of the centre of mass.
         """
         both = [i, j]
         speed = np.linalg.norm(self.linear_velocity[both], axis=2) + np.linalg.norm(self.angular_velocity[both], axis=2)

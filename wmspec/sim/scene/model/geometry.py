@@ -1,4 +1,4 @@
-"""Places."""
+"""Arrays and poses."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Pose:
-    """A rigid placement: `position` (3,) in metres, `orientation` (4,) a unit quaternion (w, x, y, z)."""
+    """A rigid transform: `position` (3,) in metres, `orientation` (4,) a unit quaternion (w, x, y, z)."""
 
     position: Array
     orientation: Array

@@ -1,4 +1,4 @@
-"""Plain Python floats of arrays, whose text is exact: what the native scripts are made of."""
+"""Arrays as plain Python floats with exact text, for native scripts."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from wmspec.sim.scene.model import Array, Pose
 
 
 def floats(values: Array) -> tuple[float, ...]:
-    """All numbers of an array, in order."""
+    """Return all numbers of an array in order."""
     return tuple(np.asarray(values, float).ravel().tolist())
 
 
 def rows(values: Array) -> tuple[tuple[float, ...], ...]:
-    """The numbers of each row of an array."""
+    """Return the numbers of each row."""
     return tuple(map(tuple, np.asarray(values, float).tolist()))
 
 
-def numbers(pose: Pose) -> tuple[float, ...]:
-    """Position and quaternion (w, x, y, z) of a pose."""
+def pose_numbers(pose: Pose) -> tuple[float, ...]:
+    """Return position and quaternion (w, x, y, z) of a pose."""
     return floats(np.concatenate([pose.position, pose.orientation]))
 
 
-def placed(values: tuple[float, ...]) -> Pose:
-    """The pose of `numbers`."""
+def pose_of(values: tuple[float, ...]) -> Pose:
+    """Return the pose of `pose_numbers`."""
     return Pose(np.array(values[:3]), np.array(values[3:]))

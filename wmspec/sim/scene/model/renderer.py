@@ -1,4 +1,4 @@
-"""The shape of what draws."""
+"""The interface of renderers."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from wmspec.sim.scene.model.cameras import Frame, Shot
 from wmspec.sim.scene.model.episode import Scene
 
 Look = Literal["parity", "photo"]
-"""The same picture from every engine, or a path-traced one by Mitsuba, for people."""
+"""`parity` is equal in all engines; `photo` is path-traced by Mitsuba."""
 
 
 class Renderer(Protocol):
-    """Draws one scene, any number of times. Close it when done."""
+    """Draws one scene any number of times. Close it after use."""
 
     def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
-        """Draw a picture of the shot."""
+        """Draw a picture."""
         ...
 
     def repaint(self, scene: Scene) -> bool:
-        """Draw `scene` from now on, which differs in colours only; False if that takes a new renderer."""
+        """Switch to `scene`, which differs in colours only. Return False if a new renderer is necessary."""
         ...
 
     def close(self) -> None:
-        """Let go of everything."""
+        """Release all resources."""
         ...

@@ -1,4 +1,4 @@
-"""What touching means, once for all engines: which pairs may touch, with which material, and for how long they did."""
+"""Contacts, equal for all engines: which pairs collide, their combined friction, and intervals of contact."""
 
 from __future__ import annotations
 
@@ -11,31 +11,31 @@ from wmspec.sim.scene.model import Body, Contact, Friction, Geom, Scene
 Pair = tuple[int, int]
 
 
-def mix(a: Friction, b: Friction) -> Friction:
-    """The material of a touching pair: the geometric mean of both sides, the one rule that every engine can realise."""
+def combine_friction(a: Friction, b: Friction) -> Friction:
+    """Return the friction of a pair: the geometric mean, the only rule that every engine supports."""
     return Friction(sqrt(a.static * b.static), sqrt(a.dynamic * b.dynamic), sqrt(a.restitution * b.restitution))
 
 
-def may_touch(a: Body, b: Body) -> bool:
-    """Bodies whose motion is given beforehand never push each other."""
+def can_collide(a: Body, b: Body) -> bool:
+    """Whether two bodies can push each other: at least one is dynamic."""
     return a is not b and "dynamic" in (a.motion, b.motion)
 
 
 def colliders(body: Body) -> tuple[Geom, ...]:
-    """The body's pieces that can be touched."""
+    """Return the colliding geoms of a body."""
     return tuple(geom for geom in body.geoms if geom.collides)
 
 
-def touchable(scene: Scene) -> Iterator[tuple[Body, Geom, Body, Geom]]:
-    """Every pair of pieces that may touch, in scene order."""
-    never = apart(scene)
+def colliding_geoms(scene: Scene) -> Iterator[tuple[Body, Geom, Body, Geom]]:
+    """Yield every pair of geoms that can collide, in scene order."""
+    never = non_colliding_pairs(scene)
     for (i, a), (j, b) in combinations(enumerate(scene.bodies), 2):
-        if may_touch(a, b) and (i, j) not in never:
+        if can_collide(a, b) and (i, j) not in never:
             yield from ((a, g, b, h) for g in colliders(a) for h in colliders(b))
 
 
-def apart(scene: Scene) -> frozenset[Pair]:
-    """The pairs of bodies, lower number first, that pass through each other: filtered, or jointed and not colliding."""
+def non_colliding_pairs(scene: Scene) -> frozenset[Pair]:
+    """Return the pairs of bodies, lower number first, that do not collide: filtered, or jointed without collision."""
     index = {body.name: i for i, body in enumerate(scene.bodies)}
     joined = [(j.first, j.second) for j in scene.joints if j.first is not None and not j.collides]
     pairs = [(index[a], index[b]) for a, b in (*scene.filtered, *joined) if a is not None]
@@ -43,9 +43,9 @@ def apart(scene: Scene) -> frozenset[Pair]:
 
 
 def intervals(touching: Sequence[Iterable[Pair]], names: Sequence[str], step: float, gap: float) -> tuple[Contact, ...]:
-    """Contacts in order of their start, from the pairs that touched during each step of `step` seconds.
+    """Return contacts by start time, from the pairs that touched during each step of `step` seconds.
 
-    A pair that parts for no longer than `gap` (s) has not parted: a resting contact flickers in every engine.
+    Gaps up to `gap` (s) are closed, because resting contacts flicker in every engine.
     """
     first: dict[Pair, int] = {}
     last: dict[Pair, int] = {}
@@ -61,7 +61,7 @@ def intervals(touching: Sequence[Iterable[Pair]], names: Sequence[str], step: fl
 
 
 def _same(touching: Sequence[Iterable[Pair]]) -> Iterator[tuple[int, int]]:
-    """The stretches of steps, as first and end, that have the very same pairs: engines say the same for long."""
+    """Yield first and end of runs of steps with identical pairs."""
     start = 0
     for i, pairs in enumerate(touching):
         if pairs is not touching[start]:

@@ -1,6 +1,6 @@
-"""Meshes that are not convex as convex pieces, found once, so that every engine collides the same ones.
+"""Convex decomposition of meshes, computed once so that every engine collides the same parts.
 
-The pieces are those of CoACD (Wei et al., "Approximate Convex Decomposition for 3D Meshes with Collision-Aware
+The parts are those of CoACD (Wei et al., "Approximate Convex Decomposition for 3D Meshes with Collision-Aware
 Concavity and Tree Search", ACM Transactions on Graphics 41, 2022), with a fixed seed.
 """
 
@@ -20,12 +20,12 @@ from wmspec.sim.scene.model.transform import apply, multiply
 from wmspec.sim.scene.physics.inertia import inertia, principal
 from wmspec.sim.shapes import Mesh
 
-CONCAVITY = 0.05  # what a piece may lack to be convex, as part of the mesh's size
+CONCAVITY = 0.05  # largest concavity of a part, relative to the size of the mesh
 SEARCH: dict[str, Any] = {"mcts_nodes": 10, "mcts_iterations": 30, "resolution": 500, "max_ch_vertex": 128, "seed": 0}
 
 
-def pieces(mesh: Mesh) -> tuple[Mesh, ...]:
-    """The convex pieces of a mesh; equal meshes give the same. Raises WmsError if that needs CoACD to be installed."""
+def convex_parts(mesh: Mesh) -> tuple[Mesh, ...]:
+    """Return the convex parts of a mesh; equal meshes give equal parts. Raises WmsError if CoACD is missing."""
     points, faces = np.asarray(mesh.points, np.float64), np.asarray(mesh.faces, np.int32)
     return _pieces(points.tobytes(), faces.tobytes())
 
@@ -36,7 +36,7 @@ def _pieces(points: bytes, faces: bytes) -> tuple[Mesh, ...]:
         import coacd
     except ImportError as error:
         raise WmsError(
-            f"a mesh that is not convex can't be taken apart without CoACD ({error}); install it with "
+            f"decomposing a non-convex mesh needs CoACD ({error}); install it with "
             "`pip install 'wmspec[meshes]'`, or set physics:approximation to convexHull"
         ) from None
     solid = coacd.Mesh(np.frombuffer(points).reshape(-1, 3), np.frombuffer(faces, np.int32).reshape(-1, 3))
@@ -51,11 +51,10 @@ def _hull(corners: Array) -> Mesh:
     return Mesh(np.asarray(hull.vertices, np.float64), np.asarray(hull.faces, np.int32))
 
 
-def whole(mesh: Mesh, pose: Pose, taken_apart: Callable[[], Sequence[Mesh]]) -> tuple[float, Inertia]:
-    """The volume (m³) of a mesh, and its mass properties for 1 kg in the frame that it is placed in by `pose`.
+def mesh_mass_properties(mesh: Mesh, pose: Pose, taken_apart: Callable[[], Sequence[Mesh]]) -> tuple[float, Inertia]:
+    """Return the volume (m³) of a mesh and its mass properties for 1 kg, transformed by `pose`.
 
-    Those of the solid inside it if it is closed, else those of its convex parts when it is `taken_apart`, or of its
-    hull if there are none.
+    A closed mesh counts as the solid inside; otherwise its convex parts count, or its hull if there are none.
     """
     solid = trimesh.Trimesh(mesh.points, mesh.faces)
     if not (solid.is_watertight and solid.volume > 0):

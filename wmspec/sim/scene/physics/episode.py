@@ -1,7 +1,7 @@
-"""An episode in an engine's own steps, and the one loop that plays it in any engine.
+"""An episode in engine steps, and the loop that executes it in every engine.
 
-Needs numpy only: the native scripts contain these definitions as they stand here. All numbers are plain floats, so
-that the `repr` of an `Episode` is the Python text of it.
+Imports numpy only: native scripts contain a copy of these definitions. All numbers are plain floats, so that the
+`repr` of an `Episode` is valid Python.
 """
 
 from __future__ import annotations
@@ -12,17 +12,17 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from wmspec.sim.scene.model.transform import conjugate, multiply, rotate, turned, turning
+from wmspec.sim.scene.model.transform import conjugate, from_rotation_vector, multiply, rotate, to_rotation_vector
 
 Vector = tuple[float, ...]
 
-TORN = 0.001  # m: a grip that is longer than this has torn
-MEET, TOUCH = 0.0001, 0.002  # m: bodies touch from when they are less than the first apart until they are the second
+BREAK_LENGTH = 0.001  # m: a longer grip counts as broken
+TOUCH_BEGIN, TOUCH_END = 0.0001, 0.002  # m: distances at which a contact begins and ends
 
 
 @dataclass(frozen=True)
 class Kick:
-    """Before step number `step` the centre of mass of `body` gets these velocities, m/s and rad/s."""
+    """Velocities of the centre of mass of `body` set before step number `step`, m/s and rad/s."""
 
     step: int
     body: int
@@ -32,7 +32,7 @@ class Kick:
 
 @dataclass(frozen=True)
 class Push:
-    """In the steps `first` to `last` a force, N in world axes, acts at the centre of mass of `body`."""
+    """A force (N, world axes) at the centre of mass of `body` during the steps `first` to `last`."""
 
     first: int
     last: int
@@ -40,14 +40,14 @@ class Push:
     force: Vector
 
     def during(self, step: int) -> Any:
-        """The force (3,) in a step. What lasts has half of it at both ends: then engines' free motion is exact."""
+        """Return the force (3,) in a step; the first and the last step get half, which makes free motion exact."""
         ends = self.first < self.last and step in (self.first, self.last)
         return np.array(self.force) * (0.5 if ends else self.first <= step <= self.last)
 
 
 @dataclass(frozen=True)
 class Drag:
-    """Damping of a jointed body: force per speed, N s/m, torque per spin about its axes, N m s."""
+    """Damping of a jointed body: force per velocity (N s/m), torque per angular velocity about its axes (N m s)."""
 
     body: int
     linear: float
@@ -56,7 +56,7 @@ class Drag:
 
 @dataclass(frozen=True)
 class Hold:
-    """From step number `first` until `until` the dynamic `body` stays where it began, or `at` another place (7,)."""
+    """Keeps the dynamic `body` at its start, or at the pose `at` (7,), from step `first` until `until`."""
 
     until: int
     body: int
@@ -66,9 +66,9 @@ class Hold:
 
 @dataclass(frozen=True)
 class Grip:
-    """From step number `first` to `last` the kinematic body number `hand` holds the dynamic `body`.
+    """Ties the dynamic `body` to the kinematic body `hand` from step `first` to `last`.
 
-    It holds it by `points` (m) of its own frame, wherever the body is then.
+    `points` (m) are in the frame of the hand.
     """
 
     first: int
@@ -78,11 +78,11 @@ class Grip:
     points: tuple[Vector, ...]
 
     def anchors(self, hand: Any, body: Any) -> Any:
-        """The points in the body's frame (n, 3), from where both are (7,)."""
+        """Return the points in the frame of the body (n, 3), given both poses (7,)."""
         return rotate(conjugate(body[3:7]), hand[:3] + rotate(hand[3:7], np.array(self.points)) - body[:3])
 
     def stretch(self, hand: Any, body: Any, anchors: Any) -> Any:
-        """How far apart (T,), m, the two (T, 13) are that should be together."""
+        """Return the distance (T,), m, between the tied points of two states (T, 13)."""
         hand, body = hand[:, None], body[:, None]
         there = hand[..., :3] + rotate(hand[..., 3:7], np.array(self.points))
         return np.linalg.norm(there - body[..., :3] - rotate(body[..., 3:7], anchors), axis=2).max(axis=1)
@@ -90,7 +90,7 @@ class Grip:
 
 @dataclass(frozen=True)
 class Aim:
-    """Before step number `step` the drive of the joint number `joint` gets this target, rad or m."""
+    """Target (rad or m) of the drive of joint number `joint`, set before step number `step`."""
 
     step: int
     joint: int
@@ -99,8 +99,10 @@ class Aim:
 
 @dataclass(frozen=True)
 class Track:
-    """The path of a kinematic body, which may jump between its parts: from `times[i]` (s) on it moves from `points[i]`
-    with `velocities[i]`, and turns from `turns[i]`, quaternions, with `spins[i]`, rad/s.
+    """The path of a kinematic body in pieces of constant velocity; it may jump between pieces.
+
+    From `times[i]` (s) on it moves from `points[i]` (m) with `velocities[i]` (m/s) and rotates from the quaternion
+    `turns[i]` with `spins[i]` (rad/s).
     """
 
     body: int
@@ -111,34 +113,33 @@ class Track:
     spins: tuple[Vector, ...]
 
     def at(self, times: Any) -> Any:
-        """Position, quaternion, linear and angular velocity, (T, 13), from each of the `times` (T,) on."""
+        """Return position, quaternion, linear and angular velocity (T, 13) at `times` (T,)."""
         return self.parts(np.searchsorted(self.times, times, side="right") - 1, times)
 
     def parts(self, which: Any, times: Any) -> Any:
-        """The same, on the given parts of the path (T,)."""
+        """Return the same for given pieces of the path (T,)."""
         velocities, spins = np.array(self.velocities)[which], np.array(self.spins)[which]
         since = (times - np.array(self.times)[which])[:, None]
-        turns = multiply(turning(since * spins), np.array(self.turns)[which])
+        turns = multiply(from_rotation_vector(since * spins), np.array(self.turns)[which])
         return np.concatenate([np.array(self.points)[which] + since * velocities, turns, velocities, spins], axis=1)
 
     def steps(self, times: Any) -> tuple[Any, Any, Any]:
-        """Between the `times` (T,): where each step begins and ends (T - 1, 7), and its velocities (T - 1, 6)."""
+        """Return start and end poses (T - 1, 7) and velocities (T - 1, 6) of the steps between `times` (T,)."""
         begun, ended = (np.searchsorted(self.times, times, side=side) - 1 for side in ("right", "left"))
         poses = self.parts(begun, times)[:, :7]
         here, there = poses[:-1], poses[1:].copy()
-        ends = 1 + np.flatnonzero(begun[1:] != ended[1:])  # it may jump there
+        ends = 1 + np.flatnonzero(begun[1:] != ended[1:])  # the path may jump here
         there[ends - 1] = self.parts(ended[ends], times[ends])[:, :7]
-        turn = turned(multiply(there[:, 3:], conjugate(here[:, 3:])))
+        turn = to_rotation_vector(multiply(there[:, 3:], conjugate(here[:, 3:])))
         return here, there, np.concatenate([there[:, :3] - here[:, :3], turn], axis=1) / np.diff(times)[:, None]
 
 
 @dataclass(frozen=True)
 class Episode:
-    """Samples at `rate` (Hz), `substeps` engine steps between them; poses are position and quaternion (w, x, y, z).
+    """All events of an execution: `rate` samples a second with `substeps` engine steps between samples.
 
-    What is `unfelt` has no shape that could be touched, so that nobody needs to be told how it moves.
-
-    `start` is where each body's centre-of-mass frame is, `mounts` where the body's own frame is inside that one.
+    Poses are position and quaternion (w, x, y, z). `start` holds the centre-of-mass frame of each body, `mounts` the
+    body frame relative to it. Bodies in `untouchable` have no colliding geom; engines need not move them.
     """
 
     rate: int
@@ -155,116 +156,117 @@ class Episode:
     aims: tuple[Aim, ...] = ()
     drags: tuple[Drag, ...] = ()
     grips: tuple[Grip, ...] = ()
-    unfelt: tuple[int, ...] = ()
+    untouchable: tuple[int, ...] = ()
 
     @property
     def step(self) -> float:
-        """The engine's time step, s."""
+        """Time step of the engine, s."""
         return 1 / (self.rate * self.substeps)
 
 
 @dataclass(frozen=True)
 class Recording:
-    """`states` (T, N, 13): pose of the body's frame, linear and angular velocity of its centre of mass, world axes.
+    """What an engine recorded.
 
-    `touching`: for each engine step the pairs of bodies that touch. They do until they are `TOUCH` apart, because what
-    slides fast hops by up to 1.6 mm in some engines. `torn`: when (s) which grip was first stretched, by how much (m).
+    `states` (T, N, 13): pose of the body frame, linear and angular velocity of the centre of mass, world axes.
+    `touching`: the touching pairs in each engine step. A contact ends at distance `TOUCH_END`, because fast sliding
+    bodies hop by up to 1.6 mm in some engines. `broken_grips`: time (s), number and length (m) of each broken grip.
     """
 
     states: Any
     touching: list[set[tuple[int, int]]]
-    torn: tuple[tuple[float, int, float], ...] = ()
+    broken_grips: tuple[tuple[float, int, float], ...] = ()
 
 
 class World(Protocol):
-    """What an engine must be able to do, for bodies by their number and in their centre-of-mass frames."""
+    """The operations that an engine implements, for numbered bodies in their centre-of-mass frames."""
 
     def kick(self, body: int, linear: Any, angular: Any) -> None:
         """Set the velocities of a dynamic body."""
 
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
-        """What makes kinematic bodies move in step number i, before which it is called with i.
+        """Return a function that moves the kinematic bodies in step i; it is called before that step.
 
-        Each from where it is then, (T, 7), to where it is after the step, with velocities (T, 6).
+        `paths` holds the pose before (T, 7) and after (T, 7) each step and the velocities (T, 6).
         """
 
     def push(self, body: int, force: Any, torque: Any) -> None:
-        """Let a force and a torque (3,) act at the centre of mass of a dynamic body during the next step."""
+        """Apply a force and a torque (3,) at the centre of mass of a dynamic body during the next step."""
 
     def hold(self, body: int, at: Any = None) -> None:
-        """Put a dynamic body, with all that is jointed to it, back where it began, at rest, and let nothing move it.
+        """Reset a dynamic body and its joint tree to the start, at rest, and keep it there.
 
-        With a pose `at` (7,), put the body, which has no joints, there instead.
+        With a pose `at` (7,), keep the body (without joints) there instead.
         """
 
     def free(self, body: int) -> None:
-        """Let go of what has been held."""
+        """Release a held body."""
 
     def aim(self, joint: int, target: float) -> None:
-        """Give the drive of a joint this target."""
+        """Set the target of the drive of a joint."""
 
     def grip(self, number: int, grip: Grip, anchors: Any) -> None:
-        """Tie the points of the grip with this number to the `anchors` (n, 3) in the frame of its body."""
+        """Tie the points of grip `number` to the `anchors` (n, 3) in the frame of its body."""
 
     def loose(self, number: int, grip: Grip) -> None:
-        """Let go of it."""
+        """Release grip `number`."""
 
     def step(self) -> None:
         """Advance by one time step."""
 
     def state(self, body: int) -> Sequence[float]:
-        """Position (3), quaternion (4), linear (3) and angular velocity (3) of a dynamic body."""
+        """Return position (3), quaternion (4), linear (3) and angular velocity (3) of a dynamic body."""
 
     def touching(self) -> set[tuple[int, int]]:
-        """The pairs of bodies, lower number first, that touched in the last step, by `MEET` and `TOUCH`."""
+        """Return the pairs of bodies, lower number first, that touched in the last step."""
 
 
 def play(world: World, episode: Episode) -> Recording:
-    """Play the episode in a freshly built world."""
-    if (recording := told(episode)) is not None:
+    """Execute the episode in a new world."""
+    if (recording := kinematic_recording(episode)) is not None:
         return recording
-    steps, states = (episode.samples - 1) * episode.substeps, expected(episode)
-    needed = {track.body for track in episode.tracks}.difference(episode.unfelt)
+    steps, states = (episode.samples - 1) * episode.substeps, scripted_states(episode)
+    needed = {track.body for track in episode.tracks}.difference(episode.untouchable)
     needed |= {grip.hand for grip in episode.grips}
     times = np.arange(steps + 1) * episode.step
     paths = {track.body: track.steps(times) for track in episode.tracks if track.body in needed}
-    begins = beginnings(episode)
-    drive = world.driven({body: path for body, path in paths.items() if body not in episode.unfelt})
+    begins = event_steps(episode)
+    drive = world.driven({body: path for body, path in paths.items() if body not in episode.untouchable})
     held: dict[int, Any] = {}
     touching = []
     for i in range(steps + 1):
-        kicks = begin(world, episode, i) if i in begins else []
+        kicks = apply_events(world, episode, i) if i in begins else []
         if i in begins:
-            take(world, episode, paths, held, i)
+            apply_grips(world, episode, paths, held, i)
         if i % episode.substeps == 0:
-            observe(world, episode, kicks, states[i // episode.substeps])
+            record_state(world, episode, kicks, states[i // episode.substeps])
         if i == steps:
             break
         drive(i)
-        act(world, episode, i)
+        apply_forces(world, episode, i)
         world.step()
         touching.append(world.touching())
-    return Recording(mounted(states, episode), touching, torn(episode, held, states))
+    return Recording(to_body_frames(states, episode), touching, broken_grips(episode, held, states))
 
 
-def told(episode: Episode) -> Recording | None:
-    """What is recorded where nothing is left to compute; None where an engine must play the episode.
+def kinematic_recording(episode: Episode) -> Recording | None:
+    """Return the recording of an episode that needs no engine, or None.
 
-    What moves as it is told never touches what does too, and in a single sample nothing moves.
+    Kinematic bodies never collide with each other, and an episode of one sample has no motion.
     """
     steps = (episode.samples - 1) * episode.substeps
-    free = {kick.body for kick in episode.kicks}  # of what joints hold, engines know the velocities
+    free = {kick.body for kick in episode.kicks}  # only engines know the velocities of jointed bodies
     if episode.dynamic and (steps or not free.issuperset(episode.dynamic)):
         return None
-    states = expected(episode)
+    states = scripted_states(episode)
     for kick in episode.kicks:
         if kick.step == 0:
             states[0, kick.body, 7:] = kick.linear + kick.angular
-    return Recording(mounted(states, episode), [set()] * steps)
+    return Recording(to_body_frames(states, episode), [set()] * steps)
 
 
-def expected(episode: Episode) -> Any:
-    """The states (T, N, 13) of bodies that stand where they begin or move along their tracks."""
+def scripted_states(episode: Episode) -> Any:
+    """Return the states (T, N, 13) of bodies that rest at their start or follow their tracks."""
     states = np.zeros((episode.samples, len(episode.start), 13))
     states[:, :, :7] = episode.start
     for track in episode.tracks:
@@ -272,15 +274,15 @@ def expected(episode: Episode) -> Any:
     return states
 
 
-def beginnings(episode: Episode) -> set[int]:
-    """The numbers of the steps before which something happens at once."""
+def event_steps(episode: Episode) -> set[int]:
+    """Return the numbers of the steps that are preceded by an event."""
     held = (i for hold in episode.holds for i in range(hold.first, hold.until + 1))
     taken = {step for grip in episode.grips for step in (grip.first, grip.last)}
     return {*held, *taken, *(kick.step for kick in episode.kicks), *(aim.step for aim in episode.aims)}
 
 
-def begin(world: World, episode: Episode, i: int) -> list[Kick]:
-    """What happens at once before step number `i`; the kicks, as they are to be recorded."""
+def apply_events(world: World, episode: Episode, i: int) -> list[Kick]:
+    """Apply holds, drive targets and kicks before step `i`; return the kicks."""
     for hold in episode.holds:
         if hold.first <= i < hold.until:
             world.hold(hold.body, hold.at)
@@ -296,8 +298,8 @@ def begin(world: World, episode: Episode, i: int) -> list[Kick]:
     return kicks
 
 
-def take(world: World, episode: Episode, paths: Any, held: dict[int, Any], i: int) -> None:
-    """Let hands take and let go before step number `i`; `held` gets the anchors of what is taken, by number of grip."""
+def apply_grips(world: World, episode: Episode, paths: Any, held: dict[int, Any], i: int) -> None:
+    """Begin and end grips before step `i`; `held` maps the number of a grip to its anchors."""
     for number, grip in enumerate(episode.grips):
         if i == grip.last and number in held:
             world.loose(number, grip)
@@ -307,21 +309,21 @@ def take(world: World, episode: Episode, paths: Any, held: dict[int, Any], i: in
             world.grip(number, grip, held[number])
 
 
-def torn(episode: Episode, held: dict[int, Any], states: Any) -> tuple[tuple[float, int, float], ...]:
-    """The grips that grew longer than `TORN`, in order: when (s), the number, and how long (m); `states` (T, N, 13)."""
+def broken_grips(episode: Episode, held: dict[int, Any], states: Any) -> tuple[tuple[float, int, float], ...]:
+    """Return time (s), number and length (m) of grips longer than `BREAK_LENGTH`; `states` (T, N, 13)."""
     found = []
     for number, anchors in held.items():
         grip = episode.grips[number]
         first, last = (-(-step // episode.substeps) for step in (grip.first, grip.last))
         lengths = grip.stretch(states[first:last, grip.hand], states[first:last, grip.body], anchors)
-        over = np.flatnonzero(lengths > TORN)
+        over = np.flatnonzero(lengths > BREAK_LENGTH)
         if len(over):
             found.append(((first + int(over[0])) * episode.substeps * episode.step, number, float(lengths[over[0]])))
     return tuple(sorted(found))
 
 
-def act(world: World, episode: Episode, i: int) -> None:
-    """What pushes during step number `i`."""
+def apply_forces(world: World, episode: Episode, i: int) -> None:
+    """Apply forces and damping during step `i`."""
     for push in episode.pushes:
         if push.first <= i <= push.last:
             world.push(push.body, push.during(i), np.zeros(3))
@@ -332,16 +334,16 @@ def act(world: World, episode: Episode, i: int) -> None:
         world.push(drag.body, -drag.linear * speed, -torque)
 
 
-def observe(world: World, episode: Episode, kicks: list[Kick], into: Any) -> None:
-    """Write the state of every dynamic body into `into` (N, 13)."""
+def record_state(world: World, episode: Episode, kicks: list[Kick], into: Any) -> None:
+    """Write the states of the dynamic bodies into `into` (N, 13)."""
     for body in episode.dynamic:
         into[body] = world.state(body)
     for kick in kicks:
         into[kick.body, 7:] = kick.linear + kick.angular
 
 
-def mounted(states: Any, episode: Episode) -> Any:
-    """The states (T, N, 13) with poses of the bodies' own frames in place of those of their centres of mass."""
+def to_body_frames(states: Any, episode: Episode) -> Any:
+    """Return the states (T, N, 13) with poses of body frames instead of centre-of-mass frames."""
     mounts = np.array(episode.mounts)
     turns = states[..., 3:7] / np.linalg.norm(states[..., 3:7], axis=-1, keepdims=True)
     positions = states[..., :3] + rotate(turns, mounts[:, :3])

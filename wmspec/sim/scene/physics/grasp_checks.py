@@ -1,6 +1,6 @@
-"""Whether what an arm holds or pushes, or what that pushes on, is pressed into something else.
+"""Detects failed grasps, and bodies that an arm squeezes into other bodies.
 
-Arms go where they are told whatever is in the way, and not every engine's ties give.
+Arms are kinematic and do not yield, and neither do the ties of some engines.
 """
 
 from __future__ import annotations
@@ -11,22 +11,22 @@ from collections.abc import Iterator
 import numpy as np
 
 from wmspec.sim.scene.model import Contact, Follow, Grip, Pose, Scene, Trace
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.scene.model.transform import compose, rotate
 from wmspec.sim.scene.physics.contact import colliders
 from wmspec.sim.scene.physics.overlap import overlap
 
-DEEP = 0.002  # m: engines let things sink into one another by less
-AWAY = 0.01  # m: so far beside the box around a thing fingers do not have it
-LOOKS = 30  # Hz
-LINKS = 3  # so many bodies are led by one action where that is an arm's
+MAX_PENETRATION = 0.002  # m: engines allow less in normal contacts
+MAX_GRASP_OFFSET = 0.01  # m: largest distance of the fingertips from the box of a grasped body
+CHECK_RATE = 30  # Hz
+MIN_ARM_LINKS = 3  # an action that moves at least this number of bodies belongs to an arm
 
 
-def pressed(scene: Scene, trace: Trace) -> tuple[float, str, str, float] | None:
-    """When (s) which two bodies are first more than `DEEP` in one another, and how deep (m), while an arm leads one."""
+def penetration(scene: Scene, trace: Trace) -> tuple[float, str, str, float] | None:
+    """Return time (s), two bodies and depth (m) of the first penetration above `MAX_PENETRATION` caused by an arm."""
     ways = [action for action in scene.actions if isinstance(action, Follow)]
     links = Counter(way.name for way in ways)
-    arms = {way.body for way in ways if links[way.name] >= LINKS}
+    arms = {way.body for way in ways if links[way.name] >= MIN_ARM_LINKS}
     led = [(grip.body, grip.start, grip.stop) for grip in scene.actions if isinstance(grip, Grip)]
     for contact in trace.contacts:
         for one, other in ((contact.first, contact.second), (contact.second, contact.first)):
@@ -36,16 +36,16 @@ def pressed(scene: Scene, trace: Trace) -> tuple[float, str, str, float] | None:
     return min(found, default=None)
 
 
-def missed(scene: Scene, trace: Trace) -> tuple[float, str, str] | None:
-    """When (s) which hand closes on nothing of which thing that it is to hold, since something has moved that."""
+def missed_grasp(scene: Scene, trace: Trace) -> tuple[float, str, str] | None:
+    """Return time (s), hand and body of the first grip that begins with the body outside the fingers."""
     bodies = {body.name: (i, body) for i, body in enumerate(scene.bodies)}
     grips = (a for a in scene.actions if isinstance(a, Grip) and a.start <= trace.time[-1])
     for grip in sorted(grips, key=lambda grip: grip.start):
         i = trace.sample(grip.start)
         (hand, _), (held, body) = bodies[grip.hand], bodies[grip.body]
         tool = trace.position[i, hand] + rotate(trace.orientation[i, hand], grip.points.mean(axis=0))
-        low, high = upright(body.geoms, Pose(trace.position[i, held], trace.orientation[i, held]))
-        if ((tool < low - AWAY) | (high + AWAY < tool)).any():
+        low, high = world_box(body.geoms, Pose(trace.position[i, held], trace.orientation[i, held]))
+        if ((tool < low - MAX_GRASP_OFFSET) | (high + MAX_GRASP_OFFSET < tool)).any():
             return float(trace.time[i]), grip.hand, grip.body
     return None
 
@@ -53,7 +53,7 @@ def missed(scene: Scene, trace: Trace) -> tuple[float, str, str] | None:
 def _presses(
     scene: Scene, trace: Trace, body: str, since: float, until: float
 ) -> Iterator[tuple[float, str, str, float]]:
-    """For each contact that a led body makes meanwhile, or what touches that in turn, when it is first too deep."""
+    """Yield the first penetration of each contact of a guided body, and of bodies that it pushes in turn."""
     free = {b.name for b in scene.bodies if b.motion == "dynamic"}
     led, left = {body}, [c for c in trace.contacts if c.start < until and c.stop > since]
     while near := [c for c in left if led & {c.first, c.second}]:
@@ -67,12 +67,12 @@ def _presses(
 def _first(
     scene: Scene, trace: Trace, contact: Contact, start: float, stop: float
 ) -> tuple[float, str, str, float] | None:
-    """When two bodies are first too deep in one another between two times (s), and how deep (m)."""
+    """Return time (s), bodies and depth (m) of the first penetration between two times (s)."""
     numbers, before = [trace.bodies.index(name) for name in (contact.first, contact.second)], b""
-    for time in np.linspace(start, stop, max(2, round((stop - start) * LOOKS))).tolist():
+    for time in np.linspace(start, stop, max(2, round((stop - start) * CHECK_RATE))).tolist():
         i = trace.sample(time)
         here = trace.position[i, numbers].tobytes() + trace.orientation[i, numbers].tobytes()
-        if here == before:  # what has not moved is as deep as it was
+        if here == before:  # unchanged poses have unchanged depth
             continue
         before = here
         one, other = (
@@ -82,7 +82,7 @@ def _first(
             ]
             for n in numbers
         )
-        depth = max((overlap(*a, *b, DEEP) for a in one for b in other), default=0.0)
+        depth = max((overlap(*a, *b, MAX_PENETRATION) for a in one for b in other), default=0.0)
         if depth > 0:
             return float(trace.time[i]), contact.first, contact.second, depth
     return None

@@ -12,11 +12,11 @@ from wmspec.sim.scene.model import Array, Inertia, Pose
 from wmspec.sim.scene.model.transform import apply, multiply, quaternion, rotate, rotation
 from wmspec.sim.shapes import Shape
 
-_ROUND_OFF = 1e-9  # of the trace: products of inertia below this are rounding, not shape
+_ROUND_OFF = 1e-9  # relative to the trace: smaller products of inertia are rounding errors
 
 
 def inertia(parts: Sequence[tuple[Shape, Pose, float]]) -> Inertia:
-    """The mass properties of rigidly joined `parts`: shape, its pose in the body's frame, its mass (kg).
+    """Return the mass properties of rigidly joined `parts`: shape, its pose in the body's frame, its mass (kg).
 
     The principal axes are those nearest to the body's own (of a single part: to that part's own), so a body that is
     symmetric about its axes keeps them. Raises WmsError if there is no part or a mass is not positive.
@@ -39,7 +39,7 @@ def inertia(parts: Sequence[tuple[Shape, Pose, float]]) -> Inertia:
 
 
 def principal(tensor: Array) -> tuple[Array, Array]:
-    """Axes (4,) and moments (3,) of a symmetric tensor (3, 3), in the order and signs nearest to the given axes."""
+    """Return axes (4,) and moments (3,) of a symmetric tensor (3, 3), ordered and signed closest to the given axes."""
     off = tensor - np.diag(np.diag(tensor))
     if np.abs(off).max() <= _ROUND_OFF * np.trace(tensor):
         return np.array([1.0, 0.0, 0.0, 0.0]), np.diag(tensor).copy()

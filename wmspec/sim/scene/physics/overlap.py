@@ -1,4 +1,4 @@
-"""How deep two convex shapes lie in one another: the diameter of the largest ball that fits into both."""
+"""Overlap of convex shapes: the diameter of the largest ball inside both."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from wmspec.sim.scene.model.bounds import bounds
 from wmspec.sim.scene.model.transform import compose, conjugate, inverse, rotate
 from wmspec.sim.shapes import Shape
 
-#: The answer is exact to this (m).
+#: Precision of the result (m).
 PRECISION = 1e-5
 
 
 def overlap(a: Shape, at_a: Pose, b: Shape, at_b: Pose, least: float) -> float:
-    """The diameter (m) of the largest ball within both shapes; 0 if it is less than `least`. Meshes count as hulls.
+    """Return the diameter (m) of the largest ball inside both shapes, 0 below `least`. Meshes count as hulls.
 
     The depth of a point below the surface of a convex shape is a concave function of the point. So is the smaller of
     two such depths, and its maximum is deepest by cutting planes (Kelley, J. SIAM 8, 1960).
@@ -43,18 +43,18 @@ def overlap(a: Shape, at_a: Pose, b: Shape, at_b: Pose, least: float) -> float:
 
 
 def _common(a: Shape, at_a: Pose, b: Shape, at_b: Pose) -> tuple[Array, Array]:
-    """The lowest and the highest corner (3,) of what the boxes around two shapes have in common, if anything."""
+    """Return the lowest and highest corner (3,) of the intersection of two bounding boxes; inverted if empty."""
     boxes = np.stack([bounds(a, at_a), bounds(b, at_b)])
     return boxes[:, 0].max(axis=0), boxes[:, 1].min(axis=0)
 
 
 def _flat(a: Shape, at_a: Pose, b: Shape, at_b: Pose, axes: Pose, least: float) -> bool:
-    """Whether there is less than `least` of room along one of some `axes`, as where a box lies on another."""
+    """Whether the bounding boxes along `axes` intersect by less than `least`, as where a box rests on another."""
     low, high = _common(a, compose(inverse(axes), at_a), b, compose(inverse(axes), at_b))
     return bool((high - low).min() < least)
 
 
 def _depth(shape: Shape, pose: Pose, point: Array) -> tuple[float, Array]:
-    """How far (m) a point is below the surface (negative: outside) and how that grows with the point (3,)."""
+    """Return the depth (m) of a point below the surface (negative outside) and its gradient (3,)."""
     depth, slope = shape.depth_at(rotate(conjugate(pose.orientation), point - pose.position))
     return depth, rotate(pose.orientation, slope)

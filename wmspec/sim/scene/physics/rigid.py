@@ -1,6 +1,6 @@
-"""Bodies as plain numbers: what is said to an engine, in an order and words that suit all of them.
+"""Rigid bodies as plain numbers, in the form that all engines receive.
 
-The native scripts contain these definitions as they stand here, and the `repr` of a `Rigid` is the Python text of it.
+Native scripts contain a copy of these definitions. The `repr` of a `Rigid` is valid Python.
 """
 
 from __future__ import annotations
@@ -10,19 +10,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmspec.core.memoize import cached_on
-from wmspec.sim.scene.joints.articulations import Gear, Tie, Tree, jointed, ties, trees
-from wmspec.sim.scene.joints.com_frame import com_frame, placed
-from wmspec.sim.scene.joints.coordinates import gears
+from wmspec.sim.scene.joints.articulations import (
+    LoopClosure,
+    MimicConstraint,
+    Tree,
+    jointed_bodies,
+    loop_closures,
+    trees,
+)
+from wmspec.sim.scene.joints.com_frame import com_frame, transform_points
+from wmspec.sim.scene.joints.coordinates import mimic_constraints
 from wmspec.sim.scene.model import Body, Geom, Scene
-from wmspec.sim.scene.model.numbers import floats, numbers
+from wmspec.sim.scene.model.numbers import floats, pose_numbers
 from wmspec.sim.scene.model.transform import identity
-from wmspec.sim.scene.physics.contact import apart, colliders
+from wmspec.sim.scene.physics.contact import colliders, non_colliding_pairs
 from wmspec.sim.scene.physics.episode import Episode, Vector
 
 
 @dataclass(frozen=True)
-class Piece:
-    """A shape that collides, m.
+class CollisionShape:
+    """A colliding shape, m.
 
     `kind` is box (`size`: half-extents), sphere (radius), cylinder or capsule (radius, height of the straight part,
     along z) or hull (`size`: corners, flat). `pose`: position, quaternion (w, x, y, z).
@@ -39,8 +46,8 @@ class Piece:
 class Rigid:
     """A body in its centre-of-mass frame, SI units.
 
-    `damping`: linear and angular rate, 1/s. `velocity`: linear and angular at the start, in world axes, of a body with
-    joints that begins to move; others are kicked by the episode.
+    `damping`: linear and angular rate, 1/s. `velocity`: initial linear and angular velocity of a jointed body, in
+    world axes; kicks of the episode set the others.
     """
 
     name: str
@@ -49,41 +56,47 @@ class Rigid:
     mass: float
     moments: Vector
     damping: Vector
-    pieces: tuple[Piece, ...]
+    pieces: tuple[CollisionShape, ...]
     velocity: Vector = ()
 
 
 @dataclass(frozen=True)
 class Assembly:
-    """All bodies in order, and how they hang together.
-
-    Trees of those with joints, pairs of numbers that pass through each other, loops, and joints that mimic others.
-    """
+    """All bodies in order, trees of jointed bodies, pairs that do not collide, loop joints, and mimic joints."""
 
     bodies: tuple[Rigid, ...]
     trees: tuple[Tree, ...]
-    apart: tuple[tuple[int, int], ...]
+    non_colliding_pairs: tuple[tuple[int, int], ...]
     gravity: tuple[float, ...]
     step: float
-    ties: tuple[Tie, ...] = ()
-    gears: tuple[Gear, ...] = ()
+    loop_closures: tuple[LoopClosure, ...] = ()
+    mimic_constraints: tuple[MimicConstraint, ...] = ()
 
 
 def assembly(scene: Scene, episode: Episode) -> Assembly:
-    """What a world is built of. Raises WmsError for joints that no engine can have."""
-    passing = tuple(sorted(apart(scene)))
-    return Assembly(rigids(scene), trees(scene), passing, episode.gravity, episode.step, ties(scene), gears(scene))
-
-
-def rigids(scene: Scene) -> tuple[Rigid, ...]:
-    """The scene's bodies, in order."""
-    tied = jointed(scene)
-    return tuple(
-        _rigid(com_frame(body), tied=True) if body.name in tied else cached_on(body, _loose) for body in scene.bodies
+    """Return the bodies and joints of a scene. Raises WmsError for joints that no engine supports."""
+    passing = tuple(sorted(non_colliding_pairs(scene)))
+    return Assembly(
+        rigids(scene),
+        trees(scene),
+        passing,
+        episode.gravity,
+        episode.step,
+        loop_closures(scene),
+        mimic_constraints(scene),
     )
 
 
-def _loose(body: Body) -> Rigid:
+def rigids(scene: Scene) -> tuple[Rigid, ...]:
+    """Return the bodies of a scene in order."""
+    tied = jointed_bodies(scene)
+    return tuple(
+        _rigid(com_frame(body), tied=True) if body.name in tied else cached_on(body, _unjointed)
+        for body in scene.bodies
+    )
+
+
+def _unjointed(body: Body) -> Rigid:
     return _rigid(com_frame(body), tied=False)
 
 
@@ -92,7 +105,7 @@ def _rigid(body: Body, *, tied: bool) -> Rigid:
     return Rigid(
         name=body.name,
         motion=body.motion,
-        start=numbers(body.pose),
+        start=pose_numbers(body.pose),
         mass=body.mass,
         moments=floats(body.inertia.moments if body.inertia else np.zeros(3)),
         damping=(float(body.linear_damping), float(body.angular_damping)),
@@ -101,10 +114,10 @@ def _rigid(body: Body, *, tied: bool) -> Rigid:
     )
 
 
-def _piece(geom: Geom) -> Piece:
+def _piece(geom: Geom) -> CollisionShape:
     f, pose = geom.friction, geom.pose
     if geom.shape.primitive is not None:
         kind, size = geom.shape.primitive
     else:
-        kind, size, pose = "hull", floats(placed(pose, geom.shape.corners())), identity()
-    return Piece(kind, size, numbers(pose), (float(f.static), float(f.dynamic), float(f.restitution)))
+        kind, size, pose = "hull", floats(transform_points(pose, geom.shape.corners())), identity()
+    return CollisionShape(kind, size, pose_numbers(pose), (float(f.static), float(f.dynamic), float(f.restitution)))

@@ -1,4 +1,4 @@
-"""What actions mean, once for all engines: when velocities change, what pushes, and where kinematic bodies are."""
+"""Translates actions into engine-independent events: velocity changes, forces, paths of kinematic bodies."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from math import ceil
 import numpy as np
 
 from wmspec.sim.scene import model
-from wmspec.sim.scene.joints.articulations import jointed, trees
-from wmspec.sim.scene.joints.com_frame import com_frame, mount
+from wmspec.sim.scene.joints.articulations import jointed_bodies, trees
+from wmspec.sim.scene.joints.com_frame import body_frame_in_com, com_frame
 from wmspec.sim.scene.model import Body, Force, Impulse, Launch, Release, Scene, Steer, Vanish
-from wmspec.sim.scene.model.numbers import floats, numbers
+from wmspec.sim.scene.model.numbers import floats, pose_numbers
 from wmspec.sim.scene.physics.episode import Aim, Drag, Episode, Grip, Hold, Kick, Push
-from wmspec.sim.scene.physics.paths import away, track
+from wmspec.sim.scene.physics.paths import track, vanished_position
 
 _REST = (0.0, 0.0, 0.0)
 
 
 def episode(scene: Scene, steps_per_second: int) -> Episode:
-    """The scene's episode in steps of an engine that makes at least `steps_per_second`, a whole number a sample."""
+    """Return the episode of a scene with at least `steps_per_second`, a whole number of steps per sample."""
     substeps = ceil(steps_per_second / scene.rate)
     rate = scene.rate * substeps
     held = holds(scene, rate)
@@ -28,23 +28,23 @@ def episode(scene: Scene, steps_per_second: int) -> Episode:
         substeps=substeps,
         samples=round(scene.duration * scene.rate) + 1,
         gravity=floats(scene.gravity),
-        start=tuple(numbers(com_frame(body).pose) for body in scene.bodies),
-        mounts=tuple(numbers(mount(body)) for body in scene.bodies),
+        start=tuple(pose_numbers(com_frame(body).pose) for body in scene.bodies),
+        mounts=tuple(pose_numbers(body_frame_in_com(body)) for body in scene.bodies),
         dynamic=tuple(i for i, body in enumerate(scene.bodies) if body.motion == "dynamic"),
         kicks=kicks(scene, held, rate),
         tracks=tuple(track(scene, i, rate) for i, body in enumerate(scene.bodies) if body.motion == "kinematic"),
         pushes=pushes(scene, held, rate),
-        holds=(*held, *absences(scene, rate)),
-        aims=aims(scene, rate),
+        holds=(*held, *vanished_holds(scene, rate)),
+        aims=drive_targets(scene, rate),
         drags=drags(scene),
         grips=grips(scene, rate),
-        unfelt=tuple(i for i, body in enumerate(scene.bodies) if not any(geom.collides for geom in body.geoms)),
+        untouchable=tuple(i for i, body in enumerate(scene.bodies) if not any(geom.collides for geom in body.geoms)),
     )
 
 
 def kicks(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Kick, ...]:
-    """Initial velocities, or rest for what is let go later, then launches in order, each at the step nearest to it."""
-    later, tied = {hold.body: hold.until for hold in held}, jointed(scene)
+    """Return initial velocities (zero for bodies released later), then launches, each at the nearest step."""
+    later, tied = {hold.body: hold.until for hold in held}, jointed_bodies(scene)
     first = [
         Kick(later[i], i, _REST, _REST) if i in later else Kick(0, i, *map(floats, _velocities(body)))
         for i, body in enumerate(scene.bodies)
@@ -59,39 +59,39 @@ def kicks(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Kick, ...]:
 
 
 def holds(scene: Scene, rate: int) -> tuple[Hold, ...]:
-    """What is held at first."""
+    """Return the holds of bodies that a `release` frees later."""
     ends = {_index(scene)[a.body]: round(a.start * rate) for a in scene.actions if isinstance(a, Release)}
     return tuple(Hold(until, body) for body, until in sorted(ends.items()) if until)
 
 
-def absences(scene: Scene, rate: int) -> tuple[Hold, ...]:
-    """What vanishes, and is held far away from everything, and from whatever else has vanished, to the end."""
+def vanished_holds(scene: Scene, rate: int) -> tuple[Hold, ...]:
+    """Return the holds of vanished bodies, far away from everything and from each other."""
     index, last = _index(scene), ceil(scene.duration * rate) + 1
     return tuple(
         Hold(
             last,
             i,
             round(action.start * rate),
-            (*floats(away(i)), *floats(com_frame(scene.bodies[i]).pose.orientation)),
+            (*floats(vanished_position(i)), *floats(com_frame(scene.bodies[i]).pose.orientation)),
         )
         for action in sorted((a for a in scene.actions if isinstance(a, Vanish)), key=lambda a: a.start)
         if scene.bodies[i := index[action.body]].motion == "dynamic"
     )
 
 
-def aims(scene: Scene, rate: int) -> tuple[Aim, ...]:
-    """The targets of drives, in order of time."""
+def drive_targets(scene: Scene, rate: int) -> tuple[Aim, ...]:
+    """Return the targets of drives in order of time."""
     joints = {joint.name: i for i, joint in enumerate(scene.joints)}
     steers = sorted((a for a in scene.actions if isinstance(a, Steer)), key=lambda a: a.start)
     return tuple(Aim(round(a.start * rate), joints[a.joint], float(a.target)) for a in steers)
 
 
 def pushes(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Push, ...]:
-    """Impulses and forces; and of jointed bodies, half their weight upwards in their first step.
+    """Return impulses and forces, and an upward force of half the weight for jointed bodies in their first step.
 
-    Velocities of joints can't be kicked as those of free bodies are, but half a step less of gravity is the same.
+    Joint velocities cannot be corrected by a kick; half a step less of gravity has the same effect.
     """
-    index, tied = _index(scene), jointed(scene)
+    index, tied = _index(scene), jointed_bodies(scene)
     together = {i: tree for tree in trees(scene) for i in (link.body for link in tree)}
     later = {link.body: hold.until for hold in held for link in together.get(hold.body, ())}
     lifts = [
@@ -104,8 +104,8 @@ def pushes(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Push, ...]:
 
 
 def drags(scene: Scene) -> tuple[Drag, ...]:
-    """The damping of jointed bodies."""
-    tied = jointed(scene)
+    """Return the damping of jointed bodies."""
+    tied = jointed_bodies(scene)
     return tuple(
         Drag(i, float(body.inertia.mass * body.linear_damping), floats(body.inertia.moments * body.angular_damping))
         for i, body in enumerate(scene.bodies)
@@ -114,7 +114,7 @@ def drags(scene: Scene) -> tuple[Drag, ...]:
 
 
 def grips(scene: Scene, rate: int) -> tuple[Grip, ...]:
-    """What is held by what, in the order of the actions."""
+    """Return grips in the order of the actions."""
     index = _index(scene)
     return tuple(
         Grip(
@@ -130,7 +130,7 @@ def grips(scene: Scene, rate: int) -> tuple[Grip, ...]:
 
 
 def _push(action: Impulse | Force, body: int, rate: int) -> Push:
-    """The force whose impulse is exactly the action's, though it begins and ends at whole steps."""
+    """Return a force over whole steps with exactly the impulse of the action."""
     first = round(action.start * rate)
     if isinstance(action, Impulse):
         return Push(first, first, body, floats(action.impulse * rate))

@@ -1,4 +1,4 @@
-"""From what an engine recorded to a `Trace`."""
+"""Turns a recording into a `Trace`."""
 
 from __future__ import annotations
 
@@ -8,16 +8,19 @@ from wmspec.core.diagnostics import EngineError
 from wmspec.sim.scene.model import Scene, Trace
 from wmspec.sim.scene.physics.contact import intervals
 from wmspec.sim.scene.physics.episode import Episode, Recording
-from wmspec.sim.scene.physics.grasp_checks import missed, pressed
+from wmspec.sim.scene.physics.grasp_checks import missed_grasp, penetration
 
-AROUND = "let the arm go less far or another way, or move what is in its way by then"
-LOST = 1e6  # m, m/s or rad/s: beyond this, or not finite, an engine has diverged
+GRASP_REMEDY = "shorten or reroute the path of the arm, or move the obstacle"
+DIVERGED = 1e6  # m, m/s or rad/s: larger or non-finite states count as diverged
 
 
 def trace(engine: str, scene: Scene, episode: Episode, recording: Recording) -> Trace:
-    """The trace of an episode. Raises EngineError, with what and when, if an engine diverged or what is held stuck."""
+    """Return the trace of an episode.
+
+    Raises EngineError with body and time if the engine diverged, a grasp failed, or an arm squeezed two bodies.
+    """
     states = recording.states
-    lost = ~(np.abs(states).max(axis=-1) < LOST)
+    lost = ~(np.abs(states).max(axis=-1) < DIVERGED)
     if lost.any():
         sample, body = np.argwhere(lost)[0]
         raise EngineError(
@@ -35,23 +38,23 @@ def trace(engine: str, scene: Scene, episode: Episode, recording: Recording) -> 
         angular_velocity=states[..., 10:],
         contacts=intervals(recording.touching, names, episode.step, gap=1 / scene.rate),
     )
-    if miss := missed(scene, made):
+    if miss := missed_grasp(scene, made):
         time, hand, held = miss
         raise EngineError(
-            f"{held} is not between the fingers of {hand} that are to hold it at {time:.3f} s in {engine}",
-            help="something moved it before: let nothing touch it until then",
+            f"{held} is not between the fingers of {hand} when the grip begins at {time:.3f} s in {engine}",
+            help="another body moved it: keep it clear until then",
         )
-    for time, number, length in recording.torn:
+    for time, number, length in recording.broken_grips:
         grip = episode.grips[number]
         raise EngineError(
-            f"{scene.bodies[grip.hand].path} loses hold of {scene.bodies[grip.body].path} at {time:.3f} s: in {engine} "
+            f"{scene.bodies[grip.hand].path} drops {scene.bodies[grip.body].path} at {time:.3f} s: in {engine} "
             f"they part by {1e3 * length:.1f} mm",
-            help=AROUND,
+            help=GRASP_REMEDY,
         )
-    if press := pressed(scene, made):
+    if press := penetration(scene, made):
         time, one, other, depth = press
         raise EngineError(
-            f"an arm presses {one} and {other} {1e3 * depth:.1f} mm into one another at {time:.3f} s in {engine}",
-            help=AROUND,
+            f"an arm presses {one} and {other} {1e3 * depth:.1f} mm into each other at {time:.3f} s in {engine}",
+            help=GRASP_REMEDY,
         )
     return made

@@ -1,4 +1,4 @@
-"""What a scene looks like at a time: in other colours than at the start, without what has vanished."""
+"""The appearance of a scene at a time: painted colours, vanished bodies."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ from dataclasses import replace
 
 from wmspec.sim.scene.model import Body, Paint, Scene, Vanish
 
-#: Times (s) that are nearer than this are one.
+#: s: closer times count as equal.
 _SAME = 1e-9
 
 
-def shown_at(scene: Scene, time: float) -> Scene:
-    """The scene as pictures show it at a time (s): `scene` itself if nothing has been painted or has vanished."""
+def appearance_at(scene: Scene, time: float) -> Scene:
+    """Return the scene as visible at `time` (s); `scene` itself if nothing was painted or vanished."""
     past = sorted((a for a in scene.actions if isinstance(a, Paint) and a.start <= time + _SAME), key=lambda a: a.start)
     colors = {action.body: action.color for action in past}
-    gone = vanished(scene, time)
+    gone = vanished_bodies(scene, time)
     if not colors and not gone:
         return scene
     return replace(scene, bodies=tuple(_seen(b, colors.get(b.name), b.name in gone) for b in scene.bodies))
 
 
-def vanished(scene: Scene, time: float) -> frozenset[str]:
-    """The names of the bodies that have vanished by a time (s)."""
+def vanished_bodies(scene: Scene, time: float) -> frozenset[str]:
+    """Return the names of bodies that have vanished by `time` (s)."""
     return frozenset(a.body for a in scene.actions if isinstance(a, Vanish) and a.start <= time + _SAME)
 
 

@@ -17,14 +17,14 @@ from wmspec.sim.scene.model.transform import compose, quaternion, rotation
 
 
 def look_at(position: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) -> Pose:
-    """The pose of a camera at `position` (3,) m that sees `target` (3,) m in its middle, `up` (3,) pointing up.
+    """Return the pose of a camera at `position` (3,) m with `target` (3,) m in the centre and `up` (3,) up.
 
-    Looking along `up` itself, +y of the world is up in the picture. Raises WmsError if both points are the same.
+    If the view direction is parallel to `up`, +y of the world is up. Raises WmsError if both points are equal.
     """
     eye = np.asarray(position, dtype=np.float64)
     back = eye - np.asarray(target, dtype=np.float64)
     if not np.linalg.norm(back) > 0:
-        raise WmsError(f"a camera at {eye.tolist()} can't look at its own position; move it or its target")
+        raise WmsError(f"a camera at {eye.tolist()} has its target at its own position; move either")
     back /= np.linalg.norm(back)
     right = np.cross(np.asarray(up, dtype=np.float64), back)
     if np.linalg.norm(right) < 1e-9:
@@ -33,8 +33,8 @@ def look_at(position: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 0.0, 1
     return Pose(eye, quaternion(np.stack([right, np.cross(back, right), back], axis=1)))
 
 
-def find(scene: Scene, name: str) -> Camera:
-    """The scene's camera of that name. Raises WmsError, naming those there are."""
+def find_camera(scene: Scene, name: str) -> Camera:
+    """Return the camera with this name. Raises WmsError with the known names."""
     for camera in scene.cameras:
         if camera.name == name:
             return camera
@@ -42,9 +42,9 @@ def find(scene: Scene, name: str) -> Camera:
     raise WmsError(f"there is no camera `{name}`; {suggestion(name, known) or 'the scene has none'}")
 
 
-def seeing(scene: Scene, shot: Shot) -> Camera:
-    """The camera of a shot, placed in the world: one that rides on a body goes where the shot has that body."""
-    camera = find(scene, shot.camera)
+def world_camera(scene: Scene, shot: Shot) -> Camera:
+    """Return the camera of a shot in world coordinates, attached cameras included."""
+    camera = find_camera(scene, shot.camera)
     if camera.body is None:
         return camera
     rides = next(i for i, body in enumerate(scene.bodies) if body.name == camera.body)
@@ -52,7 +52,7 @@ def seeing(scene: Scene, shot: Shot) -> Camera:
 
 
 def view_matrix(pose: Pose) -> Array:
-    """World to camera, (4, 4), for column vectors."""
+    """Return the world-to-camera matrix (4, 4) for column vectors."""
     view = np.eye(4)
     view[:3, :3] = rotation(pose.orientation).T
     view[:3, 3] = -view[:3, :3] @ pose.position
@@ -60,7 +60,7 @@ def view_matrix(pose: Pose) -> Array:
 
 
 def projection_matrix(camera: Camera, aspect: float) -> Array:
-    """Camera to OpenGL's clip space, (4, 4), for column vectors; `aspect` is width / height."""
+    """Return the camera-to-clip matrix (4, 4) of OpenGL for column vectors; `aspect` is width / height."""
     focal, near, far = 1.0 / math.tan(camera.fovy / 2), camera.near, camera.far
     matrix = np.zeros((4, 4))
     matrix[0, 0], matrix[1, 1] = focal / aspect, focal
@@ -70,7 +70,7 @@ def projection_matrix(camera: Camera, aspect: float) -> Array:
 
 
 def project(camera: Camera, points: ArrayLike, width: int, height: int) -> tuple[Array, Array]:
-    """Pixel coordinates (n, 2) and depths (n,) in metres along the view axis of `points` (n, 3) in the world."""
+    """Return pixel coordinates (n, 2) and depths (n,), m along the view axis, of world points (n, 3)."""
     local = (np.atleast_2d(np.asarray(points, dtype=np.float64)) - camera.pose.position) @ rotation(
         camera.pose.orientation
     )
@@ -81,8 +81,8 @@ def project(camera: Camera, points: ArrayLike, width: int, height: int) -> tuple
     return np.stack([x, y], axis=1), depth
 
 
-def rays(camera: Camera, width: int, height: int) -> tuple[Array, Array]:
-    """Where the centres of the pixels lie at a depth of 1 m: to the right (width,) and up (height,), in metres."""
+def pixel_rays(camera: Camera, width: int, height: int) -> tuple[Array, Array]:
+    """Return the positions of pixel centres at a depth of 1 m: right (width,) and up (height,), m."""
     focal = height / (2 * math.tan(camera.fovy / 2))
     x: Array = (np.arange(width, dtype=np.float64) + 0.5 - width / 2) / focal
     y: Array = (height / 2 - np.arange(height, dtype=np.float64) - 0.5) / focal
@@ -90,9 +90,9 @@ def rays(camera: Camera, width: int, height: int) -> tuple[Array, Array]:
 
 
 def unproject(camera: Camera, depth: NDArray[np.float32]) -> Array:
-    """The points of the world (h, w, 3) seen at the centres of the pixels, from `depth` (h, w) along the view axis."""
+    """Return the world points (h, w, 3) at the pixel centres, given `depth` (h, w) along the view axis."""
     height, width = depth.shape
-    x, y = rays(camera, width, height)
+    x, y = pixel_rays(camera, width, height)
     local = np.stack(np.broadcast_arrays(x[None, :], y[:, None], -1.0), axis=-1) * depth[..., None]
     turned: Array = local.astype(np.float64) @ rotation(camera.pose.orientation).T
     return turned + camera.pose.position

@@ -1,9 +1,8 @@
-"""Soft contact shadows: beside what stands on the ground, less light comes from all around.
+"""Soft contact shadows: bodies occlude ambient light on nearby surfaces.
 
-A pass over a finished picture that needs the distances and the camera alone, which are the same in all engines; so the
-shadows are, too. A piece of a thing hides light as the nearest of all spheres does that fit into its box. A sphere of
-radius r at a distance d hides the share cos(n, d) r²/d² of the light that falls on a surface with the normal n (Siegel
-and Howell, "Thermal Radiation Heat Transfer", configuration factors).
+A post-process that needs depth and camera only. Depths are equal in all engines, so the shadows are too. A shape
+occludes like the nearest sphere inside its box: a sphere of radius r at distance d hides the fraction cos(n, d) r²/d²
+of the light on a surface with normal n (Siegel and Howell, "Thermal Radiation Heat Transfer", configuration factors).
 """
 
 from __future__ import annotations
@@ -18,41 +17,41 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.sim.scene.model import Array, Body, Camera, Pose, Scene, Shot
-from wmspec.sim.scene.model.bounds import upright
+from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.scene.model.transform import apply, compose, identity, inverse, rotation
-from wmspec.sim.scene.render.camera import rays
+from wmspec.sim.scene.render.camera import pixel_rays
 from wmspec.sim.scene.render.picture import Image, quantize
 from wmspec.sim.shapes import Shape
 from wmspec.sim.shapes.facets import tessellate
 
 STRENGTH = 0.6
-"""The share of all light that a surface loses which faces a sphere that touches it."""
+"""Fraction of light lost by a surface that faces a touching sphere."""
 
-DARKEST = 0.6
-"""No more than this share of the light is lost, however many things are near."""
+MAX_LOSS = 0.6
+"""Upper bound of the loss, for any number of bodies."""
 
-REACH = 3.0
-"""What is farther than this from the middle of the nearest sphere, in its radii, loses none."""
+SHADOW_REACH = 3.0
+"""Distance from the nearest sphere, in radii, beyond which nothing is lost."""
 
-SMALL = 0.4
-"""What stands still casts one if it can be touched and is no larger: half its diagonal (m)."""
+MAX_STATIC_SIZE = 0.4
+"""Static bodies cast contact shadows if they collide and half their diagonal (m) is at most this."""
 
-FINE = 0.2
-"""Pieces less than this share as thick as the thickest of their body are left out: labels, pips, stems."""
+MIN_THICKNESS = 0.2
+"""Shapes thinner than this fraction of the thickest shape of the body are ignored: labels, pips, stems."""
 
-HALVINGS, SPARED = 3, 0.75
-"""A piece is cut across up to so often, if the boxes of both ends together have at most this share of its volume."""
+MAX_CUTS, MAX_CUT_VOLUME = 3, 0.75
+"""A shape is halved up to this number of times while both boxes have at most `MAX_CUT_VOLUME` of its volume."""
 
-Part = tuple[slice, slice]
+ImageRegion = tuple[slice, slice]
 """Rows and columns of a picture."""
 
 
 @dataclass(frozen=True)
-class Box:
-    """The box of a piece, rounded: all spheres of `radius` (m) around points of its core.
+class RoundedBox:
+    """A rounded box: all spheres of `radius` (m) around points of a core.
 
-    The core is around `middle` (3,) of the piece's frame and reaches `core` (3,) to both sides; if the piece is `round`
-    about an axis of its frame, the core is too.
+    The core is centred at `middle` (3,) in the shape frame with half edges `core` (3,). With `round`, it is a cylinder
+    about that axis.
     """
 
     middle: Array
@@ -62,13 +61,13 @@ class Box:
 
     @property
     def reach(self) -> float:
-        """Beyond this distance (m) from its middle it shades nothing."""
-        return float(np.linalg.norm(self.core)) + REACH * self.radius
+        """Distance (m) from the centre beyond which it shades nothing."""
+        return float(np.linalg.norm(self.core)) + SHADOW_REACH * self.radius
 
     def hidden(self, points: list[Image], normals: list[Image], frame: Pose) -> Image:
-        """The share of the light, 0..1, hidden from surfaces at `points` with `normals`, (n,) along each axis.
+        """Return the fraction of light (0..1) hidden at `points` with `normals`, (n,) along each axis.
 
-        Both, and the `frame` of the piece, are in the camera's axes.
+        Both, and the `frame` of the shape, are in camera axes.
         """
         turn = rotation(frame.orientation).astype(np.float32)
         start = (frame.position @ turn + self.middle).astype(np.float32)
@@ -77,12 +76,12 @@ class Box:
         square = np.maximum(way[0] ** 2 + way[1] ** 2 + way[2] ** 2, np.float32(1e-12))
         facing = sum((_along(normals, axis) * part for axis, part in zip(turn.T, way, strict=True)), np.float32(0))
         near = np.float32(self.radius**2) / square
-        share = (np.minimum(near, 1 / near) - np.float32(REACH**-2)) * np.float32(1 / (1 - REACH**-2))
+        share = (np.minimum(near, 1 / near) - np.float32(SHADOW_REACH**-2)) * np.float32(1 / (1 - SHADOW_REACH**-2))
         hidden: Image = np.maximum(facing, 0) / np.sqrt(square) * np.maximum(share, 0)
         return hidden
 
     def _nearest(self, at: list[Image]) -> list[Image]:
-        """The points of the core that are nearest, in its axes."""
+        """Return the nearest points of the core, in its axes."""
         nearest = [np.clip(part, -half, half) for part, half in zip(at, self.core.astype(np.float32), strict=True)]
         if self.round is not None:
             a, b = (axis for axis in range(3) if axis != self.round)
@@ -93,17 +92,17 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Piece:
-    """A box in a frame of the body with this number, and the `own` bodies that it casts no shadow on."""
+class ShadowCaster:
+    """A rounded box in a frame of body number `body`; bodies in `own` receive no shadow from it."""
 
     body: int
     frame: Pose
-    box: Box
+    box: RoundedBox
     own: tuple[int, ...]
 
 
 class ContactShadows:
-    """The contact shadows of a scene's bodies; made once, cast on every picture."""
+    """The contact shadows of a scene, computed once and applied to every picture."""
 
     def __init__(self, scene: Scene) -> None:
         self._pieces = list(_pieces(scene)) if scene.light.shadows else []
@@ -118,9 +117,9 @@ class ContactShadows:
         camera: Camera,
         shot: Shot,
     ) -> NDArray[np.uint8]:
-        """The picture (h, w, 3) with its contact shadows.
+        """Return the picture (h, w, 3) with contact shadows.
 
-        `ids` (h, w) are the bodies seen, `depth` (h, w) is in metres along the view axis; `camera` is in the world.
+        `ids` (h, w) are the visible bodies, `depth` (h, w) is in metres along the view axis; `camera` is in the world.
         """
         if not self._pieces:
             return rgb
@@ -132,15 +131,15 @@ class ContactShadows:
         lost = np.zeros_like(surfaces[0][0])
         for _, parts in groupby(shaded, lambda part: part.body):
             lost += _hidden(parts, surfaces, window)
-        left = 1 - np.minimum(np.float32(STRENGTH) * lost, np.float32(DARKEST))
+        left = 1 - np.minimum(np.float32(STRENGTH) * lost, np.float32(MAX_LOSS))
         picture = rgb.copy()
         picture[window] = quantize(rgb[window] * left.reshape(*ids[window].shape, 1))
         return picture
 
     def _shaded(
         self, ids: NDArray[np.int16], depth: NDArray[np.float32], camera: Camera, shot: Shot
-    ) -> Iterator[Shaded]:
-        """The pixels that each piece may shade, body by body; pieces that shade none are left out."""
+    ) -> Iterator[ShadedRegion]:
+        """Yield the pixels that each caster may shade, body by body, without empty ones."""
         bodies = _stacked([shot.poses[piece.body] for piece in self._pieces])
         frames = compose(compose(inverse(camera.pose), bodies), self._frames)
         x, y = _rays(camera, ids.shape)
@@ -152,21 +151,21 @@ class ContactShadows:
             for number in (-1, *piece.own):
                 near &= ids[part] != number
             if near.any():
-                yield Shaded(piece.body, piece.box, Pose(frames.position[i], frames.orientation[i]), part, near)
+                yield ShadedRegion(piece.body, piece.box, Pose(frames.position[i], frames.orientation[i]), part, near)
 
 
 @dataclass(frozen=True)
-class Shaded:
-    """The pixels of a `part` of the picture that a piece of a body may shade; its `frame` is in the camera's axes."""
+class ShadedRegion:
+    """Pixels of a `part` of the picture that a caster may shade; its `frame` is in camera axes."""
 
     body: int
-    box: Box
+    box: RoundedBox
     frame: Pose
-    part: Part
+    part: ImageRegion
     pixels: NDArray[np.bool_]
 
-    def within(self, window: Part) -> NDArray[np.intp]:
-        """The numbers of the pixels in a window around the part, row by row."""
+    def within(self, window: ImageRegion) -> NDArray[np.intp]:
+        """Return the indices of the pixels in a window around the part, row by row."""
         (rows, columns), (high, wide) = self.part, window
         row, column = np.divmod(np.flatnonzero(self.pixels), columns.stop - columns.start)
         first = (rows.start - high.start) * (wide.stop - wide.start) + columns.start - wide.start
@@ -175,12 +174,12 @@ class Shaded:
 
 
 def _stacked(poses: Sequence[Pose]) -> Pose:
-    """All the poses in one, with a leading axis."""
+    """Return all poses as one with a leading axis."""
     return Pose(np.array([pose.position for pose in poses]), np.array([pose.orientation for pose in poses]))
 
 
-def _window(shaded: list[Shaded], size: tuple[int, ...]) -> Part:
-    """The part of a picture (height, width) around all that is shaded, and a pixel more for the slopes at its edges."""
+def _window(shaded: list[ShadedRegion], size: tuple[int, ...]) -> ImageRegion:
+    """Return the region of a picture (height, width) around all shaded pixels plus one for slopes."""
     rows, columns = (
         slice(max(min(side.start for side in sides) - 1, 0), min(max(side.stop for side in sides) + 1, most))
         for sides, most in zip(zip(*(one.part for one in shaded), strict=True), size, strict=True)
@@ -188,8 +187,8 @@ def _window(shaded: list[Shaded], size: tuple[int, ...]) -> Part:
     return rows, columns
 
 
-def _hidden(parts: Iterable[Shaded], surfaces: tuple[list[Image], list[Image]], window: Part) -> Image:
-    """The share of the light that the pieces of a body hide, in a window of the picture."""
+def _hidden(parts: Iterable[ShadedRegion], surfaces: tuple[list[Image], list[Image]], window: ImageRegion) -> Image:
+    """Return the fraction of light hidden by the casters of a body in a window."""
     most = np.zeros_like(surfaces[0][0])
     for part in parts:
         pixels = part.within(window)
@@ -198,8 +197,8 @@ def _hidden(parts: Iterable[Shaded], surfaces: tuple[list[Image], list[Image]], 
     return most
 
 
-def _pieces(scene: Scene) -> Iterator[Piece]:
-    """What casts contact shadows: bodies that can move, and small ones that stand still and can be touched."""
+def _pieces(scene: Scene) -> Iterator[ShadowCaster]:
+    """Yield casters: movable bodies, and small static bodies that collide."""
     numbers = {body.name: i for i, body in enumerate(scene.bodies)}
     for i, body in enumerate(scene.bodies):
         if body.motion == "static" and not _is_small(body):
@@ -207,27 +206,27 @@ def _pieces(scene: Scene) -> Iterator[Piece]:
         jointed = [{joint.first, joint.second} for joint in scene.joints if body.name in (joint.first, joint.second)]
         own = {i} | {numbers[name] for pair in jointed for name in pair if name is not None}
         boxes = [(geom.pose, box) for geom in body.geoms if geom.visible for box in _boxes(geom.shape)]
-        thick = FINE * max((box.radius for _, box in boxes), default=0.0)
-        yield from (Piece(i, pose, box, tuple(sorted(own))) for pose, box in boxes if box.radius > thick)
+        thick = MIN_THICKNESS * max((box.radius for _, box in boxes), default=0.0)
+        yield from (ShadowCaster(i, pose, box, tuple(sorted(own))) for pose, box in boxes if box.radius > thick)
 
 
 def _is_small(body: Body) -> bool:
     shown = [geom for geom in body.geoms if geom.visible]
     if not shown or not any(geom.collides for geom in body.geoms):
         return False
-    low, high = upright(shown, identity())
-    return float(np.linalg.norm(high - low)) / 2 < SMALL
+    low, high = world_box(shown, identity())
+    return float(np.linalg.norm(high - low)) / 2 < MAX_STATIC_SIZE
 
 
 @lru_cache(maxsize=256)
-def _boxes(shape: Shape) -> tuple[Box, ...]:
-    """The boxes of a shape: one, or several where that one would be mostly empty, as of a banana."""
+def _boxes(shape: Shape) -> tuple[RoundedBox, ...]:
+    """Return the boxes of a shape; several if one box would be mostly empty."""
     facets = tessellate(shape)
-    return tuple(_box(points) for points in _cut(facets.points[facets.faces], HALVINGS))
+    return tuple(_box(points) for points in _cut(facets.points[facets.faces], MAX_CUTS))
 
 
 def _cut(triangles: Array, halvings: int) -> list[Array]:
-    """Triangles (n, 3, 3) cut across their longest side as long as this spares volume: the corners of each part."""
+    """Cut triangles (n, 3, 3) across the longest side while that saves volume; return the corners of each part."""
     low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
     axis = int((high - low).argmax())
     middle = (low[axis] + high[axis]) / 2
@@ -237,21 +236,21 @@ def _cut(triangles: Array, halvings: int) -> list[Array]:
     np.minimum(ends[0][..., axis], middle, out=ends[0][..., axis])
     np.maximum(ends[1][..., axis], middle, out=ends[1][..., axis])
     volume = sum(float(np.prod(np.ptp(end, axis=(0, 1)))) for end in ends)
-    if not halvings or volume > SPARED * float(np.prod(high - low)):
+    if not halvings or volume > MAX_CUT_VOLUME * float(np.prod(high - low)):
         return [triangles.reshape(-1, 3)]
     return [part for end in ends for part in _cut(end, halvings - 1)]
 
 
-def _box(points: Array) -> Box:
-    """The rounded box around points (n, 3)."""
+def _box(points: Array) -> RoundedBox:
+    """Return the rounded box around points (n, 3)."""
     low, high = points.min(axis=0), points.max(axis=0)
     middle, half = (low + high) / 2, (high - low) / 2
     radius = float(half.min())
-    return Box(middle, half - radius, radius, _axis(points - middle, half))
+    return RoundedBox(middle, half - radius, radius, _axis(points - middle, half))
 
 
 def _axis(points: Array, half: Array) -> int | None:
-    """The axis about which points (n, 3) around the origin are as in a cylinder, within 2 %."""
+    """Return the axis about which points (n, 3) around the origin form a cylinder within 2 %, or None."""
     for axis in (2, 1, 0):
         a, b = (other for other in range(3) if other != axis)
         if abs(half[a] - half[b]) < 0.02 * half[a] and np.hypot(points[:, a], points[:, b]).max() < 1.02 * half[a]:
@@ -259,8 +258,8 @@ def _axis(points: Array, half: Array) -> int | None:
     return None
 
 
-def _reached(reach: float, middle: Sequence[float], camera: Camera, size: tuple[int, ...]) -> Part:
-    """The rows and columns of a picture (height, width) in which a sphere is seen; `middle` is in the camera's axes."""
+def _reached(reach: float, middle: Sequence[float], camera: Camera, size: tuple[int, ...]) -> ImageRegion:
+    """Return rows and columns of a picture (height, width) that show a sphere at `middle` (camera axes)."""
     (height, width), (x, y, z) = size, middle
     if -z - reach < camera.near:
         return slice(0, height), slice(0, width)
@@ -269,18 +268,18 @@ def _reached(reach: float, middle: Sequence[float], camera: Camera, size: tuple[
 
 
 def _part(aside: float, away: float, reach: float, focal: float, size: int) -> slice:
-    """The pixels, of so many, between which a sphere of the radius `reach` is seen `aside` and `away` (m)."""
+    """Return the pixels of one axis that show a sphere of radius `reach` at `aside` and `away` (m)."""
     ends = [(aside + sign * reach) / (away + other * reach) for sign in (-1, 1) for other in (-1, 1)]
     first, last = (size / 2 + focal * end for end in (min(ends), max(ends)))
     return slice(min(max(0, math.floor(first)), size), max(0, min(size, math.ceil(last))))
 
 
 def _surfaces(
-    camera: Camera, ids: NDArray[np.int16], depth: NDArray[np.float32], window: Part
+    camera: Camera, ids: NDArray[np.int16], depth: NDArray[np.float32], window: ImageRegion
 ) -> tuple[list[Image], list[Image]]:
-    """What is seen in a window of the picture: the points and the unit normals, (n,) along each of the camera's axes.
+    """Return visible points and unit normals in a window, (n,) along each camera axis.
 
-    The inverse of the distance is linear in the places of a flat surface's pixels, and its slopes are the normal.
+    The inverse depth of a plane is linear in pixel coordinates; its slopes give the normal.
     """
     x, y = _rays(camera, ids.shape)
     step = x[1] - x[0] if len(x) > 1 else np.float32(1)
@@ -294,13 +293,13 @@ def _surfaces(
 
 
 def _rays(camera: Camera, size: tuple[int, ...]) -> tuple[Image, Image]:
-    """What `rays` tells of a picture (height, width)."""
-    x, y = rays(camera, size[1], size[0])
+    """Return `pixel_rays` for a picture (height, width)."""
+    x, y = pixel_rays(camera, size[1], size[0])
     return x.astype(np.float32), y.astype(np.float32)
 
 
 def _slope(values: Image, ids: NDArray[np.int16], axis: int) -> Image:
-    """How much `values` (h, w) grow from pixel to pixel: towards the neighbour of the same body that is more alike."""
+    """Return the difference of `values` (h, w) per pixel, towards the more similar neighbour of the same body."""
     step = np.where(np.diff(ids, axis=axis) == 0, np.diff(values, axis=axis), np.float32(np.inf))
     before, after = np.full_like(values, np.inf), np.full_like(values, np.inf)
     if axis:
@@ -313,6 +312,6 @@ def _slope(values: Image, ids: NDArray[np.int16], axis: int) -> Image:
 
 
 def _along(parts: list[Image], axis: Array) -> Image:
-    """How far vectors, (n,) along each axis, reach along `axis` (3,)."""
+    """Return the components of vectors, (n,) along each axis, along `axis` (3,)."""
     reached: Image = parts[0] * axis[0] + parts[1] * axis[1] + parts[2] * axis[2]
     return reached

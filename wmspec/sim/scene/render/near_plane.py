@@ -1,7 +1,7 @@
-"""The near plane that a shot is drawn with: as far away as what the camera sees allows.
+"""The near plane of each shot, as far away as the view allows.
 
-Engines keep depths as floats of the near plane's distance divided by the depth: with a near plane at 5 cm, what is 4 m
-away is known to a tenth of a millimetre, with one at 1.6 m to a few micrometres.
+Engines store depth as a float of near / depth. With a near plane at 5 cm, a depth of 4 m has a precision of 0.1 mm;
+with 1.6 m, a few micrometres.
 """
 
 from __future__ import annotations
@@ -12,29 +12,29 @@ from dataclasses import replace
 import numpy as np
 
 from wmspec.sim.scene.model import Array, Camera, Scene, Shot
-from wmspec.sim.scene.render.boxes import Boxes, edges, frustum
+from wmspec.sim.scene.render.boxes import Boxes, frustum, view_edges
 
-MARGIN = 0.95
-"""The near plane lies before what is seen by the rest of this."""
+NEAR_MARGIN = 0.95
+"""Ratio of the near plane to the nearest visible depth."""
 
 
 class NearPlane:
-    """Of a scene; made once, asked for every shot."""
+    """Near planes of a scene, precomputed."""
 
     def __init__(self, scene: Scene, aspect: float) -> None:
-        """`aspect` is the width of the pictures divided by their height."""
+        """`aspect` is width / height of the pictures."""
         self._boxes, self._aspect = Boxes(scene), aspect
 
     def before(self, camera: Camera, shot: Shot) -> Camera:
-        """The `camera`, in the world, with its near plane doubled as often as leaves it before all that is seen."""
+        """Return the world `camera` with its near plane doubled while all visible content stays behind it."""
         nearest = min(self._nearest(camera, shot), camera.far)
-        doublings = math.floor(math.log2(max(MARGIN * nearest / camera.near, 1.0)))
+        doublings = math.floor(math.log2(max(NEAR_MARGIN * nearest / camera.near, 1.0)))
         return replace(camera, near=camera.near * 2**doublings)
 
     def _nearest(self, camera: Camera, shot: Shot) -> float:
-        """Along the view axis, all that is in the picture is at least so far away (m)."""
+        """Return a lower bound of the depth (m) of visible content."""
         boxes = self._boxes.placed(shot, camera.pose.position)
-        planes = frustum(camera, edges(camera, self._aspect))
+        planes = frustum(camera, view_edges(camera, self._aspect))
         middle, reach = boxes.middle @ planes.T, boxes.reach(planes)
         seen = (middle + reach > 0).all(axis=1)
         beside: Array = np.maximum(np.abs(np.einsum("nij,ni->nj", boxes.turn, boxes.middle)) - boxes.half, 0)
@@ -42,6 +42,6 @@ class NearPlane:
         return float(away[seen].min(initial=math.inf))
 
     def _corner(self, camera: Camera) -> float:
-        """The cosine of the angle between a camera's axis and the corners of its picture."""
+        """Return the cosine of the angle between the camera axis and the picture corners."""
         up = math.tan(camera.fovy / 2)
         return 1 / math.hypot(1, up, up * self._aspect)

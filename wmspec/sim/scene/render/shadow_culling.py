@@ -1,7 +1,7 @@
-"""Which shapes a camera may see, or the shadow that they throw: no others need to be drawn.
+"""Visibility culling: shapes that neither appear in a picture nor cast a shadow into it are not drawn.
 
-Shapes are known by their boxes. What one may shade lies behind its box along the sun, down to the lowest thing that is
-in the picture; if that is wholly outside the picture, so is its shadow. Ground on which all stands shades nothing.
+A box can shade the volume behind it along the sun, down to the lowest visible shape. If that volume is outside the
+picture, so is its shadow. The ground on which everything stands shades nothing.
 """
 
 from __future__ import annotations
@@ -12,29 +12,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.sim.scene.model import Array, Camera, Scene, Shot
-from wmspec.sim.scene.render.boxes import Boxes, Edges, frustum
+from wmspec.sim.scene.render.boxes import Boxes, ViewEdges, frustum
 from wmspec.sim.shapes.box import Box
 
-#: Shadows are blurred over so many texels of the sun's map, at most.
-BLURRED = 4
-#: How far (m) shadows may reach where the sun is lower than this (rise per way).
-FAR, LOW = 1000.0, 0.05
-#: What stands on the ground may be so far (m) in it: what lies below it is not seen.
-SUNK = 0.005
+#: Width of the shadow blur, in texels of the shadow map.
+MAX_BLUR = 4
+#: m: length of shadows if the sun is below `LOW_SUN` (rise over run).
+MAX_SHADOW_LENGTH, LOW_SUN = 1000.0, 0.05
+#: m: bodies may be sunk this deep in the ground.
+MAX_SUNK = 0.005
 
 _UP = np.array([[0.0, 0.0, 1.0]])
 
 
 @dataclass(frozen=True)
-class Sight:
-    """Of every visible shape, in order, `seen` (n,) if it or its shadow may be, `casts` (n,) if it may throw one."""
+class VisibleSet:
+    """For each visible shape, `seen` (n,): it or its shadow may appear; `casts` (n,): it may cast a shadow."""
 
     seen: NDArray[np.bool_]
     casts: NDArray[np.bool_]
 
 
-class Thrown:
-    """Of a scene; made once, asked for every shot."""
+class ShadowCulling:
+    """Culling data of a scene, computed once."""
 
     def __init__(self, scene: Scene) -> None:
         self._boxes = Boxes(scene)
@@ -42,28 +42,28 @@ class Thrown:
         shapes = [geom.shape for body in scene.bodies for geom in body.geoms if geom.visible]
         self._solid = np.array([isinstance(shape, Box) for shape in shapes], dtype=bool)
 
-    def sight(self, camera: Camera, edges: Edges, shot: Shot, texel: float) -> Sight:
-        """What the `camera`, in the world, may see within the `edges`.
+    def sight(self, camera: Camera, edges: ViewEdges, shot: Shot, texel: float) -> VisibleSet:
+        """Return the visible set of the world `camera` within `edges`.
 
-        `texel` is the width (m) of a texel of the sun's map.
+        `texel` is the width (m) of a texel of the shadow map.
         """
         boxes = self._boxes.placed(shot, camera.pose.position)
         planes = frustum(camera, edges)
         inside: Array = boxes.middle @ planes.T + boxes.reach(planes)
         drawn = np.all(inside > 0, axis=1)
         if not drawn.any():
-            return Sight(drawn, drawn)
+            return VisibleSet(drawn, drawn)
         height, reach = boxes.middle[:, 2], boxes.reach(_UP)[:, 0]
         bottom, top = height - reach, height + reach
         lowest = float(bottom[drawn].min())
-        fall = (top - lowest) / -self._sun[2] if self._sun[2] < -LOW else np.full(len(height), FAR)
+        fall = (top - lowest) / -self._sun[2] if self._sun[2] < -LOW_SUN else np.full(len(height), MAX_SHADOW_LENGTH)
         shaded = inside + np.maximum(planes @ self._sun, 0) * np.maximum(fall, 0)[:, None]
-        seen = np.all(shaded > -BLURRED * texel, axis=1)
-        return Sight(seen, seen & ~self._ground(bottom, top, drawn))
+        seen = np.all(shaded > -MAX_BLUR * texel, axis=1)
+        return VisibleSet(seen, seen & ~self._ground(bottom, top, drawn))
 
     def _ground(self, bottom: Array, top: Array, drawn: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Which boxes all else that is drawn stands on: they can shade nothing."""
+        """Return the boxes on which all other drawn shapes stand."""
         lowest = np.flatnonzero(drawn)[bottom[drawn].argmin()]
-        ground = drawn & self._solid & (np.abs(top - top[lowest]) <= SUNK)
-        above = bottom[drawn & ~ground].min(initial=np.inf) + SUNK
+        ground = drawn & self._solid & (np.abs(top - top[lowest]) <= MAX_SUNK)
+        above = bottom[drawn & ~ground].min(initial=np.inf) + MAX_SUNK
         return ground if ground[lowest] and top[lowest] <= above else np.zeros_like(ground)

@@ -1,6 +1,6 @@
-"""How an image lies on a geometry: once on each side, or repeated, so many times on a metre.
+"""Texture coordinates of geoms: one image per side, or repeated per metre.
 
-Texture coordinates are never negative, which TinyRenderer needs.
+Texture coordinates are never negative, which TinyRenderer requires.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ import numpy as np
 
 from wmspec.sim.scene.model import Array, Geom
 from wmspec.sim.shapes import Shape
-from wmspec.sim.shapes.facets import KEPT, Facets, tessellate
+from wmspec.sim.shapes.facets import MAX_CACHED_SHAPES, Facets, tessellate
 
 
 def texcoords(geom: Geom) -> Facets:
-    """The triangles of a geometry, with the texture coordinates at which its image is to be read."""
+    """Return the triangles of a geom with texture coordinates."""
     return _facets(geom.shape, geom.surface.repeats if geom.surface.texture is not None else None)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=MAX_CACHED_SHAPES)
 def _facets(shape: Shape, repeats: tuple[float, float] | None) -> Facets:
     facets = tessellate(shape)
     if repeats is None:
@@ -30,7 +30,7 @@ def _facets(shape: Shape, repeats: tuple[float, float] | None) -> Facets:
 
 
 def _positive(st: Array) -> Array:
-    """The same place of the image, at coordinates that aren't negative."""
+    """Return equivalent non-negative coordinates of a repeating image."""
     low = st.min(axis=0, initial=0.0)
     shifted: Array = st + [ceil(-value) for value in low.tolist()]
     return shifted

@@ -1,7 +1,7 @@
-"""From light to a picture: the curve of the photo look.
+"""The tone curve of the photo look.
 
-Of Khronos' "PBR Neutral" tone mapper (2024) this is the part that rolls off what is bright; what is darker than 0.76 of
-white keeps its colour exactly.
+The highlight roll-off of Khronos' "PBR Neutral" tone mapper (2024); values below 0.76 of white keep their colour
+exactly.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ START, DESATURATION = 0.76, 0.15
 
 
 def tonemap(light: Array) -> NDArray[np.uint8]:
-    """The bytes (h, w, 3) of linear light (h, w, 3), where 1 is a white surface that faces the sun."""
+    """Return the bytes (h, w, 3) of linear light (h, w, 3), where 1 is a white surface that faces the sun."""
     peak = light.max(axis=-1, keepdims=True)
     beyond = np.maximum(peak, START) - START
     rolled = 1 - (1 - START) ** 2 / (beyond + 1 - START)

@@ -1,8 +1,8 @@
-"""The codeless USD schemas `WmsEpisode`, `WmsAction` and `WmsObservation`; importing this registers them.
+"""The codeless USD schemas `WmsEpisode`, `WmsAction` and `WmsObservation`; importing this package registers them.
 
-USD reads its schemas once in a process, when the first stage is opened: import this before that, or they stay untyped.
-That is why this import, alone in wmspec, changes what the whole process shares: who opens a stage calls none of it.
-The reader does not mind, since it goes by type names and knows the fallbacks itself.
+USD reads schemas once per process, when the first stage is opened: import this before, or prims stay untyped. This is
+the only import of wmspec that changes process-wide state. The reader does not depend on it, because it uses type names
+and knows the fallbacks.
 """
 
 from pathlib import Path

@@ -1,6 +1,6 @@
-"""Lists for PyBullet, which never gives back two references to each list, and each list in it, that it is given.
+"""Reusable lists for PyBullet, which leaks two references to each list and inner list that it receives.
 
-So all calls are given the same inner lists, with other numbers in them: they exist once, and can't be lost again.
+All calls share the same inner lists with changing numbers, so the leak is bounded.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ _rows: dict[str, list[list[float]]] = {"vertices": [], "normals": [], "uvs": []}
 
 
 @contextmanager
-def lists(facets: Facets) -> Iterator[dict[str, list[list[float]] | list[int]]]:
-    """The arguments of `createVisualShape` for these triangles; valid until the context is left."""
+def shared_lists(facets: Facets) -> Iterator[dict[str, list[list[float]] | list[int]]]:
+    """Return arguments of `createVisualShape` for triangles; valid within the context."""
     arguments: dict[str, list[list[float]] | list[int]] = {
         "vertices": _fill("vertices", facets.points),
         "normals": _fill("normals", facets.normals),

@@ -1,9 +1,9 @@
-"""All figures, in the order in which the page shows them."""
+"""All figures, in page order."""
 
 from __future__ import annotations
 
 from wmspec.eval.report.figures import accuracy, analyses, choices
-from wmspec.eval.report.figures.style import Drawn, settings
+from wmspec.eval.report.figures.style import SvgFigure, settings
 from wmspec.eval.report.report import Report
 
 #: The figures of each section of the page.
@@ -16,7 +16,7 @@ SECTIONS = {
 }
 
 
-def figures(report: Report) -> dict[str, tuple[Drawn, ...]]:
-    """The figures of each section: those that the results allow."""
+def figures(report: Report) -> dict[str, tuple[SvgFigure, ...]]:
+    """Return the available figures of each section."""
     with settings():
         return {name: tuple(f for draw in draws for f in draw(report)) for name, draws in SECTIONS.items()}

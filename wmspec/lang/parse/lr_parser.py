@@ -1,4 +1,4 @@
-"""The machine that reads: a stack of states, driven word by word through the tables of the grammar."""
+"""LR parser: a stack of states, advanced token by token through the tables of the grammar."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 from wmspec.lang.parse.lexer import Token
 from wmspec.lang.parse.tables import Rule, tables
 
-#: What comes after the last word.
+#: Type of the token after the last one.
 END = "$END"
 
 
 class Tree(NamedTuple):
-    """A node of the parse tree: the rule that made it, its children (trees, words, None), and the text it spans."""
+    """A node of the parse tree: its rule, its children (trees, tokens, None), and its span."""
 
     rule: str
     children: list[Any]
@@ -21,36 +21,37 @@ class Tree(NamedTuple):
     end: int
 
 
-class Part(NamedTuple):
-    """What was read on the way to a state, with its place; nothing begins after everything and ends before it."""
+class Symbol(NamedTuple):
+    """A parsed symbol with its span; an empty symbol starts at infinity and ends at 0."""
 
     read: Any
     start: float
     end: int
 
 
-class Machine:
-    """Reads words until the end; `result` is then the tree of all."""
+class LRParser:
+    """Parses tokens until the end; `result` is then the tree of the whole input."""
 
     def __init__(self, start: str) -> None:
+        """`parts` has one item fewer than `states`."""
         self.tables = tables()
         self.last = self.tables.last[start]
         self.states = [self.tables.first[start]]
-        self.parts: list[Part] = []
+        self.parts: list[Symbol] = []
         """One less than states."""
         self.result: Tree | None = None
 
     def read(self, token: Token) -> bool:
-        """Take in a word; False if it cannot stand here, and then another may be tried."""
+        """Consume a token; return False, without a change of state, if it cannot follow."""
         states, parts = self.states, self.parts
         while (action := self.tables.states[states[-1]].get(token.type)) is not None:
             if action >= 0:
                 states.append(action)
-                parts.append(Part(token, token.start, token.end))
+                parts.append(Symbol(token, token.start, token.end))
                 return True
             rule = self.tables.rules[~action]
             if not rule.passes:
-                parts[len(parts) - rule.size :] = [_made(rule, parts[len(parts) - rule.size :])]
+                parts[len(parts) - rule.size :] = [_reduced(rule, parts[len(parts) - rule.size :])]
             del states[len(states) - rule.size :]
             states.append(self.tables.states[states[-1]][rule.origin])
             if token.type == END and states[-1] == self.last:
@@ -58,8 +59,8 @@ class Machine:
                 return True
         return False
 
-    def follow(self, kind: str) -> bool:
-        """As `read`, but only the state is kept of what is read; a word of this type is enough."""
+    def shift(self, kind: str) -> bool:
+        """Like `read` with a token type only; builds no tree."""
         states, moves = self.states, self.tables.states
         while (action := moves[states[-1]].get(kind)) is not None:
             if action >= 0:
@@ -72,8 +73,8 @@ class Machine:
                 return True
         return False
 
-    def takes(self, kind: str, depth: int | None = None) -> bool:
-        """Whether a word of a type could be read next, if only the first `depth` states were on the stack."""
+    def accepts(self, kind: str, depth: int | None = None) -> bool:
+        """Whether a token type could be read next, with only the first `depth` states on the stack."""
         left = len(self.states) if depth is None else depth
         pushed: list[int] = []
         while (action := self._next(pushed, left).get(kind)) is not None:
@@ -88,34 +89,34 @@ class Machine:
         return False
 
     def accepted(self) -> set[str]:
-        """The types of words that could be read next."""
-        return {kind for kind in self._next([], len(self.states)) if _is_word(kind) and self.takes(kind)}
+        """Return the token types that could be read next."""
+        return {kind for kind in self._next([], len(self.states)) if _is_terminal(kind) and self.accepts(kind)}
 
-    def unwind(self, *kinds: str) -> bool:
-        """Forget what was read last until words of these types could follow; nothing if they never could."""
+    def recover_to(self, *kinds: str) -> bool:
+        """Pop states until tokens of these types can follow; leave the stack unchanged if they never can."""
         for depth in range(len(self.states), 0, -1):
-            if self.takes(kinds[0], depth) and self._follows(kinds, depth):
+            if self.accepts(kinds[0], depth) and self._can_follow(kinds, depth):
                 del self.states[depth:], self.parts[depth - 1 :]
                 return True
         return False
 
-    def _follows(self, kinds: tuple[str, ...], depth: int) -> bool:
+    def _can_follow(self, kinds: tuple[str, ...], depth: int) -> bool:
         if len(kinds) == 1:
             return True
         other = copy(self)
         other.states = self.states[:depth]
-        return all(other.follow(kind) for kind in kinds)
+        return all(other.shift(kind) for kind in kinds)
 
     def _next(self, pushed: list[int], left: int) -> dict[str, int]:
         return self.tables.states[pushed[-1] if pushed else self.states[left - 1]]
 
 
-def _is_word(symbol: str) -> bool:
+def _is_terminal(symbol: str) -> bool:
     return symbol.isupper() or symbol == END
 
 
-def _made(rule: Rule, parts: list[Part]) -> Part:
-    """What a rule makes of the parts read last."""
+def _reduced(rule: Rule, parts: list[Symbol]) -> Symbol:
+    """Return the part that a rule builds from the last parts."""
     start = min([part.start for part in parts], default=float("inf"))
     end = max([part.end for part in parts], default=0)
     children: list[Any] = []
@@ -128,5 +129,5 @@ def _made(rule: Rule, parts: list[Part]) -> Part:
         else:
             children.append(parts[position].read)
     if rule.collapses and len(children) == 1:
-        return Part(children[0], start, end)
-    return Part(Tree(rule.name, children, int(min(start, end)), end), start, end)
+        return Symbol(children[0], start, end)
+    return Symbol(Tree(rule.name, children, int(min(start, end)), end), start, end)

@@ -1,4 +1,4 @@
-"""The values of a spec's properties for one assignment of its factors, worked out when asked for and once."""
+"""Evaluates the properties of a spec for one assignment of its factors, lazily and once each."""
 
 from __future__ import annotations
 
@@ -10,33 +10,33 @@ from typing import Any, TypeVar, cast
 from wmspec.compile.layout import functions, placement
 from wmspec.compile.layout.surfaces import Spot
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.limits import SECONDS
+from wmspec.core.limits import EPISODE_SECONDS
 from wmspec.core.places import Location
 from wmspec.core.space import Pose, Vector
 from wmspec.lang.check.ir.evaluate import NoValue, evaluate
-from wmspec.lang.check.ir.ir import Counterfactual, Expr, TaskSpec, Thing, Value
+from wmspec.lang.check.ir.ir import Counterfactual, Entity, Expr, TaskSpec, Value
 from wmspec.lang.check.tables import colors
 from wmspec.lang.check.tables.verbs import VERBS
-from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MOST_LENGTH, PROPERTIES, Slot
+from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MAX_LENGTH, PROPERTIES, PropertySpec
 from wmspec.lang.check.types.types import A_LENGTH, A_TIME, POINT2, POINT3
-from wmspec.lang.check.types.units import LENGTH, told
+from wmspec.lang.check.types.units import LENGTH, format_quantity
 from wmspec.sim.materials import MATERIALS
 
 T = TypeVar("T")
 
-#: What a part takes from its object when it does not say it itself.
+#: Properties that a part inherits from its object.
 INHERITED = ("color", "material", "image", "repeats", "roughness", "metallic")
-#: Gravity where no world says otherwise, m/s².
-EARTH = 9.81
+#: Default gravity, m/s².
+EARTH_GRAVITY = 9.81
 _LENGTHS = frozenset((A_LENGTH, POINT2, POINT3))
-_MOMENT = Slot((A_TIME,), "", least=0)
+_MOMENT = PropertySpec((A_TIME,), "", least=0)
 
 
-class Values:
-    """An environment for `evaluate`: the design's side of the language, without anything measured.
+class Evaluator:
+    """An environment for `evaluate` without measurements: the design's side of the language.
 
-    `change` is the counterfactual under which to look at the world, if any; `own` are the levels without it. `key` is
-    what every draw begins with: those of the places of scattered objects.
+    `change` is the counterfactual to apply, if any. `own` are the levels without it. `key` is the prefix of random
+    draws, used for scattered objects.
     """
 
     def __init__(
@@ -58,39 +58,39 @@ class Values:
         self._open: set[tuple[str, str]] = set()
 
     @cached_property
-    def truth(self) -> Values:
-        """The same without the counterfactual."""
-        return Values(self.spec, self.own, None, self.key) if self.change else self
+    def truth(self) -> Evaluator:
+        """The same values without the counterfactual."""
+        return Evaluator(self.spec, self.own, None, self.key) if self.change else self
 
     # ------------------------------------------------------------ the environment
 
     def ref(self, name: str) -> Any:
-        """A factor, nuisance or `let`, or `end`, the end of the episode."""
+        """Return a factor, nuisance or `let`, or `end`, the end of the episode."""
         if name in self.assignment:
             return self.assignment[name]
-        return self.once(("", name), lambda: self._named(name))
+        return self.memoized(("", name), lambda: self._named(name))
 
     def during(self, time: float) -> bool:
         """Whether a time (s) is within the episode."""
         return -1e-9 <= time <= self.end + 1e-9
 
     def property(self, owner: str, name: str) -> object:
-        """The value of a property or argument, of any kind. Raises WmsError with its place if it is impossible."""
+        """Return a property or argument of any type. Raises WmsError with its location if it is invalid."""
         key = (owner, name)
         if key in self._known:
             return self._known[key]
         setting = self._things[owner].properties.get(name)
         if setting is None or owner in self._changed or not isinstance(setting.value, Value):
-            return self.once(key, lambda: self._value(owner, name))
-        constant = setting.value.value  # most are, and need no more than this
+            return self.memoized(key, lambda: self._value(owner, name))
+        constant = setting.value.value  # fast path for constants
         self._check(self._things[owner], name, constant, setting.place)
         self._known[key] = constant
         return constant
 
-    # The same by kind. The checker has seen to the kinds, so a TypeError from here is a mistake of wmspec's own.
+    # Typed accessors. The checker guarantees the types, so a TypeError here is a bug in wmspec.
 
     def number(self, owner: str, name: str) -> float:
-        """A property that is a number, in SI units."""
+        """Return a numeric property, in SI units."""
         value = self.property(owner, name)
         if isinstance(value, float):
             return value
@@ -99,79 +99,79 @@ class Values:
         raise _mismatch(owner, name, value, "a number")
 
     def flag(self, owner: str, name: str) -> bool:
-        """A property that is true or false."""
+        """Return a boolean property."""
         value = self.property(owner, name)
         if isinstance(value, bool):
             return value
         raise _mismatch(owner, name, value, "true or false")
 
     def text(self, owner: str, name: str) -> str:
-        """A property that is a text, or a word of a vocabulary such as a shape or a colour."""
+        """Return a property that is a text, or a word of a vocabulary such as a shape or a colour."""
         value = self.property(owner, name)
         if isinstance(value, str):
             return value
         raise _mismatch(owner, name, value, "a text")
 
     def reference(self, owner: str, name: str) -> str:
-        """A property that refers to a thing of the spec: its name."""
+        """Return the name of the entity that a property refers to."""
         value = self.property(owner, name)
         if isinstance(value, str):
             return value
-        raise _mismatch(owner, name, value, "the name of a thing")
+        raise _mismatch(owner, name, value, "the name of an entity")
 
     def references(self, owner: str, name: str) -> tuple[str, ...]:
-        """A property that refers to several things of the spec: their names."""
+        """Return the names of the entities that a property refers to."""
         value = self.property(owner, name)
         if isinstance(value, tuple) and all(isinstance(each, str) for each in value):
             return value
-        raise _mismatch(owner, name, value, "names of things")
+        raise _mismatch(owner, name, value, "names of entities")
 
     def pair(self, owner: str, name: str) -> tuple[float, float]:
-        """A property that is two numbers, in SI units."""
+        """Return a property with two numbers, in SI units."""
         value = self.property(owner, name)
         if isinstance(value, tuple) and len(value) == 2:
             return value
         raise _mismatch(owner, name, value, "two numbers")
 
     def vector(self, owner: str, name: str) -> Vector:
-        """A property that is three numbers, in SI units."""
+        """Return a property with three numbers, in SI units."""
         value = self.property(owner, name)
         if isinstance(value, tuple) and len(value) == 3:
             return value
         raise _mismatch(owner, name, value, "three numbers")
 
     def points(self, owner: str, name: str) -> tuple[tuple[float, ...], ...]:
-        """A property that is a list of pairs or vectors, in SI units."""
+        """Return a property that is a list of pairs or vectors, in SI units."""
         value = self.property(owner, name)
         if isinstance(value, tuple) and all(isinstance(each, tuple) for each in value):
             return value
         raise _mismatch(owner, name, value, "a list of points")
 
     def spot(self, owner: str, name: str = "at") -> Spot:
-        """A property that is a point or a place on the ground."""
+        """Return a property that is a point or a place on the ground."""
         value = self.property(owner, name)
         if isinstance(value, tuple) and 2 <= len(value) <= 3:
             return value
         raise _mismatch(owner, name, value, "a place")
 
     def direction(self, owner: str, name: str = "direction") -> float | str:
-        """A property that is a heading: an angle (rad), or a word such as `left`."""
+        """Return a property that is a heading: an angle (rad), or a word such as `left`."""
         value = self.property(owner, name)
         if isinstance(value, float | int | str):
             return value
         raise _mismatch(owner, name, value, "a direction")
 
     def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:
-        """A function of the design."""
+        """Return the value of a design function."""
         return functions.call(self, function, arguments, options)
 
-    def once(self, key: tuple[str, str], make: Callable[[], T]) -> T:
-        """What is worked out only once; `key` is its owner and name. Raises WmsError if it needs itself."""
+    def memoized(self, key: tuple[str, str], make: Callable[[], T]) -> T:
+        """Return the cached value of `make`; `key` is its owner and name. Raises WmsError if it depends on itself."""
         if key not in self._known:
             owner, name = key
             if key in self._open:
                 named = f"{owner}.{name}" if owner else name
-                raise ImpossibleValue(f"`{named}` depends on itself", self.place(owner) if owner else None)
+                raise ImpossibleValue(f"`{named}` depends on itself", self.source_location(owner) if owner else None)
             self._open.add(key)
             try:
                 self._known[key] = make()
@@ -182,39 +182,41 @@ class Values:
     # ------------------------------------------------------------ what there is
 
     def has(self, owner: str, name: str) -> bool:
-        """Whether a property is set: by the spec, its default, the counterfactual, or for a part by its object."""
+        """Whether a property is set by the spec, its default, the counterfactual, or for a part by its object."""
         thing, change = self._things[owner], self.change
         if name in thing.properties or (change and (change.owner, change.property) == (owner, name)):
             return True
         return thing.kind == "part" and name in INHERITED and self.has(thing.of, name)
 
-    def place(self, owner: str, name: str = "") -> Location:
-        """Where a thing, or one of its properties, stands in the text."""
+    def source_location(self, owner: str, name: str = "") -> Location:
+        """Return the source location of an entity or of one of its properties."""
         thing = self._things[owner]
         return thing.properties[name].place if name in thing.properties else thing.place
 
     def parts(self, owner: str) -> tuple[str, ...]:
-        """The names of an object's parts, such as `rack.left`."""
+        """Return the names of an object's parts, such as `rack.left`."""
         return self._parts.get(owner, ())
 
-    def there(self, name: str) -> bool:
-        """Whether an object or action is there at all; an action needs its object, and may be left out."""
+    def is_present(self, name: str) -> bool:
+        """Whether an object or action is present; an action needs its object, and a counterfactual may omit it."""
         thing = self._things[name]
         if thing.kind == "action":
             change = self.change
             about = change is not None and change.owner == name
             happens = about if thing.added else not (about and change is not None and change.change == "without")
-            return happens and ("object" not in thing.properties or self.there(self.reference(name, "object")))
+            return happens and ("object" not in thing.properties or self.is_present(self.reference(name, "object")))
         return "present" not in thing.properties or self.flag(name, "present")
 
     def ends(self, joint: str) -> tuple[str, ...]:
-        """The objects that a joint joins: two, or one that it joins to the world."""
+        """Return the objects that a joint connects: two, or one that it connects to the world."""
         return tuple(self.reference(joint, end) for end in ("of", "to") if self.has(joint, end))
 
-    def acting(self, verb: str, owner: str) -> list[Thing]:
-        """The actions of a verb that are done to an object."""
+    def actions_on(self, verb: str, owner: str) -> list[Entity]:
+        """Return the actions of a verb on an object."""
         return [
-            a for a in self._actions.get(verb, ()) if self.reference(a.name, "object") == owner and self.there(a.name)
+            a
+            for a in self._actions.get(verb, ())
+            if self.reference(a.name, "object") == owner and self.is_present(a.name)
         ]
 
     @cached_property
@@ -226,18 +228,18 @@ class Values:
         return parts
 
     @cached_property
-    def assets(self) -> dict[str, tuple[Thing, ...]]:
-        """The links and joints of every asset, without its base, by the name of that."""
-        assets: dict[str, tuple[Thing, ...]] = {}
+    def assets(self) -> dict[str, tuple[Entity, ...]]:
+        """Links and joints of every asset without its base, by the name of the base."""
+        assets: dict[str, tuple[Entity, ...]] = {}
         for thing in self.spec.things:
             if thing.kind in ("object", "joint") and thing.of:
                 assets[thing.of] = (*assets.get(thing.of, ()), thing)
         return assets
 
     @cached_property
-    def _actions(self) -> dict[str, list[Thing]]:
-        """The actions on objects by their verbs, without those of robots."""
-        actions: dict[str, list[Thing]] = {}
+    def _actions(self) -> dict[str, list[Entity]]:
+        """Actions on objects by verb, without those of robots."""
+        actions: dict[str, list[Entity]] = {}
         for thing in self.spec.things:
             if thing.kind == "action" and not thing.of:
                 actions.setdefault(thing.verb, []).append(thing)
@@ -245,33 +247,33 @@ class Values:
 
     @cached_property
     def world(self) -> str | None:
-        """The name of the world, if the spec says anything about it."""
+        """Name of the world, or None if the spec does not declare one."""
         return next((t.name for t in self.spec.things if t.kind == "world"), None)
 
     @cached_property
     def gravity(self) -> float:
-        """The acceleration of free fall, m/s²."""
-        return self.number(self.world, "gravity") if self.world else EARTH
+        """Gravitational acceleration, m/s²."""
+        return self.number(self.world, "gravity") if self.world else EARTH_GRAVITY
 
     @cached_property
     def end(self) -> float:
-        """When the episode ends (s)."""
+        """End of the episode (s)."""
         return float(self.ref("end"))
 
     # ------------------------------------------------------------ where things are
 
     def pose(self, owner: str) -> Pose:
-        """Where an object is in the world at the start. What rests on something touches it exactly."""
-        return self.once((owner, "pose"), lambda: placement.pose(self, owner))
+        """Return the initial pose of an object in the world. A supported object touches its support exactly."""
+        return self.memoized((owner, "pose"), lambda: placement.pose(self, owner))
 
     # ------------------------------------------------------------ working a value out
 
     def _named(self, name: str) -> Any:
         if name == "end":
             end: float = evaluate(self.spec.horizon, self)
-            if end > SECONDS.most:
+            if end > EPISODE_SECONDS.most:
                 place = self.spec.observations[0].place if self.spec.observations else None
-                raise ImpossibleValue(f"the episode {SECONDS.sentence} here", place, SECONDS.help)
+                raise ImpossibleValue(f"the episode {EPISODE_SECONDS.sentence} here", place, EPISODE_SECONDS.help)
             return end
         let = self._lets[name]
         return _evaluate(let.value, self, let.place)
@@ -282,7 +284,10 @@ class Values:
         if change is not None and change.change == "order" and name == "start":
             return self._turn(change, owner)
         if change is not None and change.value is not None and (change.owner, change.property) == (owner, name):
-            place, value = change.place, _evaluate(change.value, self.truth, change.place)  # said in terms of what was
+            place, value = (
+                change.place,
+                _evaluate(change.value, self.truth, change.place),
+            )  # in terms of the truth
         elif setting is not None:
             place, value = setting.place, _evaluate(setting.value, self, setting.place)
         elif thing.kind == "part" and name in INHERITED and self.has(thing.of, name):
@@ -290,40 +295,40 @@ class Values:
         elif name in BY_MATERIAL:
             return self._of_material(owner, name)
         else:
-            raise ImpossibleValue(f"`{owner}` does not say its {name}", thing.place)
+            raise ImpossibleValue(f"`{owner}` has no {name}", thing.place)
         self._check(thing, name, value, place)
         return value
 
-    def _check(self, thing: Thing, name: str, value: Any, place: Location) -> None:
-        """Complain about numbers that are out of bounds."""
+    def _check(self, thing: Entity, name: str, value: Any, place: Location) -> None:
+        """Raise WmsError for numbers that are out of bounds."""
         if isinstance(value, str | bool):
             return
-        slot = _slot(thing, name)
+        slot = _property_spec(thing, name)
         for number in value if isinstance(value, tuple) else (value,):
-            if isinstance(number, float) and (fault := _fault(number, slot)):
+            if isinstance(number, float) and (fault := _violation(number, slot)):
                 raise ImpossibleValue(f"`{name}` of `{thing.name}` is {fault}", place)
 
     def _of_material(self, owner: str, name: str) -> Any:
-        """What an object's material decides; a picture on it keeps its own colours."""
+        """Return a property derived from an object's material; an image keeps its own colours."""
         if name != "color":
             return getattr(MATERIALS[self.text(owner, "material")], name)
-        return colors.word(
+        return colors.color_word(
             (1.0, 1.0, 1.0) if self.has(owner, "image") else MATERIALS[self.text(owner, "material")].color
         )
 
     def _turn(self, change: Counterfactual, owner: str) -> Any:
-        """When an action starts if two have exchanged their turns; all others keep their time.
+        """Return the start of an action under a counterfactual that swaps the order of two; others keep theirs.
 
-        The later one takes the start of the earlier one, which now ends when the later one would have.
+        The later one takes the start of the earlier one, which then ends when the later one would have.
         """
         start = self.truth.number(owner, "start")
         if owner not in (change.owner, change.property):
             return start
         early, late = sorted((change.owner, change.property), key=lambda a: self.truth.number(a, "start"))
         first, second = self.truth.number(early, "start"), self.truth.number(late, "start")
-        return first if owner == late else second + self._lasts(late) - self._lasts(early)
+        return first if owner == late else second + self._duration(late) - self._duration(early)
 
-    def _lasts(self, action: str) -> float:
+    def _duration(self, action: str) -> float:
         return self.truth.number(action, "duration") if self.has(action, "duration") else 0.0
 
 
@@ -331,25 +336,25 @@ def _mismatch(owner: str, name: str, value: object, kind: str) -> TypeError:
     return TypeError(f"`{owner}.{name}` is {value!r}, which is not {kind}: read it with the accessor of its kind")
 
 
-def _evaluate(expr: Expr, values: Values, place: Location) -> Any:
+def _evaluate(expr: Expr, values: Evaluator, place: Location) -> Any:
     try:
         return evaluate(expr, values)
     except NoValue as error:
         raise ImpossibleValue(str(error), place) from None
 
 
-def _fault(number: float, slot: Slot | None) -> str:
-    """What a number is and must not be; empty if it is within bounds."""
-    if slot and (wanted := slot.fault(number)):
-        return f"{told(number, slot.dimension)} here; it must be {wanted}"
+def _violation(number: float, slot: PropertySpec | None) -> str:
+    """Return how a number violates its bounds, or an empty string."""
+    if slot and (expected := slot.violation(number)):
+        return f"{format_quantity(number, slot.dimension)} here; it must be {expected}"
     if not math.isfinite(number):
         return "not finite"
-    if abs(number) > MOST_LENGTH and slot and _LENGTHS.intersection(slot.types):
-        return f"{told(number, LENGTH)} here; the most is {told(MOST_LENGTH, LENGTH)}"
+    if abs(number) > MAX_LENGTH and slot and _LENGTHS.intersection(slot.types):
+        return f"{format_quantity(number, LENGTH)} here; the most is {format_quantity(MAX_LENGTH, LENGTH)}"
     return ""
 
 
-def _slot(thing: Thing, name: str) -> Slot | None:
+def _property_spec(thing: Entity, name: str) -> PropertySpec | None:
     if thing.kind != "action":
         return PROPERTIES[thing.kind].get(name)
     if name in ("start", "duration"):

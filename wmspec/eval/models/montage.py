@@ -1,4 +1,4 @@
-"""Several pictures as one: a sheet with labels, or a film."""
+"""Several pictures as one: a labelled sheet, or a video."""
 
 from __future__ import annotations
 
@@ -9,37 +9,37 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw, ImageFont
 
-from wmspec.core.safe_io import picture
+from wmspec.core.safe_io import load_image
 from wmspec.dataset.build import typeset, video
 
 _LABEL, _GAP, _MARGIN = 26, 12, 16
-#: Pictures a second of a film.
-RATE = 2.0
+#: Frame rate of a video (Hz).
+VIDEO_RATE = 2.0
 
 
 def montage(rows: Sequence[Sequence[tuple[str, bytes]]]) -> bytes:
-    """Rows of pictures (PNG), each under its label, on one sheet (PNG) at their own size."""
+    """Return rows of labelled pictures (PNG) as one sheet (PNG) at original size."""
     out = io.BytesIO()
-    drawn = [[(label, opened(png)) for label, png in row] for row in rows if row]
+    drawn = [[(label, decode_image(png)) for label, png in row] for row in rows if row]
     typeset.grid(drawn, _label, _GAP, _MARGIN).save(out, "PNG", compress_level=1)
     return out.getvalue()
 
 
 def _label(text: str, width: int) -> Image.Image:
-    """In the face that comes with Pillow: the sheet is the same whatever fonts a machine has."""
+    """Return a label in Pillow's built-in font, so that the sheet does not depend on installed fonts."""
     paper = typeset.blank(width, round(1.2 * _LABEL))
     ImageDraw.Draw(paper).text((0, 0), text, fill=typeset.BLACK, font=ImageFont.load_default(_LABEL))
     return paper
 
 
-def clip(pictures: Sequence[bytes]) -> bytes:
-    """Pictures (PNG) as an mp4, `RATE` a second. Raises WmsError if `imageio-ffmpeg` is missing."""
+def encode_video(pictures: Sequence[bytes]) -> bytes:
+    """Return pictures (PNG) as an mp4 at `VIDEO_RATE` Hz. Raises WmsError if `imageio-ffmpeg` is missing."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "clip.mp4"
-        video.mp4([opened(png) for png in pictures], RATE, path)
+        video.mp4([decode_image(png) for png in pictures], VIDEO_RATE, path)
         return path.read_bytes()
 
 
-def opened(png: bytes) -> Image.Image:
-    """A picture of a dataset, in colours."""
-    return picture(png, "PNG").convert("RGB")
+def decode_image(png: bytes) -> Image.Image:
+    """Decode a picture (RGB)."""
+    return load_image(png, "PNG").convert("RGB")

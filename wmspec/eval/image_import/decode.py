@@ -1,4 +1,4 @@
-"""Photographs and clips: checked, turned upright, brought to sRGB and to a size, and encoded without metadata."""
+"""Photographs and clips: validated, turned upright, converted to sRGB, resized, and encoded without metadata."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from PIL import Image, ImageCms, ImageOps
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.limits import PIXELS
-from wmspec.core.safe_io import inside
+from wmspec.core.safe_io import is_within
 
-#: The endings of files that are read: pictures, and clips. A picture that moves (GIF, WebP, PNG) is a clip too.
-STILLS = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".gif")
-CLIPS = (".mp4", ".mov", ".webm", ".mkv", ".avi")
-#: What these are to Pillow, and to FFmpeg: a file is read as nothing else, whatever it looks like inside.
+#: File suffixes of pictures and clips. Animated pictures (GIF, WebP, PNG) count as clips too.
+STILL_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".gif")
+CLIP_SUFFIXES = (".mp4", ".mov", ".webm", ".mkv", ".avi")
+#: Permitted formats of Pillow and FFmpeg; others are refused.
 _STILL_FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")
 _CLIP_FORMATS = ["-protocol_whitelist", "file", "-format_whitelist", "mov,matroska,webm,avi"]
-#: The least side of a picture (px).
-LEAST = 16
+#: Minimum side of a picture (px).
+MIN_SIDE = 16
 
 Pixels = NDArray[np.uint8]
 
 
-class Pictures:
-    """The pictures of a folder, none with a side longer than `size` (px)."""
+class PictureFolder:
+    """The pictures of a folder, scaled down to sides of at most `size` (px)."""
 
     def __init__(self, folder: Path, size: int) -> None:
         self._folder, self._size = folder, size
@@ -39,39 +39,43 @@ class Pictures:
 
     @property
     def unused(self) -> tuple[str, ...]:
-        """The names of pictures and clips in the folder that nothing has asked for."""
-        return tuple(n for n, p in self._names.items() if n not in self.used and p.suffix.lower() in (*STILLS, *CLIPS))
+        """The names of pictures and clips that were never requested."""
+        return tuple(
+            n
+            for n, p in self._names.items()
+            if n not in self.used and p.suffix.lower() in (*STILL_SUFFIXES, *CLIP_SUFFIXES)
+        )
 
     def moves(self, name: str) -> bool:
         """Whether a file is a picture with several frames."""
         path = self._names.get(name)
-        if path is None or path.suffix.lower() not in STILLS or not inside(self._folder, path):
+        if path is None or path.suffix.lower() not in STILL_SUFFIXES or not is_within(self._folder, path):
             return False
         try:
-            with _explained(name), _opened(path) as picture:
+            with _with_remedies(name), _open_image(path) as picture:
                 return bool(getattr(picture, "n_frames", 1) > 1 and picture.format != "TIFF")
         except WmsError:
             return False
 
     def digest(self, name: str) -> bytes:
-        """What two photographs have in common exactly if they look the same to the pixel."""
+        """Return a hash that is equal for two photographs exactly if their pixels are."""
         pixels = self.still(name)
         return hashlib.sha256(repr(pixels.shape).encode() + pixels.tobytes()).digest()
 
     def still(self, name: str) -> Pixels:
-        """A photograph (h, w, 3). Raises WmsError if it is not there or cannot be shown."""
-        path = self._path(name, STILLS)
-        with _explained(name), _opened(path) as picture:
+        """Return a photograph (h, w, 3). Raises WmsError if it is missing or unreadable."""
+        path = self._path(name, STILL_SUFFIXES)
+        with _with_remedies(name), _open_image(path) as picture:
             pixels = self._ready(picture, name)
         return pixels
 
     def frames(self, name: str, count: int) -> tuple[list[Pixels], list[float]]:
-        """So many pictures of a clip (h, w, 3), from the first to the last evenly, and their times (s).
+        """Return `count` evenly spaced frames of a clip (h, w, 3), including first and last, and their times (s).
 
-        Raises WmsError if it is not there or cannot be shown, if it has fewer, or if what reads it is not installed.
+        Raises WmsError if the clip is missing or unreadable, has fewer frames, or if the decoder is not installed.
         """
-        path = self._path(name, (*STILLS, *CLIPS))
-        if path.suffix.lower() in STILLS:
+        path = self._path(name, (*STILL_SUFFIXES, *CLIP_SUFFIXES))
+        if path.suffix.lower() in STILL_SUFFIXES:
             return self._animated(path, name, count)
         return self._film(path, name, count)
 
@@ -89,37 +93,37 @@ class Pictures:
                 f"there is no `{name}` in {self._folder}", help=remedy or "put it there, or correct the name"
             )
         path = self._names[name]
-        if not inside(self._folder, path):
+        if not is_within(self._folder, path):
             raise WmsError(f"`{name}` is a link that leads out of the folder", help="put the file itself there")
         if path.suffix.lower() not in endings:
-            raise WmsError(
-                f"`{name}` is no kind of picture that can be read", help=f"save it as one of {', '.join(endings)}"
-            )
+            raise WmsError(f"`{name}` has an unsupported format", help=f"save it as one of {', '.join(endings)}")
         self.used.add(name)
         return path
 
     def _ready(self, picture: Image.Image, name: str) -> Pixels:
-        """A picture as its pixels (h, w, 3): upright, in sRGB, on white, no larger than wanted."""
-        if min(picture.size) < LEAST:
+        """Return the pixels of a picture (h, w, 3): upright, in sRGB, on white, at most the maximum size."""
+        if min(picture.size) < MIN_SIDE:
             wide, high = picture.size
-            raise WmsError(f"`{name}` has {wide} × {high} pixels", help=f"give a picture of at least {LEAST} × {LEAST}")
-        picture.draft("RGB", (2 * self._size, 2 * self._size))  # JPEGs are read smaller, which is quicker
+            raise WmsError(
+                f"`{name}` has {wide} × {high} pixels", help=f"give a picture of at least {MIN_SIDE} × {MIN_SIDE}"
+            )
+        picture.draft("RGB", (2 * self._size, 2 * self._size))  # decodes JPEGs at reduced size, which is faster
         profile = picture.info.get("icc_profile")
         upright = ImageOps.exif_transpose(picture)
-        colored = _opaque(upright)
+        colored = _flatten(upright)
         if profile and upright.mode in ("RGB", "RGBA"):
-            colored = _in_srgb(colored, profile)
+            colored = _to_srgb(colored, profile)
         colored.thumbnail((self._size, self._size), Image.Resampling.LANCZOS)
         return np.asarray(colored, np.uint8)
 
     def _animated(self, path: Path, name: str, count: int) -> tuple[list[Pixels], list[float]]:
-        with _explained(name), _opened(path) as picture:
+        with _with_remedies(name), _open_image(path) as picture:
             total = int(getattr(picture, "n_frames", 1))
-            wanted = set(_evenly(name, total, count))
+            selected = set(_even_indices(name, total, count))
             pixels, times, now = [], [], 0.0
             for number in range(total):
                 picture.seek(number)
-                if number in wanted:
+                if number in selected:
                     pixels.append(self._ready(picture.copy(), name))
                     times.append(now)
                 now += picture.info.get("duration", 100) / 1000
@@ -139,22 +143,26 @@ class Pictures:
             if wide * high > PIXELS.most:
                 raise _too_large(name)
             total, _ = imageio_ffmpeg.count_frames_and_secs(str(path))
-            wanted = set(_evenly(name, total, count))
-            frames = ((n, Image.frombytes("RGB", (wide, high), frame)) for n, frame in enumerate(reader) if n in wanted)
-            shown = [(n, self._ready(picture, name)) for n, picture in frames]  # small, before the next one comes
+            selected = set(_even_indices(name, total, count))
+            frames = (
+                (n, Image.frombytes("RGB", (wide, high), frame)) for n, frame in enumerate(reader) if n in selected
+            )
+            shown = [
+                (n, self._ready(picture, name)) for n, picture in frames
+            ]  # scale each frame before decoding the next
             return [pixels for _, pixels in shown], [round(n / rate, 3) for n, _ in shown]
         except (OSError, RuntimeError, ValueError, LookupError, ArithmeticError, StopIteration):
             raise WmsError(f"`{name}` cannot be read", help="save the clip again, as .mp4") from None
 
 
-def _evenly(name: str, total: int, count: int) -> Iterator[int]:
+def _even_indices(name: str, total: int, count: int) -> Iterator[int]:
     if total < count:
         raise WmsError(f"`{name}` has {total} pictures, {count} are wanted", help=f"write at most {total} in `frames`")
     yield from (round(i) for i in np.linspace(0, total - 1, count))
 
 
-def _opened(path: Path) -> Image.Image:
-    """A picture, not read yet. Raises OSError and others, which `_explained` explains."""
+def _open_image(path: Path) -> Image.Image:
+    """Open a picture without decoding it. Raises OSError and others, see `_with_remedies`."""
     picture = Image.open(path, "r", _STILL_FORMATS)
     if picture.width * picture.height > PIXELS.most:
         raise Image.DecompressionBombError
@@ -166,11 +174,11 @@ def _too_large(name: str) -> WmsError:
 
 
 @contextmanager
-def _explained(name: str) -> Iterator[None]:
-    """Turn what goes wrong when a picture is read into a WmsError."""
+def _with_remedies(name: str) -> Iterator[None]:
+    """Turn errors of decoding into a WmsError."""
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # twice as many pixels are an error
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # Pillow raises an error at twice the limit
             yield
     except Image.DecompressionBombError:
         raise _too_large(name) from None
@@ -178,8 +186,8 @@ def _explained(name: str) -> Iterator[None]:
         raise WmsError(f"`{name}` cannot be read: it is damaged, or no picture", help="save it again") from None
 
 
-def _opaque(picture: Image.Image) -> Image.Image:
-    """In RGB, what is transparent on white; 16-bit greys become 8-bit ones."""
+def _flatten(picture: Image.Image) -> Image.Image:
+    """Return a picture in RGB, on white where transparent; 16-bit greys become 8-bit ones."""
     if picture.mode.startswith("I"):
         grey = np.asarray(picture, np.float64)
         picture = Image.fromarray((grey / (257 if grey.max() > 255 else 1)).astype(np.uint8))
@@ -189,8 +197,8 @@ def _opaque(picture: Image.Image) -> Image.Image:
     return picture.convert("RGB")
 
 
-def _in_srgb(picture: Image.Image, profile: bytes) -> Image.Image:
-    """In sRGB. A profile that cannot be read is as good as none."""
+def _to_srgb(picture: Image.Image, profile: bytes) -> Image.Image:
+    """Return a picture in sRGB; an unreadable profile is ignored."""
     try:
         source = ImageCms.ImageCmsProfile(io.BytesIO(profile))
         return ImageCms.profileToProfile(picture, source, ImageCms.createProfile("sRGB"), outputMode="RGB") or picture

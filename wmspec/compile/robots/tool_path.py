@@ -1,4 +1,4 @@
-"""The way of a tool as legs, each with the minimum jerk, and the joints along it."""
+"""Tool paths of minimum-jerk segments, and the joint trajectories that follow them."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ import numpy as np
 from wmspec.compile.robots.arm import Arm, Array
 from wmspec.compile.robots.ik import rotation_vector, solve
 
-KNOTS = 20  # Hz: a cubic spline through so many knots is off by .05 mm at most
-DIGITS = 6  # of a knot, rad or m: the same whatever processor computes them
-FAST = 0.95  # of the joints' greatest speeds
-NEARER = "place what it handles nearer to the arm, or let the hand go less far or less high"
+KNOT_RATE = 20  # Hz: the cubic spline errs by at most 0.05 mm
+KNOT_DECIMALS = 6  # of knots (rad or m), for equal results on every processor
+MAX_SPEED_SHARE = 0.95  # of the joints' speed limits
+OUT_OF_REACH_REMEDY = "place what it handles nearer to the arm, or let the hand go less far or less high"
 
 
 @dataclass(frozen=True)
-class Leg:
-    """Until `until` (s) the tool goes the way `tool`, of 0..1, and the fingers open or close to `width` (m)."""
+class ToolSegment:
+    """A segment that ends at `until` (s): the tool follows `tool` (0..1), the fingers reach `width` (m)."""
 
     until: float
     tool: Callable[[float], Array]
@@ -27,7 +27,7 @@ class Leg:
 
 
 class OutOfReachError(ValueError):
-    """No joint angles bring the tool there, `after` (s) of its way, or not so fast; and what helps."""
+    """The tool pose is unreachable, `after` (s) of its path, or too fast; with a remedy."""
 
     def __init__(self, message: str, help: str = "", after: float | None = None) -> None:
         super().__init__(message)
@@ -35,42 +35,45 @@ class OutOfReachError(ValueError):
 
 
 def straight(a: Array, b: Array) -> Callable[[float], Array]:
-    """The straight way from one place of the tool to another, turning evenly."""
+    """Return the straight path between two tool poses, with even rotation."""
     axis = rotation_vector(b[:3, :3] @ a[:3, :3].T)
 
     def way(s: float) -> Array:
         place = np.eye(4)
         place[:3, 3] = (1 - s) * a[:3, 3] + s * b[:3, 3]
-        place[:3, :3] = spun(s * axis) @ a[:3, :3]
+        place[:3, :3] = rotation_matrix(s * axis) @ a[:3, :3]
         return place
 
     return way
 
 
 def stay(a: Array) -> Callable[[float], Array]:
-    """No way at all."""
+    """Return a path that stays at a pose."""
     return lambda _s: a
 
 
 def smooth(s: float) -> float:
-    """Minimum jerk, from 0..1 to 0..1 (T. Flash and N. Hogan, 1985)."""
+    """Return the minimum-jerk profile, from 0..1 to 0..1 (T. Flash and N. Hogan, 1985)."""
     s = min(max(s, 0.0), 1.0)
     return s**3 * (10 - 15 * s + 6 * s * s)
 
 
-def times(duration: float) -> tuple[float, ...]:
-    """The knots of a way, s."""
-    n = max(2, round(duration * KNOTS))
-    return (*(round(k / KNOTS, DIGITS) for k in range(n) if k / KNOTS < duration - 0.5 / KNOTS), duration)
+def knot_times(duration: float) -> tuple[float, ...]:
+    """Return the knot times (s) of a path."""
+    n = max(2, round(duration * KNOT_RATE))
+    return (
+        *(round(k / KNOT_RATE, KNOT_DECIMALS) for k in range(n) if k / KNOT_RATE < duration - 0.5 / KNOT_RATE),
+        duration,
+    )
 
 
-def joints(arm: Arm, base: Array, q: Array, width: float, legs: Sequence[Leg]) -> Array:
-    """The joints at the knots (n, 7 + 2): angles from `q` (7,) on, and how far each finger is from the middle.
+def joint_knots(arm: Arm, base: Array, q: Array, width: float, legs: Sequence[ToolSegment]) -> Array:
+    """Return the joints at the knots (n, 7 + 2): angles, starting at `q` (7,), and both finger displacements (m).
 
     Raises OutOfReachError.
     """
     places, widths = [], []
-    for time in times(legs[-1].until):
+    for time in knot_times(legs[-1].until):
         i = next(i for i, leg in enumerate(legs) if time <= leg.until + 1e-9)
         before, opened = (legs[i - 1].until, legs[i - 1].width) if i else (0.0, width)
         s = smooth((time - before) / (legs[i].until - before))
@@ -80,20 +83,20 @@ def joints(arm: Arm, base: Array, q: Array, width: float, legs: Sequence[Leg]) -
     if len(angles) < len(places):
         x, y, z = 100 * places[len(angles)][:3, 3]
         what = f"({x:.0f}, {y:.0f}, {z:.0f}) cm is out of its reach with the hand turned like that"
-        raise OutOfReachError(what, NEARER, times(legs[-1].until)[len(angles)])
-    speed = np.abs(np.diff(angles, axis=0)) / np.diff(times(legs[-1].until))[:, None]
-    if (over := float((speed / arm.speed).max()) / FAST) > 1:
+        raise OutOfReachError(what, OUT_OF_REACH_REMEDY, knot_times(legs[-1].until)[len(angles)])
+    speed = np.abs(np.diff(angles, axis=0)) / np.diff(knot_times(legs[-1].until))[:, None]
+    if (over := float((speed / arm.speed).max()) / MAX_SPEED_SHARE) > 1:
         enough = np.ceil(10 * over * legs[-1].until) / 10
         raise OutOfReachError(
             f"it would have to move {max(over, 1.01):.3g} times as fast as it can", f"give it some {enough:g} s"
         )
     fingers = np.array(widths)[:, None] / 2
-    return np.round(np.concatenate([angles, fingers, fingers], axis=1), DIGITS)
+    return np.round(np.concatenate([angles, fingers, fingers], axis=1), KNOT_DECIMALS)
 
 
 @lru_cache(maxsize=256)
 def _angles(arm: Arm, base: bytes, q: bytes, places: bytes) -> Array:
-    """The joint angles (n, 7) for places of the tool, each found from the one before, up to one out of reach."""
+    """Return joint angles (n, 7) for tool poses, each solved from the previous one, up to the first out of reach."""
     near, solved = np.frombuffer(q), []
     for place in np.frombuffer(places).reshape(-1, 4, 4):
         angles = solve(arm, place, np.frombuffer(base).reshape(4, 4), near)
@@ -104,8 +107,8 @@ def _angles(arm: Arm, base: bytes, q: bytes, places: bytes) -> Array:
     return np.array(solved).reshape(len(solved), len(near))
 
 
-def spun(vector: Array) -> Array:
-    """The rotation matrix (3, 3) of an axis times an angle (O. Rodrigues)."""
+def rotation_matrix(vector: Array) -> Array:
+    """Return the rotation matrix (3, 3) of a rotation vector (O. Rodrigues)."""
     angle = float(np.linalg.norm(vector))
     if angle < 1e-12:
         return np.eye(3)

@@ -1,4 +1,4 @@
-"""A table and a folder of pictures as a finished dataset: shards, card, metadata, manifest."""
+"""Imports a table and a folder of pictures as a finished dataset: shards, card, metadata, manifest."""
 
 from __future__ import annotations
 
@@ -11,57 +11,58 @@ from typing import Any
 from wmspec import __version__
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import make_folders, read_plain
+from wmspec.core.safe_io import make_folders, read_bytes
 from wmspec.dataset.build import files
-from wmspec.dataset.build.croissant import Described, metadata
+from wmspec.dataset.build.croissant import TaskMetadata, metadata
 from wmspec.dataset.build.rows import table
 from wmspec.dataset.build.schema import SHARD, manifest_fault
 from wmspec.dataset.build.shards import parquet
-from wmspec.eval.image_import.pictures import Pictures
-from wmspec.eval.image_import.rows import CAMERA, rows, schema
+from wmspec.eval.image_import.decode import PictureFolder
+from wmspec.eval.image_import.rows import CAMERA_ENGINE, rows, schema
 from wmspec.eval.image_import.table import Entry, read
 
-#: By what a manifest tells that its dataset was recast, and may be recast again.
-MADE_BY = "recast"
+#: Mark in the manifest of an imported dataset, which may be replaced by another import.
+PROVENANCE = "recast"
 
 
 @dataclass(frozen=True)
-class Recast:
-    """What was written: questions by task; pictures in the folder that no row names; rows that state no licence."""
+class ImportResult:
+    """The result of an import: questions by task, unused pictures, and the number of rows without a licence."""
 
     questions: dict[str, int]
     unused: tuple[str, ...]
     unlicensed: int
 
 
-def recast(path: Path, folder: Path, output: Path, size: int) -> Recast:
-    """Make a dataset of a table. Nothing is written unless everything in the table is right.
+def import_images(path: Path, folder: Path, output: Path, size: int) -> ImportResult:
+    """Import a table as a dataset. Nothing is written unless the whole table is valid.
 
-    Raises WmsError with all mistakes, or if the folder holds something else or cannot be written.
+    Raises WmsError with all errors, or if the folder holds something else or cannot be written.
     """
     if not folder.is_dir():
-        raise WmsError(f"{folder} is no folder; give the one with the pictures as --images")
-    pictures = Pictures(folder, size)
+        raise WmsError(f"{folder} is not a folder; pass the folder of the pictures as --images")
+    pictures = PictureFolder(folder, size)
     entries = read(path, pictures)
     tasks: dict[str, list[Entry]] = {}
     for entry in entries:
         tasks.setdefault(entry.task, []).append(entry)
-    _one_dimension(path, tasks)
+    _check_dimensions(path, tasks)
     _clear(output)
     shards = {_path(name): _shard(of_one, pictures) for name, of_one in tasks.items()}
-    with files.explained(output):
+    with files.with_remedies(output):
         make_folders(output / files.PROGRESS)
     for name, content in shards.items():
         files.write(output, name, content)
     files.write(output, files.CARD, _card(path, tasks).encode())
-    files.write(output, files.CROISSANT, files.text(_metadata(tasks)))
-    files.write(output, files.MANIFEST, files.text(_manifest(path, tasks, shards, size)))
+    files.write(output, files.CROISSANT, files.pretty_json(_metadata(tasks)))
+    files.write(output, files.MANIFEST, files.pretty_json(_manifest(path, tasks, shards, size)))
     (output / files.PROGRESS).rmdir()
     unlicensed = sum(not entry.license for entry in entries)
-    return Recast({name: len(of_one) for name, of_one in tasks.items()}, pictures.unused, unlicensed)
+    return ImportResult({name: len(of_one) for name, of_one in tasks.items()}, pictures.unused, unlicensed)
 
 
-def _one_dimension(path: Path, tasks: dict[str, list[Entry]]) -> None:
+def _check_dimensions(path: Path, tasks: dict[str, list[Entry]]) -> None:
+    """Report an error if the rows of a task name several dimensions."""
     for name, entries in tasks.items():
         other = next((e for e in entries if e.dimension != entries[0].dimension), None)
         if other is not None:
@@ -77,23 +78,23 @@ def _path(task: str) -> str:
     return f"data/{task}/test-00000-of-00001.parquet"
 
 
-def _shard(entries: list[Entry], pictures: Pictures) -> bytes:
+def _shard(entries: list[Entry], pictures: PictureFolder) -> bytes:
     return parquet(table(rows(entries, pictures), schema(entries)))
 
 
 def _clear(output: Path) -> None:
-    """Remove what was recast to the folder before. Raises WmsError if it holds anything else."""
-    with files.explained(output):
+    """Remove an earlier import from the folder. Raises WmsError if it holds anything else."""
+    with files.with_remedies(output):
         there = sorted(p.name for p in output.iterdir()) if output.exists() else []
     if not there:
         return
     try:
-        manifest: Any = json.loads(read_plain(output / files.MANIFEST))
+        manifest: Any = json.loads(read_bytes(output / files.MANIFEST))
     except (OSError, ValueError, RecursionError):
         manifest = None
-    if manifest_fault(manifest) or manifest.get("made by") != MADE_BY:
-        raise WmsError(f"{output} holds files that `wmspec recast` did not write; choose another folder with -o")
-    with files.explained(output):
+    if manifest_fault(manifest) or manifest.get("made by") != PROVENANCE:
+        raise WmsError(f"{output} holds files that `wmspec import-images` did not write; choose another folder with -o")
+    with files.with_remedies(output):
         (output / files.MANIFEST).unlink()
         for shard in filter(SHARD.fullmatch, manifest["shards"]):
             (output / shard).unlink(missing_ok=True)
@@ -101,17 +102,17 @@ def _clear(output: Path) -> None:
                 (output / shard).parent.rmdir()
 
 
-# ---------------------------------------------------------------- what is said of it
+# ---------------------------------------------------------------- metadata
 
 
 def _manifest(path: Path, tasks: dict[str, list[Entry]], shards: dict[str, bytes], size: int) -> dict[str, Any]:
     return {
         "format": 1,
-        "made by": MADE_BY,
+        "made by": PROVENANCE,
         "table": {"name": path.name, "sha256": files.digest(path)},
         "versions": {"wmspec": __version__},
         "seed": 0,
-        "engines": [CAMERA],
+        "engines": [CAMERA_ENGINE],
         "size": [size, size],
         "consensus": "none",
         "tasks": {name: _task(of_one) for name, of_one in tasks.items()},
@@ -132,13 +133,13 @@ def _task(entries: list[Entry]) -> dict[str, Any]:
         "license": ", ".join(sorted({e.license for e in entries if e.license})),
         "source": "; ".join(sorted({e.source for e in entries if e.source})),
         "instances": len({e.episode or e.line for e in entries}),
-        "rows": {CAMERA: len(entries)},
+        "rows": {CAMERA_ENGINE: len(entries)},
         "rejected": {},
     }
 
 
 def _metadata(tasks: dict[str, list[Entry]]) -> dict[str, Any]:
-    described = [Described(name, "", schema(of_one)) for name, of_one in tasks.items()]
+    described = [TaskMetadata(name, "", schema(of_one)) for name, of_one in tasks.items()]
     licenses = sorted({e.license for of_one in tasks.values() for e in of_one if e.license})
     count = sum(map(len, tasks.values()))
     return metadata(

@@ -1,0 +1,118 @@
+"""Check the words of docs, docstrings, comments, messages and identifiers against `tools/prose.toml`.
+
+`python -m tools.prose [PATH...]` prints every place with its rule and exits with 1 if there is one.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import re
+import subprocess
+import sys
+import tokenize
+import tomllib
+from collections.abc import Iterator
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).parent.parent
+RULES = ROOT / "tools/prose.toml"
+CODE = re.compile(r"^(```|~~~).*?^\1|`[^`\n]*`|<!--.*?-->|\]\([^)\s]*\)", re.DOTALL | re.MULTILINE)
+PART = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
+#: Not checked: history, lists that generators write, texts of others, and the rules themselves.
+SKIPPED = ("CHANGELOG.md", "docs/licences.md", "docs/decisions/*", "tools/prose.*", "tests/thirdparty/*")
+
+
+class Finding(NamedTuple):
+    """A word against the rules: the file, the line (from 1), the word, and the remedy."""
+
+    path: Path
+    line: int
+    word: str
+    remedy: str
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}: `{self.word}`: {self.remedy}"
+
+
+class Rules:
+    """The rules of a TOML file."""
+
+    def __init__(self, file: Path = RULES) -> None:
+        data = tomllib.loads(file.read_text(encoding="utf-8"))
+        self.prose = [(re.compile(rf"\b(?:{rule})\b", re.IGNORECASE), remedy) for rule, remedy in data["prose"].items()]
+        self.identifiers: dict[str, str] = data["identifiers"]
+        self.allowed: dict[str, str] = data["allowed"]
+
+    def permits(self, path: Path, line: str) -> bool:
+        """Whether a line of a file is listed as allowed."""
+        return any(fnmatch(path.as_posix(), glob) and text in line for glob, text in self.allowed.items())
+
+
+def findings(path: Path, text: str, rules: Rules) -> Iterator[Finding]:
+    """Yield every finding in a file: prose in Markdown; docstrings, comments, messages and identifiers in Python."""
+    lines = text.splitlines()
+    spans = _python(text) if path.suffix == ".py" else _markdown(text)
+    for first, words in spans:
+        for pattern, remedy in rules.prose:
+            for match in pattern.finditer(words):
+                line = first + words.count("\n", 0, match.start())
+                if not rules.permits(path, lines[min(line, len(lines)) - 1]):
+                    yield Finding(path, line, " ".join(match[0].split()), remedy)
+    if path.suffix == ".py":
+        yield from _names(path, text, rules)
+
+
+def _markdown(text: str) -> Iterator[tuple[int, str]]:
+    yield 1, CODE.sub(lambda m: re.sub(r"[^\n]", " ", m[0]), text)
+
+
+def _python(text: str) -> Iterator[tuple[int, str]]:
+    """Comments and strings with the lines on which they begin."""
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            yield token.start[0], re.sub(r"`[^`\n]*`", "", token.string)
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and " " in node.value:
+            yield node.lineno, CODE.sub(lambda m: re.sub(r"[^\n]", " ", m[0]), node.value)
+
+
+def _names(path: Path, text: str, rules: Rules) -> Iterator[Finding]:
+    """Names that are defined: functions, classes, arguments, variables, fields."""
+    for node in ast.walk(ast.parse(text)):
+        match node:
+            case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) | ast.ClassDef(name=name):
+                yield from _name(path, node.lineno, name, rules)
+            case ast.arg(arg=name) | ast.Name(id=name, ctx=ast.Store()):
+                yield from _name(path, node.lineno, name, rules)
+
+
+def _name(path: Path, line: int, name: str, rules: Rules) -> Iterator[Finding]:
+    if path.parts[0] == "tests" and name.startswith("test_"):
+        return
+    for part in PART.findall(name):
+        if remedy := rules.identifiers.get(part.lower()):
+            yield Finding(path, line, name, f"no identifier contains `{part.lower()}`; write {remedy}")
+
+
+def files(paths: list[str]) -> list[Path]:
+    """The checked files below the paths, all by default, relative to the root."""
+    command = ["git", "ls-files", "-co", "--exclude-standard", *(paths or ["*.py", "*.md"])]
+    listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
+    found = [Path(p) for p in listed if Path(p).suffix in (".py", ".md") and (ROOT / p).is_file()]
+    return [path for path in found if not any(fnmatch(path.as_posix(), glob) for glob in SKIPPED)]
+
+
+def main() -> None:
+    """Print all findings; exit with 1 if there are any."""
+    rules = Rules()
+    texts = ((path, (ROOT / path).read_text(encoding="utf-8")) for path in files(sys.argv[1:]))
+    found = [finding for path, text in texts for finding in findings(path, text, rules)]
+    print(*found, sep="\n")
+    sys.exit(bool(found))
+
+
+if __name__ == "__main__":
+    main()

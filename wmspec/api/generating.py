@@ -1,0 +1,195 @@
+"""Generate datasets."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+from typing import Literal, TypedDict, Unpack
+
+from wmspec.api.agreement import Tasks, collect_tasks, worker_settings
+from wmspec.api.loading import Tell, warn
+from wmspec.api.progress import Progress, silent
+from wmspec.api.rendering import DEFAULT_SIDE, check_samples, pixels
+from wmspec.api.task import Task
+from wmspec.compile.design.design import share
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.limits import INSTANCES
+from wmspec.core.resources import resource
+from wmspec.core.wm_abench import instance_count
+from wmspec.dataset.build.dataset import Dataset
+from wmspec.dataset.build.generate import generate as make
+from wmspec.dataset.build.manifest import Summary
+from wmspec.dataset.build.plan import Plan
+from wmspec.dataset.build.plan import Task as PlannedTask
+from wmspec.dataset.build.reuse import PriorInstances
+from wmspec.runtime.engines.registry import require_look, select_backends, versions
+from wmspec.runtime.questions.consensus import Consensus
+from wmspec.runtime.workers.cluster import ray_cluster
+from wmspec.runtime.workers.pool import PoolConfig
+from wmspec.sim.scene.model import Look
+
+
+class DatasetOptions(TypedDict, total=False):
+    """The content of a dataset.
+
+    `per_task`: number of random instances per task, by default that of WM-ABench for its tasks and all instances for
+    others; `full`: all instances. `part`: (i, n), only share i of n. `dimensions`: only tasks of these. `backend`:
+    engines, separated by commas, or "all". `renderer`: one engine that draws all episodes; by default each engine draws
+    its own. `consensus`: keep a question if "all" engines agree, if the "majority" agrees, or always ("none"). `seed`:
+    random seed of tasks given by path. `size` (pixels), `look` and `samples`: see `RenderOptions`. `licence`: SPDX
+    identifier of the data licence, by default that of the specs, and CC-BY-4.0 for specs of wmspec.
+    """
+
+    per_task: int | None
+    full: bool
+    part: tuple[int, int]
+    dimensions: Sequence[str]
+    backend: str
+    renderer: str
+    consensus: Consensus
+    seed: int
+    size: int | tuple[int, int]
+    look: Look
+    samples: int | None
+    licence: str
+
+
+Executor = Literal["local", "ray"]
+
+#: The default licence of data from the specs of wmspec.
+DEFAULT_LICENCE = "CC-BY-4.0"
+
+
+def generate(
+    tasks: Tasks,
+    output: str | PathLike[str],
+    *,
+    reuse: Iterable[str | PathLike[str]] = (),
+    force: bool = False,
+    workers: int | None = None,
+    timeout: float = 300.0,
+    executor: Executor = "local",
+    address: str = "",
+    progress: Progress = silent,
+    tell: Tell = warn,
+    **options: Unpack[DatasetOptions],
+) -> Summary:
+    """Generate a dataset from tasks in the folder `output`: Parquet with pictures, a manifest and a card.
+
+    The same call resumes an interrupted run.
+
+    Args:
+        tasks: a task, the path of a spec or of a folder of specs, or several of these.
+        output: the dataset folder.
+        reuse: folders of earlier datasets whose instances are reused.
+        force: whether to replace a different dataset in the folder.
+        workers: number of processes; 0 runs in this one. One per core by default.
+        timeout: time limit per instance, in seconds.
+        executor: "local" processes or a "ray" cluster. The dataset is the same.
+        address: of the Ray cluster, such as "auto" or "10.0.0.5:6379"; this machine only by default.
+        progress: shows the progress, such as `wmspec.progress_bar`.
+        tell: receives warnings, and notices of damaged files that are generated again.
+        **options: see `DatasetOptions`.
+
+    Returns:
+        The numbers of kept and rejected questions.
+
+    Raises:
+        WmsError: two options exclude each other, an engine is missing, the cluster is not reachable, or the folder
+            cannot be used.
+    """
+    plan = plan_dataset(tasks, tell, **options)
+    before = PriorInstances([Path(folder) for folder in reuse], plan)
+    with Dataset.open(Path(output), plan, force) as dataset:
+        for notice in dataset.notices:
+            tell(notice)
+        pending = sum(len(shard.indices) for shard in dataset.pending())
+        with (
+            open_workers(executor, address, workers, timeout, plan) as pool,
+            progress(pending, "generating") as advance,
+        ):
+            spent = make(dataset, pool, advance, before)
+        return replace(dataset.finish(), shared=spent.shared, balance=spent.balance, crash=spent.crash)
+
+
+def open_workers(
+    executor: Executor, address: str, workers: int | None, timeout: float, plan: Plan
+) -> AbstractContextManager[PoolConfig]:
+    """Return the workers of a plan, as a context. Raises WmsError for an address without Ray."""
+    if executor == "ray":
+        return ray_cluster(address, workers, timeout, plan.versions)
+    if address:
+        raise WmsError("`address` is for Ray clusters", help="set `executor` to ray too")
+    return nullcontext(worker_settings(workers, timeout, plan.engines))
+
+
+def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptions]) -> Plan:
+    """Return the plan of a dataset, before anything is generated. Raises WmsError where `generate` would."""
+    look, renderer, backend = options.get("look", "parity"), options.get("renderer", ""), options.get("backend", "all")
+    per_task, full = options.get("per_task"), options.get("full", False)
+    if full and per_task:
+        raise WmsError("`full` and `per_task` exclude each other; give one of the two")
+    if not -(1 << 63) <= options.get("seed", 0) < 1 << 63:
+        raise WmsError(f"a seed is an integer from {-(1 << 63)} to {(1 << 63) - 1}")
+    chosen_tasks = collect_tasks(tasks, options.get("seed"), tell, options.get("dimensions", ()))
+    engines = select_backends(backend) if renderer else require_look(select_backends(backend), look)
+    drawers = require_look(select_backends(renderer), look) if renderer else engines
+    if renderer and len(drawers) > 1:
+        raise WmsError("`renderer` expects one engine; without it, each engine draws its own episodes")
+    for task in chosen_tasks:
+        if not task.questions:
+            raise WmsError(f"the task `{task.name}` has no question; nothing to generate")
+    return Plan(
+        texts=spec_texts(chosen_tasks),
+        tasks=tuple(
+            PlannedTask(t.spec, instance_indices(t, per_task, full, options.get("part", (1, 1)))) for t in chosen_tasks
+        ),
+        engines=engines,
+        size=pixels(options.get("size", DEFAULT_SIDE)),
+        seed=chosen_tasks[0].seed,
+        consensus=options.get("consensus", "all"),
+        look=look,
+        samples=check_samples(look, options.get("samples")),
+        renderer=drawers[0] if renderer else "",
+        licence=_licence(chosen_tasks, options.get("licence", "")),
+        versions=versions({*engines, *drawers}, look),
+    )
+
+
+def _licence(tasks: Sequence[Task], chosen: str) -> str:
+    """Return the data licence; empty if each spec states its own. Raises WmsError if it is no SPDX identifier."""
+    if chosen and not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9.+-]{0,60}", chosen):
+        raise WmsError(
+            f"`{select_backends}` is not a licence identifier",
+            help="give its SPDX identifier, such as CC-BY-4.0 or CC0-1.0",
+        )
+    ours = resource("specs").resolve()
+    return chosen or (DEFAULT_LICENCE if all(t.path and t.path.resolve().is_relative_to(ours) for t in tasks) else "")
+
+
+def spec_texts(tasks: Sequence[Task]) -> dict[str, str]:
+    """Return the specs and their libraries by file name, with as much of the path as is needed to be unique."""
+    programs = {task.path.resolve() if task.path else Path(task.file): task.program for task in tasks}
+    read: dict[str, str] = {}
+    for path in sorted(programs):
+        program = programs[path]
+        parts = next(n for n in range(1, 99) if [p.parts[-n:] for p in programs].count(path.parts[-n:]) == 1)
+        read["/".join(path.parts[-parts:])] = program.source.text
+        read |= {file.span.source.name: file.span.source.text for file in program.libraries.values()}
+    return read
+
+
+def instance_indices(task: Task, per_task: int | None, full: bool, part: tuple[int, int]) -> tuple[int, ...]:
+    """Return the indices to generate: all, or a sample of the requested or the paper's size; of these a share."""
+    count = len(task) if full else per_task or instance_count(task.name, task.questions)
+    if min(count or len(task), len(task)) > INSTANCES.most:
+        raise WmsError(f"`{task.name}` {INSTANCES.sentence}", help=INSTANCES.help)
+    chosen = range(len(task)) if count is None or count >= len(task) else sorted(task.design.sample(count))
+    try:
+        return tuple(chosen[share(len(chosen), *part)])
+    except IndexError as error:
+        raise WmsError(f"part {part}: {error}") from None
