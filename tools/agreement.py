@@ -31,7 +31,7 @@ def measured(records: Sequence[Record]) -> Iterator[str]:
     instances = [instance for record in records for instance in record["instances"]]
     good, total = total_of(lines, "before_gates")
     yield f"{len(rows)} tasks, {len(instances):,} instances, seed {records[0]['seed']}, with {engines}."
-    yield f"Whatever the gates say, {good:,} of {total:,} answers are the same in both engines of a pair: that is"
+    yield f"Before any gate, {good:,} of {total:,} answers are the same in both engines of a pair: that is"
     yield f"{good / total:.2%}.\n"
     pairs = [" ".join(line["engines"]) for line in next(iter(rows.values()))]
     heads = ("task", *pairs, *(f"{pair}, before gates" for pair in pairs), "within tolerance", "largest gap")

@@ -219,7 +219,7 @@ def test_a_damaged_crate_does_not_end_the_process(project: Path) -> None:
 
 
 def test_damaged_files_are_told_or_read() -> None:
-    """Some of the files of `benchmarks/fuzz.py --of files`, whose figures are in docs/security.md."""
+    """Some of the files of `benchmarks/fuzz.py --of files`, whose figures are in docs/benchmarks/robustness.md."""
     from benchmarks.damaged import KINDS, attempt_file
 
     came = {attempt_file(number) for number in range(12 * len(KINDS))}
