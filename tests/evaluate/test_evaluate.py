@@ -312,7 +312,7 @@ def test_a_wrong_prompt_is_told(text: str, told: str, words: Path, tmp_path: Pat
         (["-m", "openai:x", "--base-url", "http://me:pw@localhost/v1"], "without user, key"),
         (["-m", "openai:x", "--base-url", "localhost:80"], "expected an address"),
         (["-m", "openai:x", "--samples", "2"], "temperature"),
-        (["-m", "blind", "-o", "r.parquet", "--ablate", "pictures"], "nothing that could be left out"),
+        (["-m", "blind", "-o", "r.parquet", "--ablate", "pictures"], "has no request to ablate"),
         (["-m", "openai:x", "-p", "max_tokens"], "expected NAME=VALUE"),
         (["-m", "oracle", "-o", "r.parquet", "--task", "rase"], "did you mean `race`?"),
         (["--rescore", "none.parquet"], "holds no results"),

@@ -96,7 +96,7 @@ def test_values_in_words() -> None:
     ("args", "said"),
     [
         (["nowhere"], "no finished dataset"),
-        ([".", "-o", "x.pdf"], "a page is a .html file"),
+        ([".", "-o", "x.pdf"], "expected .html for a page"),
         ([".", "-o", "/proc/x"], "/proc/x"),
     ],
 )

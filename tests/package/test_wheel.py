@@ -152,7 +152,7 @@ def test_the_wheel_needs_no_more_than_it_asks_for(alone: Path, tmp_path: Path) -
         made = pq.read_table(work / engines / "data", columns=["engine", "renderer"]).to_pydict()
         wanted = list(ENGINES) if engines == "all" else [engines]
         assert made == {"engine": wanted, "renderer": wanted}, "a question of each, and each draws its own"
-    assert "the same to the byte" in wmspec("verify", "all", "--sample", "1", "-j", "1")
+    assert "byte-identical" in wmspec("verify", "all", "--sample", "1", "-j", "1")
     wmspec("view", "all")
     wmspec("view", "all", "-o", "sheet.png")
     assert (work / "gallery.html").read_text().count("data:image/") >= len(ENGINES)
