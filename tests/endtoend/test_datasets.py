@@ -53,15 +53,15 @@ import os, signal
 from wmspec.cli import main
 from wmspec.dataset.build import checkpoint
 
-keep, kept = checkpoint.keep, []
+save, saved = checkpoint.save, []
 
-def keep_three(*instance):
-    keep(*instance)
-    kept.append(instance)
-    if len(kept) == 3:
+def save_three(*instance):
+    save(*instance)
+    saved.append(instance)
+    if len(saved) == 3:
         os.killpg(0, signal.SIGKILL)
 
-checkpoint.keep = keep_three
+checkpoint.save = save_three
 main()
 """
 
