@@ -98,10 +98,10 @@ def measure(kind: str, number: int, engine: str) -> dict[str, object]:
     except wmspec.WmsError as error:
         return {**row, "error": str(error)}
     track = run["thing"]
-    wanted = np.zeros(4)
-    wanted[0], wanted[axis] = np.cos(turned / 2), np.sin(turned / 2)
+    expected = np.zeros(4)
+    expected[0], expected[axis] = np.cos(turned / 2), np.sin(turned / 2)
     off = float(np.linalg.norm(track.position[-1] - track.position[0] - moved))
-    angle = float(np.degrees(2 * np.arccos(min(1.0, abs(wanted @ track.orientation[-1])))))
+    angle = float(np.degrees(2 * np.arccos(min(1.0, abs(expected @ track.orientation[-1])))))
     return {**row, "mm": 1000 * off, "deg": angle, "stage_s": staged - begun, "run_s": (done - staged) / run.time[-1]}
 
 

@@ -103,8 +103,8 @@ def originals() -> Path:
     (made / "photos").mkdir()
     for name in ("a.png", "b.jpg"):
         picture.rotate(90 * (name == "a.png")).save(made / "photos" / name)
-    asked = wmspec("evaluate", made / "dataset", "-m", "random", "-o", made / "results.parquet")
-    assert asked.exit_code == 0, asked.output
+    evaluated = wmspec("evaluate", made / "dataset", "-m", "random", "-o", made / "results.parquet")
+    assert evaluated.exit_code == 0, evaluated.output
     return made
 
 
@@ -239,13 +239,13 @@ def _attempt(kind: str, random_: random.Random, damage: Damage) -> str:
         home = Path(root) / "a" / "b" / "c"
         home.mkdir(parents=True)
         try:
-            with warnings.catch_warnings(record=True, action="always", category=RuntimeWarning) as told:
+            with warnings.catch_warnings(record=True, action="always", category=RuntimeWarning) as caught:
                 _TRY[kind](home, random_, damage)
             came = "read"
         except WmsError as error:
             error.render()
             came = "refused"
-        assert not told, f"it warns: {told[0].message} ({told[0].filename}:{told[0].lineno})"
+        assert not caught, f"it warns: {caught[0].message} ({caught[0].filename}:{caught[0].lineno})"
         outside = [p for p in Path(root).rglob("*") if p.is_file() and not p.is_relative_to(home)]
         assert not outside, f"written outside: {outside}"
     return f"{kind} {came}"

@@ -59,7 +59,7 @@ from wmspec.compile.stage.layers import compose
 task = one_task(Path(sys.argv[1]))
 compose(document(task, Design(task, 0)[0])).Flatten().Export(sys.argv[2])
 """
-#: By either code: the processor time (s) of a frame of the stage whose number is asked for.
+#: By either code: the processor time (s) of a frame of the stage of a given number.
 DRAW = """
 import importlib, sys, time
 from dataclasses import replace

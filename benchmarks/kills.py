@@ -63,9 +63,9 @@ class Victim:
     """The command line in a process group of its own."""
 
     def __init__(self, arguments: Sequence[str]) -> None:
-        self._told = tempfile.TemporaryFile()  # noqa: SIM115  it lasts as long as the run
+        self._log = tempfile.TemporaryFile()  # noqa: SIM115  it lasts as long as the run
         command = [sys.executable, "-m", "wmspec", *arguments]
-        self.run = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=self._told, start_new_session=True)
+        self.run = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=self._log, start_new_session=True)
 
     @property
     def alive(self) -> bool:
@@ -81,10 +81,10 @@ class Victim:
                 os.killpg(self.run.pid, signal.SIGKILL)
                 raise Failed(f"processes of it are there {LINGER:g} s later")
             time.sleep(0.05)
-        self._told.seek(0)
-        told = self._told.read()
-        if code == EXIT_CODE or b"Traceback" in told:
-            raise Failed(f"it said {told.decode(errors='replace')[-2000:]}")
+        self._log.seek(0)
+        output = self._log.read()
+        if code == EXIT_CODE or b"Traceback" in output:
+            raise Failed(f"it said {output.decode(errors='replace')[-2000:]}")
         return code
 
     def _left(self) -> bool:
@@ -128,7 +128,7 @@ def _worker(victim: Victim) -> None:
             os.kill(pid, signal.SIGKILL)
 
 
-def _told(victim: Victim) -> None:
+def _terminated(victim: Victim) -> None:
     victim.run.terminate()
 
 
@@ -148,7 +148,7 @@ BLOWS: dict[str, tuple[Callable[[Victim], None], set[int] | None]] = {
     "all": (_all, {-signal.SIGKILL}),
     "run": (_alone, {-signal.SIGKILL}),
     "worker": (_worker, None),
-    "SIGTERM": (_told, {128 + signal.SIGTERM, -signal.SIGTERM}),
+    "SIGTERM": (_terminated, {128 + signal.SIGTERM, -signal.SIGTERM}),
     "SIGINT": (_interrupted, {128 + signal.SIGINT, -signal.SIGINT}),
     "SIGINT twice": (_interrupted_again, {128 + signal.SIGINT, -signal.SIGINT}),
 }

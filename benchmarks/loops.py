@@ -22,7 +22,7 @@ from wmspec.backends.pybullet import physics as in_pybullet
 from wmspec.backends.pybullet.shared_lists import shared_lists
 from wmspec.backends.pybullet.world import World as PyBullet
 from wmspec.backends.sapien import physics as in_sapien
-from wmspec.backends.sapien.render import bodies, eye
+from wmspec.backends.sapien.render import add_body, eye, merged_geoms
 from wmspec.backends.sapien.world import World as Sapien
 from wmspec.dataset.build.rows import encode_picture
 from wmspec.sim.scene.model import Scene
@@ -105,7 +105,8 @@ def _sapien(every: list[tuple[Scene, int]], size: int) -> None:
             play(Sapien(whole, in_sapien.landing_bodies(scene)), timeline)
         if pictures:
             world = sapien.Scene([sapien.render.RenderSystem()])
-            for entity, body in zip(bodies(world, scene, linear=True), scene.bodies, strict=True):
+            for body in scene.bodies:
+                entity = add_body(world, merged_geoms(body))
                 entity.set_pose(sapien.Pose(body.pose.position, body.pose.orientation))
             world.set_ambient_light([scene.light.ambient] * 3)
             world.add_directional_light(scene.light.direction.tolist(), [scene.light.diffuse] * 3, shadow=True)

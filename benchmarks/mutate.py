@@ -57,7 +57,7 @@ class Outcome:
     mutant: Mutant
     errors: tuple[Diagnostic, ...]
     located: bool
-    mended: bool
+    fixed: bool
     seconds: float
 
 
@@ -79,9 +79,9 @@ class Spec:
         first = self.tokens[i - 1].end_line if i else 1
         last = self.tokens[i + 1].line if i + 1 < len(self.tokens) else token.end_line
         broken = text[token.start : a + len(put) + (token.end - b)]
-        wanted = {mend, broken} if kind == "declaration" else {mend}
+        expected = {mend, broken} if kind == "declaration" else {mend}
         return Mutant(
-            kind, text, frozenset(range(first, last + 1)), f"{token.text!r} as {broken!r}", frozenset(wanted - {""})
+            kind, text, frozenset(range(first, last + 1)), f"{token.text!r} as {broken!r}", frozenset(expected - {""})
         )
 
 
@@ -344,12 +344,12 @@ def outcome(made: Mutant) -> Outcome:
     began = time.process_time()
     errors = checked(made.text) or tried(made.text)
     seconds = time.process_time() - began
-    located = mended = False
+    located = fixed = False
     if errors:
         places = (errors[0].place, *(note.place for note in errors[0].notes))
         located = any(isinstance(p, Span) and p.source.name == "mutant.wms" and p.line in made.lines for p in places)
-        mended = any(f"`{word}`" in f"{errors[0].help} {errors[0].message}" for word in _mends(made))
-    return Outcome(made, errors, located, mended, seconds)
+        fixed = any(f"`{word}`" in f"{errors[0].help} {errors[0].message}" for word in _mends(made))
+    return Outcome(made, errors, located, fixed, seconds)
 
 
 def _mends(made: Mutant) -> frozenset[str]:
@@ -367,7 +367,7 @@ class Tally:
     right: int = 0
     one: int = 0
     located: int = 0
-    mended: int = 0
+    fixed: int = 0
     slowest: float = 0.0
 
     def add(self, o: Outcome) -> None:
@@ -377,13 +377,13 @@ class Tally:
         self.right += not o.errors
         self.one += len(o.errors) == 1
         self.located += o.located
-        self.mended += o.mended
+        self.fixed += o.fixed
 
     def row(self, kind: str) -> str:
         """Return a row of the table."""
-        told = max(1, self.count - self.right)
-        shares = [f"{100 * n / told:6.1f} %" for n in (self.one, self.located)]
-        shares.append(f"{100 * self.mended / told:6.1f} %" if kind in SPELLED else " " * 8)
+        reported = max(1, self.count - self.right)
+        shares = [f"{100 * n / reported:6.1f} %" for n in (self.one, self.located)]
+        shares.append(f"{100 * self.fixed / reported:6.1f} %" if kind in SPELLED else " " * 8)
         return f"{kind:26} {self.count:6} {self.right:6} {' '.join(shares)} {self.slowest:7.2f} s"
 
 
@@ -405,7 +405,7 @@ def main() -> None:
         kind = o.mutant.kind
         for tally in (tallies[kind], everything, *([spelled] if kind in SPELLED else [])):
             tally.add(o)
-        well = len(o.errors) == 1 and o.located and (o.mended or kind not in SPELLED)
+        well = len(o.errors) == 1 and o.located and (o.fixed or kind not in SPELLED)
         if not well and shown[kind] < options.show:
             shown[kind] += 1
             print(f"{kind}: {o.mutant.broken}, lines {sorted(o.mutant.lines)}")
@@ -414,12 +414,12 @@ def main() -> None:
                 print(
                     f"    | {o.mutant.text.splitlines()[line - 1] if line <= len(o.mutant.text.splitlines()) else ''}"
                 )
-    print(f"{'kind':26} {'count':>6} {'right':>6} {'one':>8} {'line':>8} {'mended':>8} {'slowest':>9}")
+    print(f"{'kind':26} {'count':>6} {'right':>6} {'one':>8} {'line':>8} {'fixed':>8} {'slowest':>9}")
     for kind in sorted(tallies):
         print(tallies[kind].row(kind))
     print(everything.row("all"))
-    told = max(1, spelled.count - spelled.right)
-    print(f"of {told} misspellings, {100 * spelled.mended / told:.1f} % are mended by what is suggested")
+    reported = max(1, spelled.count - spelled.right)
+    print(f"of {reported} misspellings, {100 * spelled.fixed / reported:.1f} % are fixed by the suggestion")
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Source
 from wmspec.dataset.build.batching import batches
-from wmspec.dataset.build.rows import png
+from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.worker import CacheStats, Job, make_instances
 from wmspec.lang.check.ir.record import to_json
 from wmspec.lang.check.statements.task import check_program
@@ -120,7 +120,7 @@ def native(scene: Scene, times: tuple[float, ...], size: int) -> None:
             positions[step // timeline.substeps] = data.qpos
         if renderer and step in pictures:
             renderer.update_scene(data, camera=scene.cameras[0].name)
-            png(renderer.render())
+            encode_png(renderer.render())
         mujoco.mj_step(model, data)
     if renderer:
         renderer.close()

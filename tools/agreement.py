@@ -77,8 +77,8 @@ def main() -> None:
         sys.exit(USAGE)
     if any((r["engines"], r["seed"]) != (records[0]["engines"], records[0]["seed"]) for r in records):
         sys.exit("these files are of different engines or seeds: crosscheck all specs with the same")
-    told, mark, _ = PAGE.read_text(encoding="utf-8").partition(MARK)
-    PAGE.write_text(told + mark + "\n" + "\n".join(measured(records)).rstrip() + "\n", encoding="utf-8")
+    head, mark, _ = PAGE.read_text(encoding="utf-8").partition(MARK)
+    PAGE.write_text(head + mark + "\n" + "\n".join(measured(records)).rstrip() + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

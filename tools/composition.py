@@ -61,9 +61,9 @@ def _measured(task: Task, count: int, size: int) -> Iterator[tuple[Array, Array,
             run = execute(task.design, instance.drawn, None, pair)
         except Reject:
             continue
-        asked = referenced_objects(task.spec.questions[0], run.values)
+        referenced = referenced_objects(task.spec.questions[0], run.values)
         bodies = list(enumerate(run.scene.bodies))
-        numbers = [i for i, b in bodies if b.name in asked] or [i for i, b in bodies if b.motion != "static"]
+        numbers = [i for i, b in bodies if b.name in referenced] or [i for i, b in bodies if b.motion != "static"]
         pictures = [run.draw(camera, time, pair).ids for camera, time in views_of(task.spec, run.values)]
         masks = [ids == i for ids in pictures for i in numbers if (ids == i).any()]
         yield (

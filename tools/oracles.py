@@ -38,8 +38,8 @@ def cell(oracle: Oracle, engine: str) -> str:
 
 def main() -> None:
     """Rewrite the page."""
-    told, mark, _ = PAGE.read_text(encoding="utf-8").partition(MARK)
-    PAGE.write_text(told + mark + "\n" + "\n".join(measured()), encoding="utf-8")
+    head, mark, _ = PAGE.read_text(encoding="utf-8").partition(MARK)
+    PAGE.write_text(head + mark + "\n" + "\n".join(measured()), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -100,12 +100,12 @@ def reference() -> Iterator[str]:
         yield from table(("verb", "takes", "meaning"), calls)
     yield "### Functions\n"
     for measured in (False, True):
-        told = (
+        lines = (
             "Measured on the executed episode, in `answer`, `ensure`, `margin` and `difference`:"
             if measured
             else "Anywhere:"
         )
-        yield f"{told}\n"
+        yield f"{lines}\n"
         chosen = ((n, f) for n, f in FUNCTIONS.items() if bool(f.measured) == measured)
         rows = ((f"`{signature(n, f)}`", str(f.result), f.meaning) for n, f in chosen)
         yield from table(("function", "gives", "meaning"), rows)

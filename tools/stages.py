@@ -166,13 +166,15 @@ def page(folder: Path) -> str:
     made, n = rows(folder)
     head = ("stage", "rigid only", *ENGINES, "warnings", "apart, mm", "refused because")
     share = 100 * n["two"] / n["rigid"]
-    told = (
+    summary = (
         f"{n['listed']} stages are listed and {n['all']} of them were run, of which {n['rigid']} hold rigid bodies "
         f"only. Of these {n['two']} run in at least two engines ({share:.0f} %), {n['three']} in all three; of "
         f"{n['agree']} no body ends more than {1e3 * AGREE:g} mm apart."
     )
     before, start, rest = PAGE.read_text().partition(START)
-    return before + start + "\n".join(["", told, "", *table(head, iter(made)), "", ""]) + STOP + rest.partition(STOP)[2]
+    return (
+        before + start + "\n".join(["", summary, "", *table(head, iter(made)), "", ""]) + STOP + rest.partition(STOP)[2]
+    )
 
 
 def main() -> None:
@@ -183,19 +185,19 @@ def main() -> None:
     parser.add_argument("engines", nargs="*", help=argparse.SUPPRESS)
     parser.add_argument("--mirror", type=Path)
     parser.add_argument("--bin", type=Path, default=Path(sys.executable).parent)
-    asked = parser.parse_args()
-    match asked.what:
+    options = parser.parse_args()
+    match options.what:
         case "fetch":
-            fetch(asked.folder, asked.mirror)
+            fetch(options.folder, options.mirror)
         case "robots":
-            robots(asked.folder, asked.bin)
+            robots(options.folder, options.bin)
         case "run":
-            run(asked.folder)
+            run(options.folder)
         case "try":
-            for engine in asked.engines:
-                print(json.dumps(attempt(asked.folder, engine)), flush=True)
+            for engine in options.engines:
+                print(json.dumps(attempt(options.folder, engine)), flush=True)
         case _:
-            PAGE.write_text(page(asked.folder))
+            PAGE.write_text(page(options.folder))
 
 
 if __name__ == "__main__":

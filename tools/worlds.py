@@ -217,7 +217,7 @@ def apart(a: Frame, b: Frame) -> tuple[float, float, float]:
 
 
 def parity(step: int, cameras: Iterable[str], side: int = 256) -> Iterator[str]:
-    """A line of a table for each of every so many things, and for every room from each camera."""
+    """The lines of the table: every n-th object, and every room from each camera."""
     every = things()
     sample = [(name, thing(name, every[name]), "near") for name in list(every)[::step]]
     sample += [

@@ -54,7 +54,7 @@ class Renderer:
         self._scene, self._casters, self._contact = scene, ShadowCasters(scene), ContactShadows(scene)
         self._near = NearPlane(scene, width / height)
         self._world: Any = _world()
-        self._bodies = [_body(self._world, merged_geoms(body)) for body in scene.bodies]
+        self._bodies = [add_body(self._world, merged_geoms(body)) for body in scene.bodies]
         self._owner = np.full(max((body.per_scene_id for body in self._bodies), default=0) + 1, -1, np.int16)
         self._owner[[body.per_scene_id for body in self._bodies]] = np.arange(len(self._bodies))
         self._sun = _lights(self._world, scene)
@@ -210,7 +210,8 @@ def _lights(world: Any, scene: Scene) -> Any:
     )
 
 
-def _body(world: Any, parts: list[list[Geom]]) -> Any:
+def add_body(world: Any, parts: list[list[Geom]]) -> Any:
+    """Add a body whose visible geoms are grouped in `parts`; return its entity."""
     component = sapien.render.RenderBodyComponent()
     for geoms in parts:
         component.attach(_shape(geoms))

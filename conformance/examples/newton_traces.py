@@ -53,12 +53,12 @@ def read(state: newton.State) -> tuple[np.ndarray, ...]:
 
 def main() -> None:
     """Run the cases that are named, or all."""
-    stages, traces, wanted = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:]
+    stages, traces, requested = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:]
     traces.mkdir(parents=True, exist_ok=True)
     wp.config.quiet, wp.config.enable_backward = True, False  # without derivatives kernels compile in less time
     for name, case in json.loads((stages / "cases.json").read_text()).items():
         target = traces / f"{name}.npz"
-        if (wanted and name not in wanted) or target.exists():
+        if (requested and name not in requested) or target.exists():
             continue
         try:
             np.savez(target, **executed(stages / case["stage"], case["seconds"], case["rate"]))

@@ -1,4 +1,4 @@
-"""The built wheel works in an environment that has numpy and usd-core besides, and nothing else."""
+"""The built wheel works in an environment that has only numpy and usd-core."""
 
 from __future__ import annotations
 

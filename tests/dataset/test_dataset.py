@@ -386,7 +386,7 @@ def test_the_card_says_how_to_load_and_what_was_rejected(tmp_path: Path) -> None
     for said in (
         "load_dataset(",
         "0.8, 1, 1.2 (m/s)",
-        "two options cannot be told apart",
+        "two options look the same",
         "Licence of the spec: CC-BY-4.0",
         "![The pictures and options of one question of collide](examples/collide.webp)",
         "lossless WebP",

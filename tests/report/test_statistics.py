@@ -130,7 +130,7 @@ def test_entanglement_is_found_where_it_is_and_not_where_it_is_not(made: Made) -
     for task in ("race", "tally"):
         red = found["entangled", task, "color"]
         assert red.dimension == "colour"
-        assert not red.asked
+        assert not red.probed
         # One of four levels at half the others' accuracy: |1 - p/p̄| are 3/7, 1/7, 1/7, 1/7.
         assert red.value == pytest.approx(3 / 14, abs=0.05)
         assert red.p < 0.01
@@ -144,7 +144,7 @@ def test_entanglement_is_found_where_it_is_and_not_where_it_is_not(made: Made) -
 
 
 def test_what_a_question_is_about_is_not_called_entangled(made: Made) -> None:
-    asked = {(e.task, e.question, e.factor) for e in made.report.entanglement if e.asked}
+    asked = {(e.task, e.question, e.factor) for e in made.report.entanglement if e.probed}
     assert asked == {("race", "", "ratio"), ("race", "", "faster"), ("roll", "", "pace"), ("tally", "", "n")}
 
 

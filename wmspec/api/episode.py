@@ -86,9 +86,9 @@ class Episode:
     def notes(self) -> tuple[Diagnostic, ...]:
         """Warnings: substitutions, approximations, and regimes in which the engine is known to be wrong."""
         wrong = trace_regimes(self.scene, self.trace, Tolerances().event)
-        doubts = (Diagnostic(regime.sentence, severity="warning") for regime in wrong)
+        warnings = (Diagnostic(regime.sentence, severity="warning") for regime in wrong)
         nearly = approximation_warnings(info(self.engine).lacks, self.scene)
-        return tuple(dict.fromkeys((*self.scene.notes, *nearly, *doubts)))
+        return tuple(dict.fromkeys((*self.scene.notes, *nearly, *warnings)))
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
@@ -233,7 +233,7 @@ def run(
 
     Raises:
         StageError: the stage holds what cannot be executed; its `diagnostics` are all of it.
-        WmsError: it says nothing of how long it lasts, there is no such engine, or the engine gives up on it.
+        WmsError: the stage has no duration, the engine is unknown, or the engine fails.
     """
     opened = open_stage(stage) if isinstance(stage, str | PathLike) else stage
     if duration is None and read(opened, strict=strict).duration <= 0:

@@ -11,14 +11,14 @@ DZHANIBEKOV_TIME = 1.8751692117201915
 """When (s) the body of the case `dzhanibekov` has turned its middle axis by a right angle.
 
 Euler's equations, integrated by a Runge-Kutta method of order 5 with a relative tolerance of 1e-11. The tests integrate
-them anew.
+them again.
 """
 
 DOUBLE_PENDULUM_END = (-0.5102697085563247, 0.0, -0.00855772557206591)
 """Where (m) the centre of the lower arm of the case `double_pendulum` is after 1 s.
 
 Lagrange's equations, integrated by a Runge-Kutta method of order 8 with a relative tolerance of 1e-11. The tests
-integrate them anew.
+integrate them again.
 """
 
 

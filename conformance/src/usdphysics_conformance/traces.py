@@ -15,7 +15,7 @@ import numpy as np
 
 from usdphysics_conformance.case import Case, ConformanceError, Motion, Trace
 
-#: The arrays of a trace besides `bodies`, and the length of their last axis.
+#: The arrays of a trace other than `bodies`, and the length of their last axis.
 ARRAYS = {"position": 3, "orientation": 4, "linear_velocity": 3, "angular_velocity": 3}
 
 

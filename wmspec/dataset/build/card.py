@@ -20,7 +20,7 @@ ALL = "all"
 REASONS = {
     "ensure": "what the spec says must happen did not",
     "margin": "the answer is nearer to turning than the spec allows",
-    "alike": "two options cannot be told apart",
+    "alike": "two options look the same",
     "unseen": "something that moves or that is asked about cannot be seen well",
     "overlap": "two bodies are inside one another at the start",
     "disagreement": "the engines do not agree on the answer, or one of them rejects the question",
@@ -141,7 +141,7 @@ def _loading(total: Summary) -> str:
         "Or without anything but pandas: "
         f'`pandas.read_parquet("data/{name}")`; pictures are the bytes of lossless WebP. '
         "`manifest.json` has the specs' texts, all counts, every rejected question and the shards' checksums; "
-        "`plan.json` says which instances were asked for."
+        "`plan.json` says which instances were requested."
     )
 
 
@@ -152,8 +152,8 @@ def _use(plan: Plan) -> str:
         "Scenes are simple and drawn by rasterisers: a score says little about photographs.",
         f"The physics is that of rigid bodies in {bodies}.",
         "Questions are in English, from a few templates.",
-        "What could not be seen or told apart was rejected, so that what is left is not a fair sample of what happens.",
-        "Questions of one control group (`block`) share every draw: reckon intervals by group, not by question.",
+        "Questions whose objects or options look the same are rejected: the rest is no fair sample of what happens.",
+        "Questions of one control group (`block`) share every draw: compute intervals by group, not by question.",
         "Rows of several engines are of the same episodes: they are no more questions.",
     ]
     return (

@@ -74,7 +74,7 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
         "how many moments it takes to see the answer: 1 if any shows it, 2 for a change, 3 for its course",
     ),
     "difference": (_STRENGTH, "how strong the stimulus is: the quantity, its SI unit, its value"),
-    "margin": (pa.float64(), "how far the answer is from turning, in multiples of the margin asked for"),
+    "margin": (pa.float64(), "how far the answer is from turning, in multiples of the required margin"),
     "measured": (_READINGS, "quantities measured, in SI units"),
     "agreement": (_VOTES, "of each engine: the option that its outcome picks, its answer, or why it rejects"),
     "seed": (pa.int64(), "the seed of the design"),

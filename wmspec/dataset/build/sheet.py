@@ -218,7 +218,7 @@ def _row(row: Row, side: int) -> Picture:
 def _choices(row: Row, side: int) -> list[Picture]:
     if not row["option_image"]:
         words = [_word(row, i) for i in range(len(row["option_text"]))]
-        return [typeset.vstack(words or [typeset.paragraph("asked for openly", BODY, WORDS)], 4)]
+        return [typeset.vstack(words or [typeset.paragraph("free answer", BODY, WORDS)], 4)]
     frames = [(GREEN, 6) if i == row["answer"] else (PALE, 1) for i in range(len(row["option_image"]))]
     return [
         typeset.frame(_resized(p, side), *frame, ROOM) for p, frame in zip(row["option_image"], frames, strict=True)
@@ -257,5 +257,5 @@ def _reason(row: Row) -> str:
     parts = [true + row["answer_value"]]
     parts += [f"{m['name']} = {format_reading(m['name'], m['value'])}" for m in row["measured"]]
     if row["margin"] is not None:
-        parts.append(f"{row['margin']:.2g} times the margin asked for")
+        parts.append(f"{row['margin']:.2g} times the required margin")
     return "  ·  ".join(parts)

@@ -159,7 +159,7 @@ def _card(path: Path, tasks: dict[str, list[Entry]]) -> str:
         f"Recast by wmspec from `{path.name}`. The pictures were turned upright, brought to sRGB, made no larger than"
     ]
     lines += [
-        "asked for, and encoded without loss and without metadata.",
+        "the requested size, and encoded without loss and without metadata.",
         "",
         "| task | dimension | questions |",
         "|---|---|---|",

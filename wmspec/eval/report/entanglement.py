@@ -80,7 +80,7 @@ DIMENSIONS: dict[str, frozenset[str]] = {
 class Entanglement:
     """s-RE of a task by one factor: `value`, and with shuffled levels its `mean` and 95 % quantile `bound`.
 
-    `p` is the share of shuffles with at least this value. `dimension` is one of the paper's five, or ''. If `asked`,
+    `p` is the share of shuffles with at least this value. `dimension` is one of the paper's five, or ''. If `probed`,
     the answer or the stimulus difference depends on the factor; then accuracy may depend on it too.
     """
 
@@ -88,7 +88,7 @@ class Entanglement:
     question: str
     factor: str
     dimension: str
-    asked: bool
+    probed: bool
     system: str
     levels: int
     questions: int
@@ -102,21 +102,23 @@ def entanglement(replies: Replies) -> tuple[Entanglement, ...]:
     """Return s-RE for each task, question, factor or nuisance with few levels, and system. Requires the dataset."""
     if replies.questions is None:
         return ()
-    asked = replies.main_questions
-    parts = asked.groupby(["task", "question_name"], sort=True)
+    questions = replies.main_questions
+    parts = questions.groupby(["task", "question_name"], sort=True)
     return tuple(e for (task, name), of_one in parts for e in _question(replies, str(task), str(name), of_one))
 
 
-def _question(replies: Replies, task: str, name: str, asked: pd.DataFrame) -> Iterator[Entanglement]:
+def _question(replies: Replies, task: str, name: str, questions: pd.DataFrame) -> Iterator[Entanglement]:
     assert replies.questions is not None
-    varied = replies.questions.varied[task].loc[asked.index]
-    scores = replies.scores.loc[asked.index].to_numpy()
+    varied = replies.questions.varied[task].loc[questions.index]
+    scores = replies.scores.loc[questions.index].to_numpy()
     for factor in varied.columns:
         codes, levels = pd.factorize(varied[factor].astype(str), sort=True)
         if 2 <= len(levels) <= MAX_LEVELS and np.bincount(codes).min() >= MIN_QUESTIONS:
             facet = paper_dimension(factor, varied[factor])
-            about = _depends_on_factor(replies.questions, task, factor, asked.index)
-            yield from _factor(replies, (task, name, factor, facet, about), codes, scores, asked["index"].to_numpy())
+            about = _depends_on_factor(replies.questions, task, factor, questions.index)
+            yield from _factor(
+                replies, (task, name, factor, facet, about), codes, scores, questions["index"].to_numpy()
+            )
 
 
 def _factor(
@@ -133,9 +135,9 @@ def _factor(
         if np.isnan(value[j]) or not len(drawn):
             continue
         as_much = (1 + int((drawn >= value[j] - 1e-12).sum())) / (1 + len(drawn))
-        asked = int((~np.isnan(scores[:, j])).sum())
+        questions = int((~np.isnan(scores[:, j])).sum())
         yield Entanglement(
-            *key, system, int(codes.max()) + 1, asked,
+            *key, system, int(codes.max()) + 1, questions,
             float(value[j]), float(drawn.mean()), float(np.quantile(drawn, 0.95)), as_much,
         )  # fmt: skip
 

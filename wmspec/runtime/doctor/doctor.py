@@ -74,9 +74,9 @@ def _known(name: str) -> Info | Finding:
         return _failed(Finding(name, False, ""), Failure.of(error), None)
 
 
-def _failed(finding: Finding, failure: Failure, mended: Callable[[Cause], str] | None) -> Finding:
+def _failed(finding: Finding, failure: Failure, fixed: Callable[[Cause], str] | None) -> Finding:
     """Return a failed finding, with the remedy of its cause, or else how to report it."""
-    cure = mended(failure.cause) if failure.cause and mended else ""
+    cure = fixed(failure.cause) if failure.cause and fixed else ""
     report = "" if cure else failure.report or f"  {how_to_report(file=False)}"
     return replace(finding, ok=False, found=failure.words, remedy=cure, report=report)
 
@@ -146,11 +146,11 @@ def _photo(system: System, patience: float) -> list[Finding]:
     tried = _try("wmspec.runtime.doctor.probe", "mitsuba", "photo", patience=patience)
     drawn = Finding("photo renders", True, "" if isinstance(tried, Failure) else tried)
     if isinstance(tried, Failure):
-        drawn = _failed(drawn, tried, partial(_photo_mended, system=system))
+        drawn = _failed(drawn, tried, partial(_photo_fixed, system=system))
     return [installed, drawn] if forced or not drawn.ok else [installed, drawn, _compiling(system, patience)]
 
 
-def _photo_mended(cause: Cause, system: System) -> str:
+def _photo_fixed(cause: Cause, system: System) -> str:
     """Return the command that fixes the renderer of the look "photo"."""
     if cause.kind == "install":
         return install_hints.pip(library.REQUIREMENT, "--force-reinstall")

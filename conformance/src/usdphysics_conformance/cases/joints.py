@@ -137,7 +137,7 @@ def _double() -> Iterator[Case]:
 
 
 def _linkages() -> Iterator[Case]:
-    """A parallelogram: its coupler never turns, so it swings as a point that hangs on one of its cranks does."""
+    """A parallelogram: its coupler never turns, so it swings as a point that one of its cranks carries."""
     angle, crank, wide = radians(30), 0.4, 0.6
     down: Vector = (crank / 2 * sin(angle), 0.0, -crank / 2 * cos(angle))
     turn = (cos(angle / 2), 0.0, -sin(angle / 2), 0.0)

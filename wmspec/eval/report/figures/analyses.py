@@ -39,7 +39,7 @@ Grid = NDArray[np.float64]
 def entanglement(report: Report) -> Iterator[SvgFigure]:
     """Yield s-RE of tasks by the paper's dimensions, measured and shuffled; then of each model by dimension."""
     models = [s for s in report.systems if s not in (*BASELINES, PEOPLE)]
-    mine = [e for e in report.entanglement if e.system in models and e.dimension and not e.asked]
+    mine = [e for e in report.entanglement if e.system in models and e.dimension and not e.probed]
     if not mine:
         return
     tasks, columns = sorted({e.task for e in mine}), [d for d in DIMENSIONS if any(e.dimension == d for e in mine)]
