@@ -12,7 +12,7 @@ help:
 	@echo "make demo      two tasks in every engine, and a picture of what came out"
 	@echo "make quick     the language, the stage, physics in one engine: a minute on two cores, for every change"
 	@echo "make lowest    the same with the oldest versions that are allowed, in build/lowest"
-	@echo "make check     style, types, architecture, dependencies"
+	@echo "make check     style, types, architecture, dependencies, words"
 	@echo "make test      that and all tests but the slow ones, on an installed wheel"
 	@echo "make test-all  the same with the slow tests"
 	@echo "make installed an environment that has wmspec from a wheel, in build/installed"
@@ -53,6 +53,7 @@ check: setup
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
 	cd conformance && ../$(BIN)/deptry .
+	$(BIN)/python -m tools.prose README.md docs wmspec backends conformance tools benchmarks
 
 QUICK := -n auto --dist loadgroup --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
 
