@@ -44,7 +44,7 @@ MAX_MOVING_FRACTION = 0.1
 #: Largest number of repeated steps.
 MAX_REDONE_STEPS = 512
 
-#: Paths of kinematic bodies by number (see `Track.steps`).
+#: Paths of kinematic bodies by number (see `KinematicPath.steps`).
 Paths = dict[int, tuple[Any, Any, Any]]
 
 

@@ -98,7 +98,7 @@ class Aim:
 
 
 @dataclass(frozen=True)
-class Track:
+class KinematicPath:
     """The path of a kinematic body in pieces of constant velocity; it may jump between pieces.
 
     From `times[i]` (s) on it moves from `points[i]` (m) with `velocities[i]` (m/s) and rotates from the quaternion
@@ -150,7 +150,7 @@ class Episode:
     mounts: tuple[Vector, ...]
     dynamic: tuple[int, ...]
     kicks: tuple[Kick, ...]
-    tracks: tuple[Track, ...]
+    tracks: tuple[KinematicPath, ...]
     pushes: tuple[Push, ...] = ()
     holds: tuple[Hold, ...] = ()
     aims: tuple[Aim, ...] = ()

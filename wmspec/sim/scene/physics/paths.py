@@ -12,7 +12,7 @@ import numpy as np
 from wmspec.sim.scene.model import Action, Array, Body, Follow, Glide, Pose, Scene, Teleport, Vanish
 from wmspec.sim.scene.model.numbers import floats, rows
 from wmspec.sim.scene.model.transform import conjugate, from_rotation_vector, multiply, to_rotation_vector
-from wmspec.sim.scene.physics.episode import Track, Vector
+from wmspec.sim.scene.physics.episode import KinematicPath, Vector
 
 Move = Glide | Follow | Teleport
 _STEP_EPSILON = 1e-6  # steps
@@ -45,7 +45,7 @@ class PathPiece:
         return PathPiece(time, floats(pose.position), floats(pose.orientation), self.velocity, self.spin)
 
 
-def track(scene: Scene, index: int, steps_per_second: int) -> Track:
+def track(scene: Scene, index: int, steps_per_second: int) -> KinematicPath:
     """Return the path of kinematic body `index`. Jumps are at whole steps."""
     body = scene.bodies[index]
     parts = [_rest(0.0, body.pose)]
@@ -58,7 +58,7 @@ def track(scene: Scene, index: int, steps_per_second: int) -> Track:
             Pose(vanished_position(index), np.array(parts[0].turn)),
         )
         parts = [*(part for part in parts if part.time < left.time), left]
-    return Track(
+    return KinematicPath(
         index,
         tuple(float(part.time) for part in parts),
         tuple(part.point for part in parts),
