@@ -9,9 +9,9 @@ import pytest
 
 from wmspec.api import HOMES
 
-TERMS = set(
-    re.findall(r"^\| \*\*(.*?)\*\* \|", (Path(__file__).parents[2] / "docs/glossary.md").read_text(), re.MULTILINE)
-)
+TEXT = (Path(__file__).parents[2] / "docs/glossary.md").read_text()
+DEFINED = re.findall(r"^\| \*\*(.*?)\*\* \|", TEXT, re.MULTILINE)
+TERMS = set(DEFINED)
 #: Words of programming, which mean here what they mean everywhere.
 ORDINARY = {"all", "bar", "error", "load", "open", "options", "progress", "register", "run", "wms"}
 #: Verbs and derived forms: the term that they belong to.
@@ -26,6 +26,4 @@ def test_a_public_name_is_made_of_terms(name: str) -> None:
 
 
 def test_a_term_is_defined_once() -> None:
-    text = (Path(__file__).parents[2] / "docs/glossary.md").read_text()
-    defined = re.findall(r"^\| \*\*(.*?)\*\* \|", text, re.MULTILINE)
-    assert sorted(defined) == sorted(set(defined))
+    assert sorted(DEFINED) == sorted(TERMS)
