@@ -82,3 +82,77 @@ def test_shapes_are_those_of_mujoco(tmp_path: Path) -> None:
     assert boom[0].shape.height == pytest.approx(2 * model.geom_size[1][1], rel=1e-6)
     assert boom[0].friction.dynamic == pytest.approx(0.7)
     assert named(found, "crane").motion == "static"
+
+
+HINGE = '<joint name="j" axis="0 1 0"/><geom type="box" size=".1 .1 .1" mass="1"/>'
+#: What sets a value in one place and is used in another: sections of defaults, and the body `x`.
+INHERITING = {
+    "two sections": (
+        (
+            '<default><geom friction="0.3" density="500"/></default>'
+            '<default><joint damping="0.7"/><default class="c"><geom type="box"/></default></default>'
+        ),
+        '<joint name="j" axis="0 1 0"/><geom class="c" size=".1 .1 .1"/>',
+        "",
+    ),
+    "root in one, class in another": (
+        (
+            '<default><joint damping="1.5"/></default>'
+            '<default><default class="c"><geom friction="0.2"/></default></default>'
+        ),
+        '<joint class="c" name="j" axis="0 1 0"/><geom class="c" type="box" size=".1 .1 .1" mass="1"/>',
+        "",
+    ),
+    "a class before the second section": (
+        '<default><default class="c"><joint armature="0"/></default></default><default><joint damping="2"/></default>',
+        '<joint class="c" name="j" axis="0 1 0"/><geom type="box" size=".1 .1 .1" mass="1"/>',
+        "",
+    ),
+    "gear of general": ('<default><general gear="3"/></default>', HINGE, '<position joint="j" kp="10"/>'),
+    "gain and bias of general": (
+        '<default><general biastype="affine" gainprm="100" biasprm="0 -100 -10"/></default>',
+        HINGE,
+        '<position joint="j"/>',
+    ),
+    "kv of general, kp of the actuator": (
+        '<default><general biasprm="0 -100 -10"/></default>',
+        HINGE,
+        '<position joint="j" kp="7" gear="-2"/>',
+    ),
+    "velocity": ('<default><velocity kv="4"/></default>', HINGE, '<position joint="j"/>'),
+    "motor after position": (
+        '<default><position kp="9" kv="2"/><motor gear="2"/></default>',
+        HINGE,
+        '<position joint="j"/>',
+    ),
+    "main by name": (
+        '<default class="main"><geom friction="0.4"/></default>',
+        '<joint name="j" axis="0 1 0"/><geom class="main" type="box" size=".1 .1 .1" mass="1"/>',
+        "",
+    ),
+    "a range without room": ("", HINGE.replace("/><geom", ' range="0 0"/><geom'), ""),
+    "a range the wrong way round": ("", HINGE.replace("/><geom", ' range="1 -1"/><geom'), ""),
+}
+
+
+@pytest.mark.parametrize("case", INHERITING)
+def test_what_a_body_inherits_is_what_mujoco_gives_it(case: str, tmp_path: Path) -> None:
+    defaults, body, actuator = INHERITING[case]
+    text = f'{defaults}<worldbody><body name="x">{body}</body></worldbody><actuator>{actuator}</actuator>'
+    (tmp_path / "a.xml").write_text(f'<mujoco><compiler angle="radian"/>{text}</mujoco>')
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "a.xml"))
+    found = scene(spec('object it { file: "a.xml"  at: (0, 0, 1 m)  fixed: false }', tmp_path))
+    (joint,) = found.joints
+    (one,) = (b for b in found.bodies if b.inertia is not None or b.motion == "dynamic")
+    (geom,) = one.geoms
+    assert geom.friction.dynamic == pytest.approx(model.geom_friction[0, 0])
+    mass = one.inertia.mass if one.inertia is not None else None
+    assert mass == pytest.approx(model.body("x").mass[0], rel=1e-6)
+    assert (joint.limits is not None) == bool(model.joint("j").limited[0])
+    stiffness = damping = 0.0
+    if joint.drive is not None:
+        stiffness, damping = joint.drive.stiffness, joint.drive.damping
+    gear = model.actuator_gear[0, 0] if actuator else 0.0
+    bias = model.actuator_biasprm[0] if actuator else np.zeros(3)
+    assert stiffness == pytest.approx(-(gear**2) * bias[1])
+    assert damping == pytest.approx(model.dof_damping[0] - gear**2 * bias[2])

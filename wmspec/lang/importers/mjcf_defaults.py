@@ -15,6 +15,8 @@ from wmspec.sim.scene.model.transform import from_rotation_vector, multiply
 #: Resolves a mesh reference to a path relative to the spec; '' if it is missing, which is reported.
 MeshResolver = Callable[[Element, str], str]
 
+#: Actuators share one set of defaults in MuJoCo, whatever their elements are called.
+_SHARED = ("general", "motor", "position", "velocity")
 _TURNS = ("quat", "euler", "axisangle")
 _COMPILER = ("angle", "eulerseq", "autolimits", "meshdir", "texturedir", "assetdir", "inertiafromgeom", "coordinate")
 
@@ -28,8 +30,9 @@ class Defaults(Reader):
         self.root = root
         self._classes: dict[str, dict[str, dict[str, str]]] = {"": {}}
         self._compile(root)
-        for top in root.all("default"):
-            self._class(top, "", {}, depth=0)
+        for top in root.all("default"):  # all top-level sections are parts of one class
+            self._class(top, "", self._classes[""], depth=0)
+        self._classes.setdefault("main", self._classes[""])
 
     def _compile(self, root: Element) -> None:
         settings: dict[str, str] = {}
@@ -53,13 +56,32 @@ class Defaults(Reader):
         """Add a class of defaults, which inherits those of the enclosing class."""
         own = {tag: dict(values) for tag, values in above.items()}
         for child in e.children:
-            if child.tag != "default":
+            if child.tag in _SHARED:
+                own["position"] = own.get("position", {}) | self._drive_defaults(child)
+            elif child.tag != "default":
                 own[child.tag] = own.get(child.tag, {}) | child.attributes
         self._classes[name] = own
         if depth == 0 and e.attributes.get("class"):
             self._classes[e.attributes["class"]] = own
         for child in e.all("default"):
             self._class(child, child.attributes.get("class", ""), own, depth + 1)
+
+    def _drive_defaults(self, e: Element) -> dict[str, str]:
+        """Return the defaults for `position` actuators that an actuator of a default class sets.
+
+        MuJoCo stores gain and bias. A `position` has gain kp and bias (0, -kp, -kv); `motor` and `velocity` reset both.
+        """
+        values = dict(e.attributes)
+        if e.tag in ("motor", "velocity"):
+            values |= {"kp": "1", "kv": "0"}
+        elif e.tag == "general":
+            values.pop("biastype", None)
+            gain, bias = (values.pop(name, "").split() for name in ("gainprm", "biasprm"))
+            if gain:
+                values["kp"] = repr(self.numbers(e, "gainprm", len(gain))[0])
+            if len(bias) > 2:
+                values["kv"] = repr(-self.numbers(e, "biasprm", len(bias))[2])
+        return values
 
     def full(self, e: Element, inherited: str) -> Element:
         """Return the element completed by the defaults of its class or of the active one."""

@@ -56,7 +56,11 @@ class Geoms:
 
     def _shape(self, e: Element) -> Shape | None:
         self.read.known(e, _GEOM)
-        kind = e.attributes.get("type", "mesh" if "mesh" in e.attributes else "sphere")
+        kind = e.attributes.get("type", "sphere")
+        if kind != "mesh" and "mesh" in e.attributes:
+            what = f"MuJoCo fits a {kind[:30]} to the mesh, which is not supported"
+            self.faults.add(e.where, what, 'write type="mesh", or remove `mesh` and write the size')
+            return None
         here = self.read.place(e)
         solid, drawn = self._touched(e), self.read.number(e, "group", 0.0) <= _DRAWN
         look = self._look(e) if drawn else Appearance()

@@ -85,6 +85,8 @@ class Joints:
         if kind == "ball":
             self.faults.add(e.where, "ball joints with limits are not supported", "remove `range`")
             return None, None
+        if low >= high and limited == "auto":  # MuJoCo: no limit
+            return None, None
         if low >= high:
             self.faults.add(e.where, "it can never move: its range leaves no room", "correct it, or remove the joint")
         unit = self.read.angle if kind == "hinge" else 1.0
@@ -105,7 +107,10 @@ class Joints:
                 continue
             if joint.stiffness:
                 self.faults.add(e.where, f"`{joint.name}` has a spring or another drive already", "keep one of them")
-            if self.read.numbers(full, "gear", len(full.attributes.get("gear", "1").split()), (1.0,))[0] != 1:
-                self.faults.add(e.where, "gears are not supported", "remove `gear`, and scale kp")
+            gear = self.read.numbers(full, "gear", len(full.attributes.get("gear", "1").split()), (1.0,))[0]
+            if gear == 0:
+                self.faults.add(e.where, "its gear is 0: it moves nothing", "correct it, or remove the actuator")
             kp, kv = self.read.number(full, "kp", 1.0, above=0.0), self.read.number(full, "kv", 0.0)
-            joints[joint.name] = replace(joint, stiffness=kp, damping=joint.damping + kv, target=0.0)
+            joints[joint.name] = replace(
+                joint, stiffness=kp * gear**2, damping=joint.damping + kv * gear**2, target=0.0
+            )

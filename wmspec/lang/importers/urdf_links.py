@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -27,6 +28,9 @@ from wmspec.sim.shapes import Box, Capsule, Cylinder, Sphere
 #: Resolves a mesh reference to a path relative to the spec; '' if it is missing, which is reported.
 MeshResolver = Callable[[Element, str], str]
 
+#: Children of `contact`, and the property of an object that each sets.
+_CONTACT = {"lateral_friction": "friction", "restitution": "restitution"}
+
 
 class Links:
     """Converts links; `materials` collects the named materials."""
@@ -38,7 +42,7 @@ class Links:
 
     def link(self, e: Element) -> Link:
         """Return a link with all its shapes; an equal visual and collision are one shape."""
-        self.read.known(e, ("name", "type"), ("inertial", "visual", "collision"))
+        self.read.known(e, ("name", "type"), ("inertial", "visual", "collision", "contact"))
         drawn = [s for v in e.all("visual") if (s := self._shape(v)) is not None]
         touched = [s for c in e.all("collision") if (s := self._shape(c)) is not None]
         shapes = []
@@ -47,7 +51,28 @@ class Links:
             touched = [t for t in touched if t is not same]
             shapes.append(replace(s, solid=same is not None))
         shapes += [replace(t, drawn=not drawn) for t in touched]
-        return Link(e.attributes.get("name", ""), e.where, tuple(shapes), self._mass(e))
+        return Link(e.attributes.get("name", ""), e.where, tuple(shapes), self._mass(e), self._contact(e))
+
+    def _contact(self, link: Element) -> dict[str, float]:
+        """Return friction and restitution of Bullet's extension `contact` (PyBullet Quickstart Guide, "URDF")."""
+        e = self.read.only(link, "contact")
+        if e is None:
+            return {}
+        self.read.known(e, (), tuple(_CONTACT))
+        given: dict[str, float] = {}
+        for tag, name in _CONTACT.items():
+            child = self.read.only(e, tag)
+            if child is not None:
+                self.read.known(child, ("value",))
+                given[name] = self._coefficient(child, highest=1.0 if name == "restitution" else math.inf)
+        return given
+
+    def _coefficient(self, e: Element, highest: float) -> float:
+        value = self.read.number(e, "value")
+        if not 0 <= value <= highest:
+            bounds = "0 or more" if highest == math.inf else f"from 0 to {highest:g}"
+            self.read.faults.add(e.where, f"`{e.tag}` is {value:g}", f"make it {bounds}")
+        return value
 
     def _mass(self, link: Element) -> Inertia | None:
         """Return the `inertial`, or None."""
