@@ -46,6 +46,14 @@ SAID = {
         'def Cube "b" ( prepend apiSchemas = ["PhysicsRigidBody"] ) { }',
         "UsdPhysics has no schema PhysicsRigidBody: ignored; did you mean PhysicsRigidBodyAPI?",
     ),
+    "an actuator": (
+        BALL % ("b", "") + JOINT % (HELD, "") + 'def MjcActuator "servo" { rel mjc:target = </World/j> }',
+        "the type MjcActuator, acting on /World/j, is not supported: ignored; express it with UsdPhysics",
+    ),
+    "a prim of an unknown type that acts on a body": (
+        BALL % ("b", "") + 'def FancyMagnet "m" { rel magnet:body = </World/b> }',
+        "the type FancyMagnet, acting on /World/b, is not supported",
+    ),
     "a joint of nothing": (BALL % ("b", "") + JOINT % ("", ""), "a joint without bodies: ignored"),
 }
 """What -> the prims, and what is told."""
@@ -56,6 +64,8 @@ SILENT = {
     "what is read": BALL % ("b", "float physxRigidBody:linearDamping = 0.5"),
     "what is endless": BALL % ("b", "") + JOINT % (HELD, "float physxJoint:maxJointVelocity = inf"),
     "a velocity of zero": BALL % ("b", "vector3f physics:linearVelocity = (0, 0, 0)"),
+    "a prim of an unknown type that acts on nothing": BALL % ("b", "")
+    + 'def FancyLabel "m" { rel label:of = </World> }',
     "what has no part in physics": 'def Sphere "b" { float newton:mass = 3 }',
     "a schema of others": 'def Cube "b" ( prepend apiSchemas = ["PhysicsJointStateAPI:angular"] ) { }',
 }

@@ -240,6 +240,20 @@ def test_a_gltf_that_uses_files_elsewhere(project: Path, uri: str) -> None:
     assert f"uses `{uri}`, which is not beside it" in checked(project, SPEC.format(file="cup.gltf", more=""))
 
 
+@pytest.mark.parametrize("name", ["KHR_draco_mesh_compression", "EXT_meshopt_compression"])
+def test_a_compressed_gltf_is_refused_with_the_name_of_its_extension(project: Path, name: str) -> None:
+    whole = trimesh.creation.box((0.1, 0.1, 0.1)).export(file_type="gltf")
+    text = json.loads(whole["model.gltf"]) | {"extensionsRequired": [name]}
+    (project / "cup.gltf").write_text(json.dumps(text))
+    for buffer in set(whole) - {"model.gltf"}:
+        (project / buffer).write_bytes(whole[buffer])
+    said = checked(project, SPEC.format(file="cup.gltf", more=""))
+    assert f"cup.gltf is compressed ({name}), which is not supported" in said
+    assert "export it without compression" in said
+    (project / "cup.gltf").write_text(json.dumps(text | {"extensionsRequired": ["KHR_materials_unlit"]}))
+    assert "compressed" not in checked(project, SPEC.format(file="cup.gltf", more=""))
+
+
 def test_a_dae_with_entities(project: Path) -> None:
     text = trimesh.creation.box((0.1, 0.1, 0.1)).export(file_type="dae").decode()
     start = text.index("<COLLADA")

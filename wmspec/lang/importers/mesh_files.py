@@ -17,6 +17,8 @@ from wmspec.core.safe_io import is_within
 
 #: Size (bytes) of a face and of the header of a binary STL file.
 _STL_FACE, _STL_HEAD = 50, 84
+#: glTF extensions that store points in a form of their own.
+_COMPRESSIONS = ("KHR_draco_mesh_compression", "EXT_meshopt_compression")
 
 
 def check_mesh_file(path: Path) -> None:
@@ -30,7 +32,9 @@ def check_mesh_file(path: Path) -> None:
     if kind == ".dae" and b"<!" in path.read_bytes().replace(b"<!--", b"").replace(b"<![CDATA[", b""):
         raise WmsError("has a DTD or entities, which are not allowed", help="remove them, or export it again")
     if kind in (".gltf", ".glb"):
-        _check_references(path, _gltf(path))
+        content = _gltf(path)
+        _check_extensions(content)
+        _check_references(path, content)
 
 
 def _binary(path: Path) -> bool:
@@ -50,6 +54,14 @@ def _gltf(path: Path) -> Any:
         return json.loads(content)
     except (ValueError, RecursionError):
         return None
+
+
+def _check_extensions(content: Any) -> None:
+    """Raise WmsError if the points cannot be read without an extension that decodes them."""
+    required = content.get("extensionsRequired") if isinstance(content, dict) else None
+    for name in required if isinstance(required, list) else ():
+        if name in _COMPRESSIONS:
+            raise WmsError(f"is compressed ({name}), which is not supported", help="export it without compression")
 
 
 def _check_references(path: Path, content: Any) -> None:

@@ -1,6 +1,7 @@
-"""Warns once per kind about physics attributes that wmspec ignores, with the first prim.
+"""Warns once per kind about physics attributes and prims that wmspec ignores, with the first prim.
 
-These are attributes of other engines, attributes of schemas that are not applied, and misspelled schemas.
+These are attributes of other engines, attributes of schemas that are not applied, misspelled schemas, and prims of
+unknown types that target a body or a joint, such as actuators and tendons.
 """
 
 from __future__ import annotations
@@ -93,6 +94,8 @@ def _ignored(prim: Usd.Prim) -> Iterator[tuple[tuple[str, str], str]]:
         name = api.partition(":")[0]
         if name.startswith("Physics") and name not in _APIS.values() and not _FOREIGN_SCHEMAS.fullmatch(name):
             yield ("schema", name), name
+    if not _is_known(type_) and (acted := _physical_target(prim)):
+        yield ("type", type_), acted
     if type_.startswith("Physics") or any(api.startswith(_PHYSICS_NAMESPACES) for api in apis):
         yield from _ignored_of_prim(prim)
     if (
@@ -101,6 +104,25 @@ def _ignored(prim: Usd.Prim) -> Iterator[tuple[tuple[str, str], str]]:
         and not any(targets(prim, f"physics:body{end}") for end in (0, 1))
     ):
         yield ("joint", ""), prim.GetName()
+
+
+@cache
+def _is_known(type_: str) -> bool:
+    """Whether USD or wmspec defines a prim type; '' is a prim without a type."""
+    return not type_ or type_.startswith("Wms") or Usd.SchemaRegistry().FindConcretePrimDefinition(type_) is not None
+
+
+def _physical_target(prim: Usd.Prim) -> str:
+    """Return the path of the first body or joint that a relationship of the prim targets, or ''."""
+    for relationship in prim.GetRelationships():
+        for path in relationship.GetTargets():
+            acted = prim.GetStage().GetPrimAtPath(path.GetPrimPath())
+            if acted and (
+                str(acted.GetTypeName()).startswith("Physics")
+                or any(api.startswith(_PHYSICS_NAMESPACES) for api in applied_schemas(acted))
+            ):
+                return str(acted.GetPath())
+    return ""
 
 
 def _ignored_of_prim(prim: Usd.Prim) -> Iterator[tuple[tuple[str, str], str]]:
@@ -173,7 +195,13 @@ def _warn_empty_joint(_which: str, kind: _IgnoredKind, notes: Substitutions) -> 
     notes.record(kind.prim, f"a joint without bodies{kind.other_prims}", "ignored", "target one body or two")
 
 
+def _warn_unknown_type(type_: str, kind: _IgnoredKind, notes: Substitutions) -> None:
+    reason = f"the type {type_}, acting on {next(iter(kind.names))}{kind.other_prims}, is not supported"
+    notes.record(kind.prim, reason, "ignored", "express it with UsdPhysics, such as PhysicsDriveAPI, or remove it")
+
+
 _WARNINGS = {
+    "type": _warn_unknown_type,
     "other": _warn_foreign,
     "unapplied": _warn_unapplied,
     "schema": _warn_misspelled,
