@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from wmspec.compile.layout.paths import named_path, rotated_points, timed_points
@@ -23,6 +23,7 @@ def path(form: str, length: float, width: float, angle: float, samples: int) -> 
     st.sampled_from(FORMS), st.floats(0.1, 1.0), st.floats(0.15, 0.6), st.floats(-3.1, 3.1), st.integers(100, 600),
     st.integers(0, 10**6),
 )  # fmt: skip
+@example("square", 0.15625, 0.5, 2.5, 100, 100)  # a corner that the noise blunts over 2.6 cm
 def test_the_paths_of_follow_are_told_with_a_millimetre_of_noise(
     name: str, length: float, share: float, angle: float, samples: int, seed: int
 ) -> None:

@@ -19,7 +19,7 @@ MIN_ARC, MIN_CIRCLE = math.radians(12), math.radians(240)
 #: Closed paths by sharp corners. A path that starts in a corner has one less and is not named.
 CLOSED_FORMS = {0: "circle", 3: "triangle", 4: "square"}
 #: A leg shorter than this share of the extent only blunts the corner between its neighbours.
-SHORT_LEG = 0.1
+SHORT_LEG = 0.12
 #: Largest share of turns in the opposite direction of a one-way path.
 MAX_COUNTERTURN = 0.1
 
