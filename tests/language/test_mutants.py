@@ -19,7 +19,7 @@ def test_a_mistake_is_told_once_where_it_is_and_with_what_mends_it(count: int) -
     assert len(spelled) > 0.25 * count
     assert told["one"] >= 0.93 * len(outcomes)
     assert told["line"] >= 0.93 * len(outcomes)
-    assert sum(o.mended for o in spelled) >= 0.8 * len(spelled)
+    assert sum(o.fixed for o in spelled) >= 0.8 * len(spelled)
 
 
 @pytest.mark.parametrize("every", [16, pytest.param(1, marks=pytest.mark.slow)])
