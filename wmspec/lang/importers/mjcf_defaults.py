@@ -15,8 +15,8 @@ from wmspec.sim.scene.model.transform import from_rotation_vector, multiply
 #: Resolves a mesh reference to a path relative to the spec; '' if it is missing, which is reported.
 MeshResolver = Callable[[Element, str], str]
 
-#: Actuators share one set of defaults in MuJoCo, whatever their elements are called.
-_SHARED = ("general", "motor", "position", "velocity")
+#: Elements of actuators whose defaults MuJoCo keeps in one set.
+_ACTUATORS = ("general", "motor", "position", "velocity")
 _TURNS = ("quat", "euler", "axisangle")
 _COMPILER = ("angle", "eulerseq", "autolimits", "meshdir", "texturedir", "assetdir", "inertiafromgeom", "coordinate")
 
@@ -56,7 +56,7 @@ class Defaults(Reader):
         """Add a class of defaults, which inherits those of the enclosing class."""
         own = {tag: dict(values) for tag, values in above.items()}
         for child in e.children:
-            if child.tag in _SHARED:
+            if child.tag in _ACTUATORS:
                 own["position"] = own.get("position", {}) | self._drive_defaults(child)
             elif child.tag != "default":
                 own[child.tag] = own.get(child.tag, {}) | child.attributes
