@@ -18,6 +18,7 @@ from wmspec.lang.check.tables.vocabulary import (
     CONDITIONAL_DOMAINS,
     CONTINUOUS_DOMAINS,
     DESIGNS,
+    FACTOR_DIMENSIONS,
     FACTOR_DOMAINS,
     JOINTS,
     PROPERTIES,
@@ -36,7 +37,7 @@ from wmspec.sim.materials import MATERIALS
 FOLDER = Path(__file__).parent.parent / "docs/reference"
 #: File, title and sections of each page.
 PAGES = (
-    ("designs", "Domains and designs", ("Domains", "Designs")),
+    ("designs", "Domains and designs", ("Domains", "Dimensions", "Designs")),
     ("properties", "Properties", ("Properties", "Joints", "Materials")),
     ("verbs", "Verbs", ("Verbs", "Robots")),
     ("functions", "Functions", ("Functions",)),
@@ -62,6 +63,12 @@ def pages() -> dict[Path, str]:
 
 def reference() -> Iterator[str]:
     """Yield the lines of the reference."""
+    yield from design()
+    yield from entities()
+
+
+def design() -> Iterator[str]:
+    """Yield the tables of factors and designs."""
     yield "### Domains\n"
     yield "Of a `factor` or a `nuisance`, constants:\n"
     yield from forms("domain", FACTOR_DOMAINS)
@@ -71,8 +78,15 @@ def reference() -> Iterator[str]:
     yield from forms("domain", WEIGHTED_DOMAINS)
     yield "Of a `factor` alone:\n"
     yield from forms("domain", CONDITIONAL_DOMAINS)
+    yield "### Dimensions\n"
+    yield "What a `factor` or a `nuisance` is about, after its domain: `factor tone in [red, blue] about color`.\n"
+    yield from table(("dimension", "meaning"), ((f"`about {name}`", what) for name, what in FACTOR_DIMENSIONS.items()))
     yield "### Designs\n"
     yield from forms("design", DESIGNS.values())
+
+
+def entities() -> Iterator[str]:
+    """Yield the tables of objects, actions, functions, words and codes."""
     yield "### Properties\n"
     for kind, properties in PROPERTIES.items():
         yield f"Of {'the world' if kind == 'world' else f'{article(kind)} {kind}'}:\n"

@@ -97,10 +97,10 @@ def test_datasets_streams_the_files_alone(folder: Path) -> None:
 def test_every_factor_has_its_type_and_unit() -> None:
     columns = schema(spec("collide"))
     assert columns.field("factor.speed").type == pa.float64()
-    assert columns.field("factor.speed").metadata == {b"unit": b"m/s"}
+    assert columns.field("factor.speed").metadata == {b"unit": b"m/s", b"about": b"other"}
     assert columns.field("factor.rolls").type == pa.bool_()
     assert columns.field("factor.target").type == pa.string()
-    assert columns.field("nuisance.heading").metadata == {b"unit": b"rad"}
+    assert columns.field("nuisance.heading").metadata == {b"unit": b"rad", b"about": b"position"}
     assert "group.heading" not in columns.names
 
 

@@ -25,6 +25,7 @@ _NAMES = ["a", "b2", "Cup", "_x", "title", *soft_words()]
 _UNITS = ["cm", "m", "s", "deg", "kg/m^3", "m/s^2", "N*s", "%"]
 
 names = st.sampled_from(_NAMES).map(lambda n: s.Name(n, NOWHERE))
+words = st.sampled_from(_NAMES).map(lambda n: s.Word(n, NOWHERE))
 _numbers = st.one_of(st.integers(0, 10**6).map(float), st.floats(0, 1e9, allow_subnormal=False))
 _texts = st.text(st.characters(codec="utf-8", exclude_categories=("Cs", "Cc", "Zl", "Zp")), max_size=8)
 texts = _texts.map(lambda t: s.Text(t, NOWHERE))
@@ -97,7 +98,7 @@ def _statements() -> st.SearchStrategy[s.Statement]:
     outcomes = st.builds(s.Kinds, properties, here)
     kinds = st.sampled_from(["object", "camera", "light", "joint", "robot"])
     return st.one_of(
-        st.builds(s.Factor, names, expressions, st.booleans(), here),
+        st.builds(s.Factor, names, expressions, st.booleans(), here, st.none() | words),
         st.builds(s.Let, names, expressions, here),
         st.builds(s.Require, expressions, here),
         st.builds(s.Setting, st.sampled_from(["repeat", "horizon"]), expressions, here),
@@ -223,7 +224,10 @@ _TEXTS: dict[type, Callable[[Any], str]] = {
     s.Items: _items,
     s.File: lambda n: "\n".join(map(written, n.items)) + "\n",
     s.Task: lambda n: f"task {n.name.id}{' : ' * bool(n.path)}{'.'.join(map(written, n.path))} {_block(*n.body)}",
-    s.Factor: lambda n: f"{'nuisance' if n.nuisance else 'factor'} {n.name.id} in {written(n.domain)}",
+    s.Factor: lambda n: (
+        f"{'nuisance' if n.nuisance else 'factor'} {n.name.id} in {written(n.domain)}{_after(' about ', n.about)}"
+    ),
+    s.Word: lambda n: n.id,
     s.Let: lambda n: f"let {n.name.id} = {written(n.value)}",
     s.Require: lambda n: f"require {written(n.condition)}",
     s.Setting: lambda n: f"{n.key} {written(n.value)}",

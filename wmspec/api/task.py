@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Unpack, overload
 
 from wmspec.compile.design.design import Design
 from wmspec.compile.design.design import Instance as Drawn
+from wmspec.compile.design.dimension import dimension
 from wmspec.compile.design.levels import Level
 from wmspec.core import wm_abench
 from wmspec.core.diagnostics import WmsError, suggestion
@@ -29,7 +30,8 @@ if TYPE_CHECKING:
 class Factor:
     """A factor or a nuisance, with `values` and `bounds` in the SI `unit`; "" if it has none.
 
-    `values` is None for a continuous domain, `bounds` for a discrete one.
+    `values` is None for a continuous domain, `bounds` for a discrete one. `about` is its dimension: color, shape, size,
+    position, material, world or other, as declared in the spec or derived from what it changes.
     """
 
     name: str
@@ -37,19 +39,20 @@ class Factor:
     nuisance: bool
     values: tuple[Level, ...] | None
     bounds: tuple[float, float] | None
+    about: str = "other"
 
     @classmethod
-    def of(cls, declared: DeclaredFactor) -> Factor:
-        """Return the factor of a declaration."""
+    def of(cls, declared: DeclaredFactor, about: str) -> Factor:
+        """Return the factor of a declaration and its dimension."""
         match declared.domain:
             case Choices(values=values):
-                return cls(declared.name, declared.unit, declared.nuisance, values, None)
+                return cls(declared.name, declared.unit, declared.nuisance, values, None, about)
             case Interval(low=low, high=high):
-                return cls(declared.name, declared.unit, declared.nuisance, None, (low, high))
+                return cls(declared.name, declared.unit, declared.nuisance, None, (low, high), about)
             case normal:
                 reach = 3 * normal.deviation
                 bounds = (normal.mean - reach, normal.mean + reach)
-                return cls(declared.name, declared.unit, declared.nuisance, None, bounds)
+                return cls(declared.name, declared.unit, declared.nuisance, None, bounds, about)
 
 
 @dataclass(frozen=True, repr=False)
@@ -95,12 +98,12 @@ class Task(Sequence["Instance"]):
     @property
     def factors(self) -> tuple[Factor, ...]:
         """The factors, in the order of the spec."""
-        return tuple(Factor.of(f) for f in self.design.factors)
+        return tuple(Factor.of(f, dimension(self.spec, f)) for f in self.design.factors)
 
     @property
     def nuisances(self) -> tuple[Factor, ...]:
         """The nuisances, drawn per block."""
-        return tuple(Factor.of(f) for f in self.design.nuisances)
+        return tuple(Factor.of(f, dimension(self.spec, f)) for f in self.design.nuisances)
 
     @property
     def questions(self) -> int:

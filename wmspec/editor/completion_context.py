@@ -14,7 +14,16 @@ from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.tables.functions import FUNCTIONS
 from wmspec.lang.check.tables.property_schema import allowed_properties, entity_type
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
-from wmspec.lang.check.tables.vocabulary import DESIGNS, JOINTS, PROPERTIES, SETS, SETTINGS, TOLERANCES, PropertySpec
+from wmspec.lang.check.tables.vocabulary import (
+    DESIGNS,
+    FACTOR_DIMENSIONS,
+    JOINTS,
+    PROPERTIES,
+    SETS,
+    SETTINGS,
+    TOLERANCES,
+    PropertySpec,
+)
 from wmspec.lang.check.types.types import (
     A_LENGTH,
     A_NUMBER,
@@ -137,6 +146,8 @@ class Reader:
             case "ACTION" | "STATE" if below.startswith("__counterfactual") or below == "LBRACE":
                 changing = any(self._symbol(i) == "COUNTERFACTUAL" for i in range(top))
                 return ExpectedInput(kind="changed") if changing else ExpectedInput()
+            case "ABOUT":
+                return ExpectedInput(kind="table", words=FACTOR_DIMENSIONS)
             case "DESIGN":
                 return ExpectedInput(kind="table", words={name: plan.meaning for name, plan in DESIGNS.items()})
             case "TOLERANCE":

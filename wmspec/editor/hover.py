@@ -18,6 +18,7 @@ from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
 from wmspec.lang.check.tables.vocabulary import (
     COLORS,
     DESIGNS,
+    FACTOR_DIMENSIONS,
     JOINTS,
     PROPERTIES,
     SETS,
@@ -67,6 +68,8 @@ def _token(document: Document, offset: int) -> Token | None:
 def _key(document: Document, nodes: list[Node], token: Token) -> str:  # noqa: C901  one case per owner
     """Return the documentation of a property or an argument, from the table of its owner."""
     name = nodes[-1]
+    if isinstance(name, s.Word) and name.id in FACTOR_DIMENSIONS:
+        return f"`about {name.id}`: {FACTOR_DIMENSIONS[name.id]}"
     if not isinstance(name, s.Name) or len(nodes) < 2:
         return ""
     holder, outer = nodes[-2], nodes[:-2]

@@ -93,11 +93,22 @@ class DatasetReader:
 
     def units(self, task: str) -> dict[str, str]:
         """Return the SI unit of every column that has one. Raises WmsError if a shard cannot be read."""
+        return self._metadata(task, b"unit")
+
+    def dimensions(self, task: str) -> dict[str, str]:
+        """Return the dimension of every factor and nuisance by its column; empty for datasets that hold none.
+
+        Raises WmsError if a shard cannot be read.
+        """
+        return self._metadata(task, b"about")
+
+    def _metadata(self, task: str, key: bytes) -> dict[str, str]:
+        """Return a value from the metadata of every column that has it."""
         return {
-            field.name: field.metadata[b"unit"].decode()
+            field.name: field.metadata[key].decode()
             for path in self.shards(task)[:1]
             for field in _open_parquet(self.folder / path).schema_arrow
-            if field.metadata and field.metadata.get(b"unit")
+            if field.metadata and field.metadata.get(key)
         }
 
     def rows(

@@ -10,6 +10,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from wmspec.compile.design.dimension import dimension
 from wmspec.dataset.build.images import encode_png, encode_webp
 from wmspec.lang.check.ir.ir import Choices, Factor, TaskSpec
 from wmspec.runtime.questions.kinds import KINDS
@@ -112,7 +113,8 @@ def schema(spec: TaskSpec) -> pa.Schema:
     """Return the columns of a task: common ones, balance, outcomes, channels, then `factor.*`, `level.*`, `group.*`,
     `nuisance.*`.
 
-    A factor's column is boolean, float64, string, or a list of float64 for points; its metadata hold the SI `unit`.
+    A factor's column is boolean, float64, string, or a list of float64 for points; its metadata hold the SI `unit` and
+    the dimension that it is `about`.
     `group.f` is the key shared by all instances that differ in `f` alone, so one `groupby` gives the groups. `level.f`
     is the name of a value of a factor or nuisance with named values.
     """
@@ -121,10 +123,10 @@ def schema(spec: TaskSpec) -> pa.Schema:
         pa.field(name, kind)
         for name, (kind, _) in (redraw_columns(spec) | outcome_columns(spec) | channel_columns(spec)).items()
     ]
-    fields += [_column("factor", f) for f in varied]
+    fields += [_column(spec, "factor", f) for f in varied]
     fields += [pa.field(f"level.{f.name}", pa.string()) for f in (*varied, *drawn) if _has_named_values(f)]
     fields += [pa.field(f"group.{f.name}", pa.string()) for f in varied]
-    fields += [_column("nuisance", f) for f in drawn]
+    fields += [_column(spec, "nuisance", f) for f in drawn]
     return table_schema(fields)
 
 
@@ -162,8 +164,9 @@ def _split_nuisances(factors: Iterable[Factor]) -> tuple[list[Factor], list[Fact
     return [f for f in everything if not f.nuisance], [f for f in everything if f.nuisance]
 
 
-def _column(sort: str, factor: Factor) -> pa.Field:
-    return pa.field(f"{sort}.{factor.name}", _type(factor), metadata={"unit": factor.unit})
+def _column(spec: TaskSpec, sort: str, factor: Factor) -> pa.Field:
+    metadata = {"unit": factor.unit, "about": dimension(spec, factor)}
+    return pa.field(f"{sort}.{factor.name}", _type(factor), metadata=metadata)
 
 
 def _type(factor: Factor) -> pa.DataType:

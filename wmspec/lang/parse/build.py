@@ -74,10 +74,14 @@ class _Builder:
         return s.Task(self(c[0]), path, self.every(c[2:]), span)
 
     def factor(self, c: Any, span: Span) -> s.Factor:
-        return s.Factor(self(c[0]), self(c[1]), False, span)
+        return s.Factor(self(c[0]), self(c[1]), False, span, self.maybe(c[2]))
 
     def nuisance(self, c: Any, span: Span) -> s.Factor:
-        return s.Factor(self(c[0]), self(c[1]), True, span)
+        return s.Factor(self(c[0]), self(c[1]), True, span, self.maybe(c[2]))
+
+    def about(self, c: Any, span: Span) -> s.Word:  # noqa: ARG002  the word alone
+        name = self(c[0])
+        return s.Word(name.id, name.span)
 
     def let(self, c: Any, span: Span) -> s.Let:
         return s.Let(self(c[0]), self(c[1]), span)

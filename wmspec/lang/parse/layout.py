@@ -161,6 +161,8 @@ class Layout:
             case s.Factor() | s.Let() | s.Parameter():
                 self.cells[x.name.span.start] = "name"
                 self.cells[self._after(x.name.span.start)] = "="
+                if isinstance(x, s.Factor) and x.about is not None:
+                    self.cells[self._before(x.about.span.start)] = "about"
             case s.Action():
                 self._action(x)
             case s.Design() if x.baseline:

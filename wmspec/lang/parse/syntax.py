@@ -146,13 +146,21 @@ class Use(Node):
     span: Span
 
 
+class Word(Node):
+    """A word of the language, which refers to no declaration."""
+
+    id: str
+    span: Span
+
+
 class Factor(Node):
-    """`factor name in domain`, or the same with `nuisance`."""
+    """`factor name in domain about color`, or the same with `nuisance`; `about` is optional."""
 
     name: Name
     domain: Expr
     nuisance: bool
     span: Span
+    about: Word | None = None
 
 
 class Let(Node):

@@ -140,13 +140,17 @@ Domain = Annotated[Choices | Interval | Normal, ByKind()]
 
 
 class Factor(Node):
-    """A factor or nuisance. `unit` is the SI unit of its values, `""` for words and plain numbers."""
+    """A factor or nuisance. `unit` is the SI unit of its values, `""` for words and plain numbers.
+
+    `about` is its declared dimension, `""` if the spec declares none.
+    """
 
     name: str
     domain: Domain
     nuisance: bool
     unit: str
     place: Location
+    about: str = ""
 
     def called(self, value: Level) -> str | None:
         """Return the label of a value, or None if values have no labels."""

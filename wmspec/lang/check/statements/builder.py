@@ -22,7 +22,7 @@ from wmspec.lang.check.tables.property_schema import (
     inherited_appearance,
 )
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
-from wmspec.lang.check.tables.vocabulary import JOINTS, TOLERANCES, PropertySpec
+from wmspec.lang.check.tables.vocabulary import FACTOR_DIMENSIONS, JOINTS, TOLERANCES, PropertySpec
 
 #: Location of nodes without source text.
 PYTHON_LOCATION = Location(file="<python>", line=1, column=1, start=0, end=0)
@@ -44,10 +44,17 @@ def expression(value: Any) -> ir.Expr:
     raise WmsError(f"{value!r} is no value of a task; give a number, a truth value, a string, a tuple or an ir.Expr")
 
 
-def factor(name: str, values: Iterable[float | bool | str | Sequence[float]], unit: str = "") -> ir.Factor:
-    """Return a factor with these values, all of one type; `unit` is their SI unit, such as `m/s`."""
-    choices = tuple(_constant(v) for v in values)
-    return ir.Factor(name=name, domain=ir.Choices(values=choices), nuisance=False, unit=unit, place=PYTHON_LOCATION)
+def factor(
+    name: str, values: Iterable[float | bool | str | Sequence[float]], unit: str = "", about: str = ""
+) -> ir.Factor:
+    """Return a factor with these values, all of one type; `unit` is their SI unit, such as `m/s`.
+
+    `about` is its dimension, such as `color`; '' derives it. Raises WmsError if there is no such dimension.
+    """
+    if about and about not in FACTOR_DIMENSIONS:
+        raise WmsError(f"there is no dimension `{about}`; {suggestion(about, FACTOR_DIMENSIONS)}")
+    domain = ir.Choices(values=tuple(_constant(v) for v in values))
+    return ir.Factor(name=name, domain=domain, nuisance=False, unit=unit, place=PYTHON_LOCATION, about=about)
 
 
 def _constant(value: float | bool | str | Sequence[float]) -> ir.Scalar | tuple[float, ...]:

@@ -11,7 +11,7 @@ from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import ZERO, Failed, constant
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.ir.evaluate import subexpressions
-from wmspec.lang.check.tables.vocabulary import DESIGNS
+from wmspec.lang.check.tables.vocabulary import DESIGNS, DIMENSION_ALIASES, FACTOR_DIMENSIONS
 from wmspec.lang.check.types.types import A_NUMBER, TRUTH, Quantity, Type, Vector
 from wmspec.lang.parse import syntax as s
 
@@ -46,7 +46,17 @@ class Factors:
             nuisance=factor.nuisance,
             unit=dimension.symbol if dimension else "",
             place=Location.of(factor.name.span),
+            about=self._dimension(factor),
         )
+
+    def _dimension(self, factor: s.Factor) -> str:
+        """Return the dimension that a factor is declared `about`, or ''."""
+        word = factor.about
+        if word is None or word.id in FACTOR_DIMENSIONS:
+            return word.id if word else ""
+        known = DIMENSION_ALIASES.get(word.id, "")
+        remedy = f"write `about {known}`" if known else suggestion(word.id, FACTOR_DIMENSIONS)
+        self.check.fail("WMS201", f"there is no dimension `{word.id}`", word.span, remedy)
 
     def _drawn(self, factor: s.Factor, written: WrittenDomain) -> ir.Domain:
         """Return the domain of a nuisance. It cannot depend on factors, or neighbours would differ in two variables."""

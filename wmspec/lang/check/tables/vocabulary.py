@@ -355,6 +355,17 @@ FACTOR_DOMAINS = (
     ),
 )
 
+#: Dimensions that a factor or nuisance may be `about`, with their meaning. The first five are those of the paper.
+FACTOR_DIMENSIONS: dict[str, str] = {
+    "color": "the colors of objects, and which object has which",
+    "shape": "the shapes of objects, and which object has which",
+    "size": "the sizes of objects and their ratios",
+    "position": "where objects are, which way they face, and the side from which they come",
+    "material": "the materials and surfaces of objects",
+    "world": "the surroundings: place, style, light, camera, clutter",
+    "other": "everything else: speeds, masses, times, numbers",
+}
+
 #: Continuous domains of nuisances, and of factors of a Latin hypercube.
 CONTINUOUS_DOMAINS = (
     SyntaxForm("-5 deg .. 5 deg", "anywhere between, all alike; `uniform(-5 deg, 5 deg)` is the same"),
@@ -372,6 +383,22 @@ PROPERTY_ALIASES = {
     "rotation": "yaw",
     "elasticity": "restitution",
     "bounciness": "restitution",
+}
+
+#: Synonyms of the dimensions of factors.
+DIMENSION_ALIASES = {
+    "colour": "color",
+    "hue": "color",
+    "form": "shape",
+    "location": "position",
+    "place": "position",
+    "orientation": "position",
+    "texture": "material",
+    "background": "world",
+    "scene": "world",
+    "light": "world",
+    "camera": "world",
+    "nothing": "other",
 }
 
 #: Synonyms of words.
