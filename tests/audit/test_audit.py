@@ -135,7 +135,7 @@ def test_the_other_probes_see_nothing_of_a_last_picture_that_tells(audited: Audi
     found = audited("race level")
     assert all("from the best single picture (picture 2: pixels)" in f.what for f in failing(found))
     (told,) = [f for f in found.findings if "from picture 2: pixels alone" in f.what]
-    assert told.verdict == "told"
+    assert told.verdict == "reported"
     assert "only the best of these probes is judged" in told.what
 
 
@@ -150,7 +150,7 @@ def test_a_question_about_one_moment_may_be_answered_from_its_picture(tmp_path: 
     assert share(found, "picture 1: pixels") > 0.7
     assert found.passed
     (told,) = [f for f in found.findings if "from picture 1: pixels alone" in f.what]
-    assert told.verdict == "told"
+    assert told.verdict == "reported"
     assert "as many moments as the answer requires" in told.what
 
 
@@ -161,7 +161,7 @@ def test_what_holds_from_the_start_may_be_seen_at_any_moment(tmp_path: Path) -> 
     found = look(make(tmp_path / "made", "race", standing, 160))
     assert share(found, "picture 2: pixels") > 0.7
     assert found.passed
-    assert any("from picture 2: pixels alone" in f.what and f.verdict == "told" for f in found.findings)
+    assert any("from picture 2: pixels alone" in f.what and f.verdict == "reported" for f in found.findings)
 
 
 def test_too_few_questions_are_said_to_be_too_few(audited: Audited) -> None:
@@ -199,7 +199,7 @@ def test_a_favoured_place_fails_and_the_deciding_factor_is_told(audited: Audited
     found = audited("race favoured")
     assert any("the place of the truth is not uniform" in f.what for f in failing(found, "balance"))
     (decides,) = [f for f in found.findings if "answer depends on faster" in f.what]
-    assert decides.verdict == "told"
+    assert decides.verdict == "reported"
 
 
 # ---------------------------------------------------------------- duplicates and options
@@ -245,14 +245,14 @@ def test_the_same_question_with_another_answer_fails(noise: int, tmp_path: Path)
 
 def test_what_only_who_enlarges_can_tell_apart_is_told(tmp_path: Path) -> None:
     (finding,) = doubled(make(tmp_path / "made", "race", copied(True, darker=5), 320))
-    assert finding.verdict == "told"
+    assert finding.verdict == "reported"
     assert "1 pair of questions are distinguishable only at full picture size" in finding.what
 
 
 @pytest.mark.parametrize(("noise", "exact"), [(0, "1 to the byte"), (3, "0 to the byte")])
 def test_a_question_asked_twice_is_told(noise: int, exact: str, tmp_path: Path) -> None:
     (finding,) = doubled(make(tmp_path / "made", "race", copied(False, noise), 320))
-    assert finding.verdict == "told"
+    assert finding.verdict == "reported"
     assert exact in finding.what
 
 

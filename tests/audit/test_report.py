@@ -54,7 +54,10 @@ def test_of_a_sound_dataset_the_same_bytes_again_and_json_for_machines(tmp_path:
     for name in ("audit.json", "audit.html"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     assert said == (tmp_path / "a/audit.json").read_text()
-    assert json.loads(said)["passed"]
+    result = json.loads(said)
+    assert result["passed"]
+    assert result["format"] == 2
+    assert {f["verdict"] for f in result["findings"]} <= {"fails", "unclear", "reported", "holds"}
 
 
 def test_a_damaged_dataset_fails_and_is_not_shown(tmp_path: Path) -> None:

@@ -44,12 +44,14 @@ def audit_command(
     # Before the import of NumPy: one thread gives the same sums on any number of cores, and the matrices are small.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from wmspec.dataset.audit.audit import audit
+    from wmspec.dataset.audit.model import FORMAT
     from wmspec.dataset.audit.page import page
     from wmspec.dataset.build.reader import DatasetReader
 
     with progress_bar(len(DatasetReader.open(dataset).tasks), "auditing", "tasks") as progress:
         result = audit(dataset, max_images, progress, workers or os.cpu_count() or 1)
-    record = json.dumps({"passed": result.passed, **asdict(result)}, indent=1, ensure_ascii=False) + "\n"
+    values = {"format": FORMAT, "passed": result.passed, **asdict(result)}
+    record = json.dumps(values, indent=1, ensure_ascii=False) + "\n"
     if output is not None:
         folder = make_folder(output)
         write_text(folder / "audit.json", record)

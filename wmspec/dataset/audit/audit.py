@@ -25,7 +25,7 @@ from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_ordered
 TASK_TIMEOUT = 24 * 3600.0
 
 #: Verdicts, most important first.
-_ORDER = ("fails", "unclear", "told", "holds")
+_ORDER = ("fails", "unclear", "reported", "holds")
 
 
 @dataclass

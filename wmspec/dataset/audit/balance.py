@@ -88,9 +88,9 @@ def judge(test: Test) -> Finding:
     wrong = f"{test.first} depends on {test.second}" if test.second else f"the {test.first} is not uniform"
     how = f"({test.method}, p = {test.corrected:.2g}, strength {test.strength:.2f}, {count:,} questions)"
     if test.corrected < SIGNIFICANCE and test.strength >= MIN_STRENGTH:
-        return Finding("balance", test.task, "fails" if test.judged else "told", f"{wrong} {how}")
+        return Finding("balance", test.task, "fails" if test.judged else "reported", f"{wrong} {how}")
     if not test.judged:
-        return Finding("balance", test.task, "told", f"{what} within the power of the test {how}")
+        return Finding("balance", test.task, "reported", f"{what} within the power of the test {how}")
     gain = f"{100 * guessing_gain(test):.0f} points above guessing"
     power = f"a strength of {test.least:.2f} would have been detected, {gain}"
     if guessing_gain(test) > MAX_MISSED_GAIN:

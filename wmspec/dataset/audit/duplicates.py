@@ -76,14 +76,14 @@ def duplicate_findings(unit: Unit, pairs: Sequence[Pair]) -> list[Finding]:
     findings = []
     if faint := [p for p in pairs if p.faint]:
         what = f"{_count(faint)} are distinguishable only at full picture size, such as {_examples(faint)}"
-        findings.append(Finding("duplicates", unit.name, "told", what))
+        findings.append(Finding("duplicates", unit.name, "reported", what))
     if contrary:
         what = f"{_count(contrary)} are equal and have different answers, such as {_examples(contrary)}"
         findings.append(Finding("duplicates", unit.name, "fails", what))
     if same:
         exact = sum(p.exact for p in same)
         what = f"{_count(same)} are equal and have the same answer ({exact:,} to the byte), such as {_examples(same)}"
-        findings.append(Finding("duplicates", unit.name, "told", what))
+        findings.append(Finding("duplicates", unit.name, "reported", what))
     if not pairs:
         seen = len(unit.first_engine)
         what = f"none among {len(unit.cases):,} rows to the byte, none among {seen:,} instances to the eye"

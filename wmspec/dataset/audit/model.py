@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-#: `fails` is a defect, `holds` its absence, `unclear` lack of data; `told` is reported without judgement, because it
-#: may be intended.
-Verdict = Literal["fails", "unclear", "told", "holds"]
+#: Version of audit.json. Version 1, without the field `format`, had another name for the verdict `reported`.
+FORMAT = 2
+
+#: `fails` is a defect, `holds` its absence, `unclear` lack of data. `reported` results are not judged, because they may
+#: be intended.
+Verdict = Literal["fails", "unclear", "reported", "holds"]
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,9 @@ from wmspec.dataset.audit.stability import MIN_STABLE
 from wmspec.dataset.build.webpage import webpage
 
 #: Labels of verdicts.
-WORDS: dict[Verdict, str] = {"fails": "fails", "unclear": "too few to tell", "told": "to judge", "holds": "holds"}
+WORDS: dict[Verdict, str] = {"fails": "fails", "unclear": "too few to tell", "reported": "reported", "holds": "holds"}
 #: Labels of verdicts of a whole task.
-OF_TASKS: dict[Verdict, str] = {"fails": "fail", "unclear": "unknown", "holds": "pass", "told": ""}
+OF_TASKS: dict[Verdict, str] = {"fails": "fail", "unclear": "unknown", "holds": "pass", "reported": ""}
 #: Thresholds that the page explains.
 _RULES = {
     "sure": SIGNIFICANCE,

@@ -296,10 +296,10 @@ def _with_interval(probe: Probe, beyond: float | None) -> Probe:
     return replace(probe, low=low, high=high, least=power.smallest_detectable(_reach(probe), beyond), luck=luck)
 
 
-def verdict(probe: Probe) -> Literal["fails", "unclear", "told", "holds"]:
+def verdict(probe: Probe) -> Literal["fails", "unclear", "reported", "holds"]:
     """Return the verdict of a probe."""
     if not probe.judged:
-        return "told"
+        return "reported"
     slack = PICTURE_SLACK if probe.family in ("picture", "pair") else SLACK
     if not probe.luck and probe.accuracy > probe.chance + slack:
         return "fails"
@@ -310,7 +310,7 @@ def judge(probe: Probe) -> Finding:
     """Return the finding of a probe."""
     result = f"from {probe.sees} alone, {probe.accuracy:.0%} of {probe.questions:,} right (chance {probe.chance:.0%})"
     outcome = verdict(probe)
-    if outcome in ("told", "fails"):
+    if outcome in ("reported", "fails"):
         return Finding("shortcut", probe.task, outcome, f"{result}; {probe.why}")
     least = f"a shortcut of {100 * probe.least:.0f} points" if probe.least < 1 else "no tested shortcut"
     what = f"{result}; {least} would have been detected"

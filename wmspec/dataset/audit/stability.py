@@ -39,5 +39,5 @@ def stability(dataset: DatasetReader, task: str, parts: list[Unit]) -> tuple[Fin
     if high < MIN_STABLE:
         return Finding("stability", task, "fails", what), held / len(counted)
     if engines == 1:
-        return Finding("stability", task, "told", what), None
+        return Finding("stability", task, "reported", what), None
     return Finding("stability", task, "holds", what), held / len(counted)

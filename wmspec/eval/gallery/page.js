@@ -147,10 +147,10 @@
 
   /** The questions that pass all filters but one. */
   function passing(except) {
-    const wanted = NAMES.filter((name) => name !== except && $(name).value);
+    const active = NAMES.filter((name) => name !== except && $(name).value);
     const words = $("search").value.toLowerCase().split(/\s+/).filter(Boolean);
     return data.questions.filter((q) =>
-      wanted.every((name) => FILTERS[name].has(q, $(name).value)) && words.every((word) => haystack.get(q).includes(word)));
+      active.every((name) => FILTERS[name].has(q, $(name).value)) && words.every((word) => haystack.get(q).includes(word)));
   }
 
   function refilter() {
@@ -202,34 +202,34 @@
   const address = (q) => `#${encodeURIComponent(q.id)}`;
 
   function card(q, place) {
-    const told = shown.has(q.id), runs = runsOf(q), heading = `question-${place}`;
+    const revealed = shown.has(q.id), runs = runsOf(q), heading = `question-${place}`;
     const texts = unique(runs.map((run) => run.text));
     return make("article", { id: `card-${place}`, "aria-labelledby": heading, tabindex: -1, "data-id": q.id,
                              class: place === current ? "current" : "" },
       make("p", { class: "small" }, `${data.tasks[q.task].title} · ${dimensionOf(q)} · `,
         make("a", { class: "id", href: address(q), title: "A link to this question" }, q.id)),
       make("h2", { id: heading }, texts.join(" / ")),
-      runs.map((run) => runRow(q, run, told)),
-      below(q, told), told ? facts(q, runs) : null, told ? replies(runs) : null);
+      runs.map((run) => runRow(q, run, revealed)),
+      below(q, revealed), revealed ? facts(q, runs) : null, revealed ? replies(runs) : null);
   }
 
-  function runRow(q, run, told) {
+  function runRow(q, run, revealed) {
     const drawn = run.renderer === run.engine ? null : make("small", {}, `drawn by ${run.renderer}`);
     const looks = run.context.map((look) => make("figure", {},
       make("button", { type: "button", "aria-label": `Large: ${look.camera} camera at ${look.time}, ${run.engine}`, onclick: () => enlarge(q, look.src) },
         make("img", { src: look.src, loading: "lazy", decoding: "async", alt: `${look.camera} camera at ${look.time}, ${run.engine}` })),
       make("figcaption", {}, `${look.camera}, ${look.time}`)));
     const pictures = run.options.some((option) => "src" in option);
-    const options = run.options.map((option, i) => choice(q, run, option, i, told));
+    const options = run.options.map((option, i) => choice(q, run, option, i, revealed));
     return make("div", { class: "run" }, make("div", { class: "engine" }, run.engine, drawn),
       make("div", { class: "looks" }, make("div", { class: "strip" }, looks),
         make("div", { class: pictures ? "strip" : "words", role: "group", "aria-label": `Options, ${run.engine}` }, options)));
   }
 
-  function choice(q, run, option, i, told) {
+  function choice(q, run, option, i, revealed) {
     const letter = LETTERS[i], true_ = i === run.true, picked = chosen.get(q.id) === i;
-    const fate = !told ? null : true_ ? ("src" in option ? "✓ this happens" : "✓ true") : option.change ? `${option.name}: ${option.change.replace("->", "→")}` : "";
-    const kind = ["option", "src" in option ? "picture" : "", told && true_ ? "true" : "", picked && !true_ ? "wrong" : ""];
+    const fate = !revealed ? null : true_ ? ("src" in option ? "✓ this happens" : "✓ true") : option.change ? `${option.name}: ${option.change.replace("->", "→")}` : "";
+    const kind = ["option", "src" in option ? "picture" : "", revealed && true_ ? "true" : "", picked && !true_ ? "wrong" : ""];
     const label = `Option ${letter}${option.text ? `: ${option.text}` : `, ${run.engine}`}${fate ? `, ${fate}` : ""}`;
     return make("button", { type: "button", class: kind.join(" ").trim(), "aria-label": label, "aria-pressed": String(picked),
                             onclick: () => answer(q, i) },
@@ -237,10 +237,10 @@
       make("b", {}, letter), option.text ?? "", fate ? make("span", { class: "fate" }, fate) : null);
   }
 
-  function below(q, told) {
+  function below(q, revealed) {
     const picked = chosen.get(q.id), right = picked === q.runs[0].true, { flag = false, note = "" } = notes.get(q.id) ?? {};
     return make("div", { class: "below" },
-      make("button", { type: "button", "aria-expanded": String(told), onclick: () => reveal(q) }, told ? "Hide the truth" : "Show the truth"),
+      make("button", { type: "button", "aria-expanded": String(revealed), onclick: () => reveal(q) }, revealed ? "Hide the truth" : "Show the truth"),
       picked === undefined ? null : make("span", { class: `outcome ${right ? "right" : "wrong"}` },
         right ? `${LETTERS[picked]} is right` : `${LETTERS[picked]} is wrong`),
       pictures(q).length ? make("button", { type: "button", onclick: () => enlarge(q) }, "Large") : null,
@@ -284,7 +284,7 @@
     if (Object.keys(q.nuisances).length) rows.push(["Nuisances", pairs(q.nuisances)]);
     for (const run of runs) {
       const said = run.measured.map(([name, value]) => `${name} = ${value}`);
-      if (run.margin) said.push(`${run.margin} times the margin asked for`);
+      if (run.margin) said.push(`${run.margin} times the required margin`);
       if (said.length) rows.push([`Measured, ${run.engine}`, said.join(" · ")]);
     }
     rows.push(["Agreement", agreement(q)]);
@@ -336,7 +336,7 @@
   function draw() {
     const questions = onPage(), pages = Math.max(1, Math.ceil(here.length / PER_PAGE));
     const lacking = questions.some((q) => !q.runs);
-    if (lacking) load(questions).then(() => { if (onPage().every((q) => q.runs)) { draw(); if (wanted) { wanted = null; hold(); } } });
+    if (lacking) load(questions).then(() => { if (onPage().every((q) => q.runs)) { draw(); if (pending) { pending = null; hold(); } } });
     const cards = questions.filter((q) => q.runs).map((q) => card(q, questions.indexOf(q)));
     if (lacking && !cards.length) cards.push(make("p", { class: "none" }, "Loading; if nothing comes, a file is missing beside this page."));
     $("questions").replaceChildren(...(cards.length ? cards : [make("p", { class: "none" }, "No question is like that.")]));
@@ -456,7 +456,7 @@
 
   // ------------------------------------------------------------ links to a question
 
-  let wanted = null;
+  let pending = null;
 
   /** Show the question that the address names. */
   function follow() {
@@ -469,7 +469,7 @@
       range = null;
       refilter();
     }
-    wanted = q;
+    pending = q;
     page = Math.floor(here.indexOf(q) / PER_PAGE);
     current = here.indexOf(q) % PER_PAGE;
     draw();

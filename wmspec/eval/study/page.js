@@ -3,7 +3,7 @@
   const data = JSON.parse(document.getElementById("data").textContent);
   const LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ", RETRY = 2000;
   const $ = (id) => document.getElementById(id);
-  const asked = new URLSearchParams(location.search);
+  const parameters = new URLSearchParams(location.search);
 
   /** An element with attributes and children; a child that is a text is shown as it is. */
   function make(name, attributes = {}, ...children) {
@@ -23,7 +23,7 @@
 
   // ------------------------------------------------------------ what is kept in this browser
 
-  const rater = (asked.get("rater") ?? "").replace(/[^A-Za-z0-9._-]/g, "").slice(0, 64);
+  const rater = (parameters.get("rater") ?? "").replace(/[^A-Za-z0-9._-]/g, "").slice(0, 64);
   const KEY = `wmspec-study-${data.study}-${rater}`;
   const random = (bytes) => [...crypto.getRandomValues(new Uint8Array(bytes))].map((b) => b.toString(16).padStart(2, "0")).join("");
 
@@ -56,8 +56,8 @@
 
   async function begin() {
     if (!data.served) {
-      const wanted = Number(asked.get("slot")), count = data.slots.length;
-      visit.slot ??= wanted >= 1 && wanted <= count ? Math.floor(wanted) - 1 : crypto.getRandomValues(new Uint32Array(1))[0] % count;
+      const slot = Number(parameters.get("slot")), count = data.slots.length;
+      visit.slot ??= slot >= 1 && slot <= count ? Math.floor(slot) - 1 : crypto.getRandomValues(new Uint32Array(1))[0] % count;
       visit.code ??= random(4).toUpperCase();
       remember();
       return true;
