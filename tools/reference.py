@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Iterator
+from itertools import chain
 from pathlib import Path
 
 from wmspec.lang.check.expressions.calls import signature
@@ -32,6 +33,7 @@ from wmspec.lang.check.tables.vocabulary import (
 from wmspec.lang.check.types.types import either
 from wmspec.lang.check.types.units import EXAMPLES, UNITS
 from wmspec.lang.parse.codes import CODES
+from wmspec.runtime.questions.legibility.bounds import BOUNDS, REFERENCE_SIDE
 from wmspec.sim.materials import MATERIALS
 
 FOLDER = Path(__file__).parent.parent / "docs/reference"
@@ -43,12 +45,13 @@ PAGES = (
     ("functions", "Functions", ("Functions",)),
     ("units", "Units, words and tolerances", ("Units", "Words", "Settings", "Tolerances")),
     ("diagnostics", "Diagnostics", ("Codes",)),
+    ("legibility", "Legibility", ("Measures",)),
 )
 
 
 def pages() -> dict[Path, str]:
     """Return the text of each page by its path."""
-    whole = "\n".join(reference()).removeprefix("### ")
+    whole = "\n".join(chain(reference(), measures())).removeprefix("### ")
     sections = dict(section.split("\n", 1) for section in whole.split("\n### "))
     made = {}
     for name, title, parts in PAGES:
@@ -150,6 +153,22 @@ def entities() -> Iterator[str]:
     yield "They combine: " + ", ".join(f"{dimension} `{text}`" for dimension, text in EXAMPLES.items()) + ".\n"
     yield "### Codes\n"
     yield from table(("code", "meaning"), ((f"`{code}`", meaning) for code, meaning in CODES.items()))
+
+
+def measures() -> Iterator[str]:
+    """Yield the measures of legibility with their bounds and sources."""
+    yield "### Measures\n"
+    yield "How these are measured, and when they apply: [questions](../questions.md#legibility).\n"
+    side = REFERENCE_SIDE
+    yield (
+        f"`px` are pixels of a picture of {side} x {side}; those of other sizes are scaled. It is taken to fill 10 "
+        f"degrees, such as 10 cm at a distance of 57 cm: a pixel is {600 / side:.1f} arc minutes.\n"
+    )
+    limits = (
+        (f"`{name}`", f"at {'most' if b.at_most else 'least'} {b.value:g} {b.unit}".strip(), b.meaning, b.source)
+        for name, b in BOUNDS.items()
+    )
+    yield from table(("measure", "bound", "meaning", "source"), limits)
 
 
 def forms(head: str, written: Iterable[SyntaxForm]) -> Iterator[str]:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 #: Overlap (m) that still counts as contact.
 _TOUCH = 1e-9
+#: m: resolution of a clearance.
+_RESOLUTION = 1e-5
 
 
 def fits(values: Evaluator, owner: str, container: str) -> bool:
@@ -22,11 +24,28 @@ def fits(values: Evaluator, owner: str, container: str) -> bool:
 
     Axes are those of the container's frame.
     """
+    return has_room(*_boxes(values, owner, container))
+
+
+def clearance(values: Evaluator, owner: str, container: str) -> float:
+    """Return by how much (m) all edges of the object could grow and still fit; negative if they must shrink."""
+    edges, whole, parts = _boxes(values, owner, container)
+    shortest = min(edges)
+    low, high = -shortest, max(h - b for b, h in zip(*whole, strict=True))
+    while high - low > _RESOLUTION:
+        middle = (low + high) / 2
+        grown = (edges[0] + middle, edges[1] + middle, edges[2] + middle)
+        low, high = (middle, high) if has_room(grown, whole, parts) else (low, middle)
+    return low
+
+
+def _boxes(values: Evaluator, owner: str, container: str) -> tuple[Vector, Box, list[Box]]:
+    """Return the edges of the object's box, the container's box, and those of its parts, in the container's frame."""
     inside = pieces(values, container)
     seen = multiply(inverse(values.pose(container).orientation), values.pose(owner).orientation)
     low, high = bounds(pieces(values, owner), Pose(orientation=seen))
     edges = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
-    return has_room(edges, bounds(inside, IDENTITY), [bounds((piece,), IDENTITY) for piece in inside])
+    return edges, bounds(inside, IDENTITY), [bounds((piece,), IDENTITY) for piece in inside]
 
 
 def has_room(edges: Vector, whole: Box, parts: Sequence[Box]) -> bool:

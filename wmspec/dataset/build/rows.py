@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,9 @@ _VOTES = pa.list_(
     pa.struct([("engine", pa.string()), ("answer", pa.int64()), ("value", pa.string()), ("rejected", pa.string())])
 )
 _STRENGTH = pa.struct([("name", pa.string()), ("unit", pa.string()), ("value", pa.float64())])
+_LEGIBILITY = pa.list_(
+    pa.struct([("name", pa.string()), ("unit", pa.string()), ("value", pa.float64()), ("bound", pa.float64())])
+)
 _SCALARS = ("x", "y", "z", "qw", "qx", "qy", "qz", "share", "across", "down", "red", "green", "blue")
 _OBJECTS = pa.list_(
     pa.struct(
@@ -76,6 +80,10 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     ),
     "difference": (_STRENGTH, "how strong the stimulus is: the quantity, its SI unit, its value"),
     "margin": (pa.float64(), "how far the answer is from turning, in multiples of the required margin"),
+    "legibility": (
+        _LEGIBILITY,
+        "how clearly the pictures show what decides the answer: each measure, its unit, its value, and its bound",
+    ),
     "measured": (_READINGS, "quantities measured, in SI units"),
     "agreement": (_VOTES, "of each engine: the option that its outcome picks, its answer, or why it rejects"),
     "seed": (pa.int64(), "the seed of the design"),
@@ -211,6 +219,7 @@ def encode(question: QuestionRow) -> Row:
         "answer_moments": question.moments,
         "difference": _strength(question.difference),
         "margin": question.margin,
+        "legibility": [asdict(each) for each in question.legibility],
         "measured": [{"name": n, "value": float(v)} for n, v in question.measured.items()],
         "agreement": [_vote(v) for v in question.agreement],
         "seed": question.seed,

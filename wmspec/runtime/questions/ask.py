@@ -15,6 +15,7 @@ from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Channel, Level, TaskSpec
 from wmspec.runtime.questions.gates import smallest_margin
 from wmspec.runtime.questions.kinds import KINDS
+from wmspec.runtime.questions.legibility import legibility
 from wmspec.runtime.questions.model import Answer, Picture, QuestionRow, Reject, Rejected, Strength, VisibleObject
 from wmspec.runtime.questions.question_context import (
     AnswerSlot,
@@ -116,6 +117,7 @@ class _Row:
         names = referenced_objects(question, asking.values)
         difference = self.difference()
         channels = channels_of(spec)
+        objects = tuple(self.objects(view, names) for view in asking.views)
         return QuestionRow(
             task=spec.name,
             dimension=spec.dimension,
@@ -134,7 +136,7 @@ class _Row:
             number=kind.number(asking, answer),
             standing=not is_measured(spec, question.answer),
             moments=moments(spec, question.answer),
-            objects=tuple(self.objects(view, names) for view in asking.views),
+            objects=objects,
             crossed=instance.crossed,
             redrawn=instance.redrawn if spec.plan.balance else None,
             difference=difference,
@@ -145,6 +147,7 @@ class _Row:
             sorted_outcomes=any(question.kinds for question in spec.questions),
             levels=names_of(spec, instance.values),
             measured=dict(sorted(measured.readings.items())),
+            legibility=legibility(asking, answer, options, objects),
             evidence=answer,
         )
 

@@ -100,6 +100,19 @@ class Strength:
 
 
 @dataclass(frozen=True)
+class Legibility:
+    """How clearly a person sees what decides the answer: measure, unit, value, and the bound that it must meet.
+
+    `runtime.questions.legibility.bounds` has all measures.
+    """
+
+    name: str
+    unit: str
+    value: float
+    bound: float
+
+
+@dataclass(frozen=True)
 class Number:
     """A numeric answer: value, SI unit, and the tolerance of an open question."""
 
@@ -140,7 +153,8 @@ class QuestionRow:
     defines kinds of outcome. `levels` are the named values of factors and nuisances in words. `measured` holds named
     quantities in SI units. A `standing` answer holds from the start, and `moments` is the number of moments that show
     it. `objects` are those of every shown picture, `crossed` the factors that vary within the group. `redrawn` counts
-    earlier draws of a balanced group (None: not balanced). `evidence` is compared with other engines.
+    earlier draws of a balanced group (None: not balanced). `legibility` are all applicable measures. `evidence` is
+    compared with other engines.
     """
 
     task: str
@@ -173,6 +187,7 @@ class QuestionRow:
     objects: tuple[tuple[VisibleObject, ...], ...] = ()
     crossed: tuple[str, ...] = ()
     redrawn: int | None = None
+    legibility: tuple[Legibility, ...] = ()
 
     @property
     def kind(self) -> QuestionKind:

@@ -1,0 +1,81 @@
+"""Measures of motion in the shown pictures: steps, path, and how far two movers get apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from wmspec.runtime.questions.legibility.bounds import entry
+from wmspec.runtime.questions.legibility.picture_places import center, width_along
+from wmspec.runtime.questions.model import Legibility
+from wmspec.runtime.questions.observed import MIN_MOTION, Observed
+from wmspec.sim.scene.model import Array
+
+
+@dataclass(frozen=True)
+class DrawnPath:
+    """The path of a body in the pictures of one camera: the longest step (px), the same in widths of the body, and the
+    distance (px) travelled up to each of the camera's times (n,).
+    """
+
+    step: float
+    step_in_widths: float
+    travelled: Array
+
+    @property
+    def length(self) -> float:
+        """The whole path (px)."""
+        return float(self.travelled[-1])
+
+
+def camera_times(observed: Observed) -> dict[str, tuple[float, ...]]:
+    """Return the cameras with at least two shown pictures, and their times (s) in order."""
+    times: dict[str, set[float]] = {}
+    for camera, time in observed.views:
+        times.setdefault(camera, set()).add(time)
+    return {camera: tuple(sorted(own)) for camera, own in times.items() if len(own) > 1}
+
+
+def drawn_path(observed: Observed, name: str, camera: str, times: tuple[float, ...]) -> DrawnPath:
+    """Return the path of a body in the pictures of a camera. Pictures that do not show it are skipped."""
+    index = observed.index(name)
+    step, in_widths, travelled = 0.0, 0.0, [0.0]
+    for before, after in pairwise(times):
+        frame = observed.picture(camera, before)
+        here, there = center(frame, index), center(observed.picture(camera, after), index)
+        way = np.zeros(2) if here is None or there is None else there - here
+        length = float(np.linalg.norm(way))
+        travelled.append(travelled[-1] + length)
+        if length > 0:
+            step = max(step, length)
+            in_widths = max(in_widths, length / width_along(frame, index, way))
+    return DrawnPath(step, in_widths, np.array(travelled))
+
+
+def moves(observed: Observed, name: str) -> bool:
+    """Whether a body moves by more than 2 mm between the first and the last shown picture."""
+    path = observed.path(name)
+    return bool((np.linalg.norm(path - path[0], axis=1) > MIN_MOTION).any())
+
+
+def motion_measures(observed: Observed, movers: Iterable[str]) -> Iterator[Legibility]:
+    """Yield step and path of the least legible of these bodies, each in the camera that shows it best."""
+    times = camera_times(observed)
+    paths = [[drawn_path(observed, name, *each) for each in times.items()] for name in movers]
+    if not times or not paths:
+        return
+    yield entry("step", min(max(path.step for path in own) for own in paths))
+    yield entry("step_in_widths", min(max(path.step_in_widths for path in own) for own in paths))
+    yield entry("path", min(max(path.length for path in own) for own in paths))
+
+
+def lead(observed: Observed, one: str, other: str) -> float:
+    """Return how far (px) one body gets ahead of another, each from where it started, in the best picture."""
+    gaps = [0.0]
+    for camera, times in camera_times(observed).items():
+        ours, theirs = (drawn_path(observed, name, camera, times).travelled for name in (one, other))
+        gaps.append(float(np.abs(ours - theirs).max()))
+    return max(gaps)
