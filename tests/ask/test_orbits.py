@@ -110,7 +110,7 @@ def test_a_member_that_fails_rejects_its_group() -> None:
     broken = Rejected("t", 2, 0, "a", "unseen", "the box: 3 pixels")
     found = drop_incomplete_groups(spec, {1: kept, 2: [broken]})
     assert found[2] == [broken]
-    assert found[1] == [Rejected("t", 1, 0, "a", "group", "instance 2 in a: unseen: the box: 3 pixels")]
+    assert found[1] == [Rejected("t", 1, 0, "a", "group", "instance 2 in a: unseen: the box: 3 pixels", "fill full")]
     assert drop_incomplete_groups(spec, {1: kept})[1] == kept
     opened = replace(spec, questions=(replace(spec.questions[0], orbit=()),))
     assert drop_incomplete_groups(opened, {1: kept, 2: [broken]})[1] == kept
@@ -119,7 +119,7 @@ def test_a_member_that_fails_rejects_its_group() -> None:
 class _Row:
     """As much of a row as is looked at."""
 
-    task, index, question, engine = "t", 1, 0, "a"
+    task, index, question, engine, label = "t", 1, 0, "a", "fill full"
 
 
 @pytest.mark.engine

@@ -20,6 +20,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.limits import INSTANCES
 from wmspec.core.resources import resource
 from wmspec.core.wm_abench import instance_count
+from wmspec.dataset.build.answer_counts import balance_shifts
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.generate import generate as make
 from wmspec.dataset.build.manifest import Summary
@@ -92,7 +93,8 @@ def generate(
         executor: "local" processes or a "ray" cluster. The dataset is the same.
         address: of the Ray cluster, such as "auto" or "10.0.0.5:6379"; this machine only by default.
         progress: shows the progress, such as `wmspec.progress_bar`.
-        tell: receives warnings, and notices of damaged files that are generated again.
+        tell: receives warnings, notices of damaged files that are generated again, and questions for which gates change
+            the balance of answers.
         **options: see `DatasetOptions`.
 
     Returns:
@@ -113,7 +115,10 @@ def generate(
             progress(pending, "generating") as advance,
         ):
             spent = make(dataset, pool, advance, before)
-        return replace(dataset.finish(), shared=spent.shared, balance=spent.balance, crash=spent.crash)
+        summary = dataset.finish()
+        for warning in balance_shifts(Path(output), plan):
+            tell(warning)
+        return replace(summary, shared=spent.shared, balance=spent.balance, crash=spent.crash)
 
 
 def open_workers(

@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmspec.cli.common import balance_note, by_size, paint, read_stdin, time_limit
+from wmspec.cli.common import balance_note, by_size, paint, read_stdin, tell, time_limit
+from wmspec.cli.trial import CountType, print_trials
+from wmspec.core.diagnostics import WmsError
 
 if TYPE_CHECKING:
     from wmspec.api.checking import Checked, CheckedTask
+    from wmspec.api.trying import TriedTask
 
 
 @click.command("check")
@@ -27,10 +30,23 @@ if TYPE_CHECKING:
     help="Time limit of the whole check, in seconds.",
 )
 @click.option("--no-cache", is_flag=True, help="Ignore cached results and store none.")
-def check_command(specs: tuple[Path, ...], form: str, timeout: float, no_cache: bool) -> None:
+@click.option(
+    "--try",
+    "count",
+    type=CountType(1),
+    is_flag=False,
+    flag_value=4,
+    metavar="[N]",
+    help="Make N random instances of each task through all gates.  [N: 4]",
+)
+@click.option("--backend", "-b", default="", metavar="ENGINE", help="Engine of --try.  [default: the first installed]")
+def check_command(
+    specs: tuple[Path, ...], form: str, timeout: float, no_cache: bool, count: int | None, backend: str
+) -> None:
     """Check specs: syntax, names, units, types, the design, and a sample of scenes. `-` reads standard input.
 
-    Exits with 2 if there is an error.
+    Exits with 2 if there is an error. With --try it also exits with 2 if a question keeps no instance, or if at least 8
+    kept instances of 4 groups all have the same answer.
 
     The result of a file is kept in the user's cache (WMSPEC_CACHE_DIR, else ~/.cache/wmspec) and returned again until
     the file, a library or file that it uses, or wmspec changes.
@@ -40,21 +56,38 @@ def check_command(specs: tuple[Path, ...], form: str, timeout: float, no_cache: 
     from wmspec.api.checking import check_files, check_text
     from wmspec.core.disk_cache import disabled
 
+    if count and (form == "sarif" or specs == (Path("-"),)):
+        raise WmsError("--try needs spec files, and prints text or JSON")
+    if backend and not count:
+        raise WmsError("--backend selects the engine of --try", help="add --try")
     with time_limit(timeout), disabled() if no_cache else nullcontext():
         checked = check_text(read_stdin()) if specs == (Path("-"),) else check_files(specs)
+        trials = _tried(specs, count, backend) if count and checked.passed and checked.tasks else ()
     if form == "json":
         records = [d.record() for d in checked.diagnostics]
         counts = {task.name: task.instances for task in checked.tasks}
         sizes = {task.name: task.sample_sizes for task in checked.tasks if task.sample_sizes is not None}
-        click.echo(json.dumps({"diagnostics": records, "tasks": counts, "sample_sizes": sizes}, indent=2))
+        tried = {"trials": [trial.record() for trial in trials]} if count else {}
+        click.echo(json.dumps({"diagnostics": records, "tasks": counts, "sample_sizes": sizes, **tried}, indent=2))
     elif form == "sarif":
         from wmspec.cli.sarif import sarif
 
         click.echo(json.dumps(sarif(checked.diagnostics), indent=2))
     else:
         _print(checked)
-    if not checked.passed:
+        print_trials(trials)
+    if not checked.passed or not all(trial.passed for trial in trials):
         raise SystemExit(2)
+
+
+def _tried(specs: tuple[Path, ...], count: int, backend: str) -> tuple[TriedTask, ...]:
+    """Try the tasks that have questions."""
+    from wmspec.api import load_all
+    from wmspec.api.progress import progress_bar
+    from wmspec.api.trying import try_tasks
+
+    tasks = [task for task in load_all(*specs, tell=lambda _: None) if task.questions]
+    return try_tasks(tasks, count, backend=backend, progress=progress_bar, tell=tell) if tasks else ()
 
 
 def _print(checked: Checked) -> None:

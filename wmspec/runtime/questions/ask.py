@@ -13,6 +13,7 @@ from wmspec.core.rng import Permutation, bits, permuted
 from wmspec.lang.check.expressions.measured import is_measured, moments
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Channel, Level, TaskSpec
+from wmspec.runtime.questions.answer_label import answer_label, member_label
 from wmspec.runtime.questions.gates import smallest_margin
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.legibility import legibility
@@ -39,7 +40,7 @@ def ask(design: Design, index: int, pair: EnginePair) -> list[QuestionRow | Reje
     try:
         run = execute(design, instance, None, pair)
     except Reject as reject:
-        return [_rejected(design, instance, q, pair, reject) for q in numbers]
+        return [_rejected(design, instance, q, pair, reject, _member(design, instance, q)) for q in numbers]
     return [_question_row(design, instance, q, run, pair) for q in numbers]
 
 
@@ -50,15 +51,22 @@ def _question_row(design: Design, instance: Instance, q: int, run: Run, pair: En
     try:
         return _Row(design, instance, q, asking).row()
     except Reject as reject:
-        return _rejected(design, instance, q, pair, reject)
+        why = reject
     except GraphicsError:
         raise
     except WmsError as error:
-        return _rejected(design, instance, q, pair, rejection_of(error))
+        why = rejection_of(error)
+    return _rejected(design, instance, q, pair, why, _member(design, instance, q) or answer_label(asking))
 
 
-def _rejected(design: Design, instance: Instance, q: int, pair: EnginePair, why: Reject) -> Rejected:
-    return Rejected(design.spec.name, instance.index, q, pair.traces.engine, why.reason, why.detail)
+def _rejected(design: Design, instance: Instance, q: int, pair: EnginePair, why: Reject, label: str) -> Rejected:
+    return Rejected(design.spec.name, instance.index, q, pair.traces.engine, why.reason, why.detail, label)
+
+
+def _member(design: Design, instance: Instance, q: int) -> str:
+    """Return the label of the instance in the closed set of a question; '' without one."""
+    names = names_of(design.spec, instance.values)
+    return member_label(design.spec.questions[q], instance.factors, names)
 
 
 def groups(instance: Instance) -> dict[str, str]:
@@ -148,6 +156,7 @@ class _Row:
             levels=names_of(spec, instance.values),
             measured=dict(sorted(measured.readings.items())),
             legibility=legibility(asking, answer, options, objects),
+            label=_member(self.design, instance, self.q) or answer_label(asking),
             evidence=answer,
         )
 

@@ -120,4 +120,4 @@ class _TriedDraws:
     def _unbalanced(self, answer: QuestionRow | Rejected, why: str) -> QuestionRow | Rejected:
         if answer.question != self._question or isinstance(answer, Rejected):
             return answer
-        return Rejected(answer.task, answer.index, answer.question, answer.engine, "balance", why)
+        return Rejected(answer.task, answer.index, answer.question, answer.engine, "balance", why, answer.label)

@@ -46,4 +46,4 @@ def _kept(answer: QuestionRow | Rejected, first: Rejected | None) -> QuestionRow
     if first is None or isinstance(answer, Rejected):
         return answer
     why = f"instance {first.index} in {first.engine}: {first.reason}: {first.detail}"
-    return Rejected(answer.task, answer.index, answer.question, answer.engine, "group", why)
+    return Rejected(answer.task, answer.index, answer.question, answer.engine, "group", why, answer.label)

@@ -60,7 +60,7 @@ def _is_kept(agreeing: int, engines: int, required: Consensus) -> bool:
 def _disagreement(row: QuestionRow, answers: Mapping[str, QuestionRow | Rejected]) -> Rejected:
     """Return the rejected question with the answers of all engines."""
     detail = "; ".join(_sentence(vote) for vote in votes(answers, row))
-    return Rejected(row.task, row.index, row.question, row.engine, "disagreement", detail)
+    return Rejected(row.task, row.index, row.question, row.engine, "disagreement", detail, row.label)
 
 
 def _sentence(vote: Vote) -> str:

@@ -153,8 +153,8 @@ class QuestionRow:
     defines kinds of outcome. `levels` are the named values of factors and nuisances in words. `measured` holds named
     quantities in SI units. A `standing` answer holds from the start, and `moments` is the number of moments that show
     it. `objects` are those of every shown picture, `crossed` the factors that vary within the group. `redrawn` counts
-    earlier draws of a balanced group (None: not balanced). `legibility` are all applicable measures. `evidence` is
-    compared with other engines.
+    earlier draws of a balanced group (None: not balanced). `legibility` are all applicable measures. `label` is
+    the answer as it is counted (see `answer_label`). `evidence` is compared with other engines.
     """
 
     task: str
@@ -188,6 +188,7 @@ class QuestionRow:
     crossed: tuple[str, ...] = ()
     redrawn: int | None = None
     legibility: tuple[Legibility, ...] = ()
+    label: str = ""
 
     @property
     def kind(self) -> QuestionKind:
@@ -210,7 +211,10 @@ FAILED: Final = frozenset[Reason](("error", *TRANSIENT))
 
 @dataclass(frozen=True)
 class Rejected:
-    """An instance without a question in an engine, and the reason."""
+    """An instance without a question in an engine, and the reason.
+
+    `answer` is the answer as it is counted (see `answer_label`), if it is known and has words.
+    """
 
     task: str
     index: int
@@ -218,6 +222,7 @@ class Rejected:
     engine: str
     reason: Reason
     detail: str
+    answer: str = ""
 
 
 class Reject(Exception):

@@ -1,0 +1,145 @@
+"""Make a few instances of tasks through all gates, without writing a dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from wmspec.api.agreement import Tasks
+from wmspec.api.generating import plan_dataset
+from wmspec.api.loading import Tell, warn
+from wmspec.api.progress import Progress, silent
+from wmspec.dataset.build.answer_counts import AnswerCounts, count_answers
+from wmspec.dataset.build.batching import batches
+from wmspec.dataset.build.generate import failed_outcome, job_of
+from wmspec.dataset.build.manifest import by_reason
+from wmspec.dataset.build.plan import Plan
+from wmspec.dataset.build.plan import Task as PlannedTask
+from wmspec.dataset.build.worker import Outcome, make_instances
+from wmspec.runtime.engines.registry import default
+from wmspec.runtime.questions.legibility.bounds import BOUNDS, ratio
+from wmspec.runtime.questions.model import Legibility, Rejected
+from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_ordered
+
+
+@dataclass(frozen=True)
+class TriedMeasure:
+    """A measure over the kept instances of a question: the worst value, and the share that is within the bound."""
+
+    name: str
+    unit: str
+    worst: float
+    bound: float
+    at_most: bool
+    share: float
+
+
+@dataclass(frozen=True)
+class TriedQuestion:
+    """A question of a tried task: kept instances, rejected ones by reason with examples, answers, and legibility.
+
+    `legible` is the share of the kept instances that are within all bounds.
+    """
+
+    name: str
+    kept: int
+    rejected: Mapping[str, int]
+    examples: Mapping[str, Rejected]
+    answers: AnswerCounts
+    measures: tuple[TriedMeasure, ...]
+    legible: float
+
+    @property
+    def fault(self) -> str:
+        """Why the question is useless as it is, or ''."""
+        if not self.kept:
+            return "no instance is kept"
+        return (
+            f"all {self.kept} kept instances have the answer `{self.answers.dominant}`" if self.answers.dominant else ""
+        )
+
+
+@dataclass(frozen=True)
+class TriedTask:
+    """The tried instances of a task in an engine."""
+
+    name: str
+    engine: str
+    instances: int
+    questions: tuple[TriedQuestion, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every question is kept, and not always with the same answer."""
+        return not any(question.fault for question in self.questions)
+
+    def record(self) -> dict[str, Any]:
+        """Return the result as JSON values."""
+        questions = [asdict(q) | {"warning": q.answers.shift, "fault": q.fault} for q in self.questions]
+        return {"task": self.name, "engine": self.engine, "instances": self.instances, "questions": questions}
+
+
+def try_tasks(
+    tasks: Tasks,
+    count: int = 4,
+    *,
+    backend: str = "",
+    seed: int = 0,
+    progress: Progress = silent,
+    tell: Tell = warn,
+) -> tuple[TriedTask, ...]:
+    """Make `count` random instances of each task in one engine, in this process, and return what the gates keep.
+
+    Control groups are whole, so a task may have more instances. `backend` is an engine, by default the first that is
+    installed. Raises WmsError where `generate` would.
+    """
+    plan = plan_dataset(tasks, tell, per_task=count, backend=backend or default(), seed=seed)
+    with progress(sum(len(task.indices) for task in plan.tasks), "trying") as advance:
+        tried = []
+        for task in plan.tasks:
+            tried.append(_tried(plan, task))
+            advance(task.spec.name, len(task.indices))
+    return tuple(tried)
+
+
+def _tried(plan: Plan, task: PlannedTask) -> TriedTask:
+    outcomes = list(_outcomes(plan, task))
+    rows = [row for outcome in outcomes for row in outcome.rows]
+    rejected = [each for outcome in outcomes for each in outcome.rejected]
+    counts = count_answers(task.spec, rows, rejected, plan.engines[0])
+    questions = []
+    for q, question in enumerate(task.spec.questions):
+        kept = [row for row in rows if row["question"] == q]
+        lost = [each for each in rejected if each.question == q]
+        measures = [[Legibility(**each) for each in row["legibility"]] for row in kept]
+        legible = sum(all(ratio(each) >= 1 for each in own) for own in measures) / len(kept) if kept else 0.0
+        name = question.name or f"question {q + 1}"
+        questions.append(TriedQuestion(name, len(kept), *by_reason(lost), counts[q], _measures(measures), legible))
+    return TriedTask(task.spec.name, plan.engines[0], len(task.indices), tuple(questions))
+
+
+def _outcomes(plan: Plan, task: PlannedTask) -> Iterator[Outcome]:
+    """Yield the outcome of every instance of a task."""
+    effort, name = PoolConfig(0, 0), task.spec.name
+    job = job_of(plan, effort).of(name)
+    pieces = [piece for unit in batches(task.spec, plan.seed, task.indices) for piece in unit]
+    with closing(map_ordered(make_instances, ((job, name, piece) for piece in pieces), effort)) as made:
+        for piece, result in zip(pieces, made, strict=True):
+            if isinstance(result, JobFailure):
+                yield from (failed_outcome(plan, task.spec, index, result) for index in piece)
+            else:
+                yield from result.outcomes
+
+
+def _measures(rows: Sequence[Sequence[Legibility]]) -> tuple[TriedMeasure, ...]:
+    """Return every measure that applies to a row, in the order of the table of bounds."""
+    tried = []
+    for name, bound in BOUNDS.items():
+        own = [each for row in rows for each in row if each.name == name]
+        if own:
+            worst = min(own, key=ratio).value
+            share = sum(ratio(each) >= 1 for each in own) / len(own)
+            tried.append(TriedMeasure(name, bound.unit, worst, bound.value, bound.at_most, share))
+    return tuple(tried)

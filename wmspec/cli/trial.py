@@ -1,0 +1,63 @@
+"""What `wmspec check --try` prints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from wmspec.api.trying import TriedMeasure, TriedQuestion, TriedTask
+
+#: Maximum number of answers listed for a question.
+MAX_ANSWERS = 12
+
+
+class CountType(click.IntRange):
+    """A number of instances; explains the place of the option if a file follows it."""
+
+    name = "integer"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number."""
+        if isinstance(value, str) and not value.lstrip("-").isdigit():
+            self.fail(f"`{value}` is not a number; write `--try` after the specs, or `--try=4`", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+def print_trials(trials: Iterable[TriedTask]) -> None:
+    """Print tried tasks to standard output, and warnings to standard error."""
+    for task in trials:
+        click.echo(f"{task.name}: tried {task.instances} instance{'s' * (task.instances != 1)} in {task.engine}")
+        for question in task.questions:
+            click.echo("\n".join(_lines(question)))
+            if question.answers.shift:
+                click.echo(f"warning: {task.name}, {question.name}: {question.answers.shift}", err=True)
+            if question.fault:
+                click.echo(f"error: {task.name}, {question.name}: {question.fault}", err=True)
+
+
+def _lines(question: TriedQuestion) -> Iterator[str]:
+    from wmspec.dataset.build.manifest import top_reasons
+
+    yield f"  {question.name}: {question.kept} kept, {sum(question.rejected.values())} rejected"
+    yield from (f"  {line}" for line in top_reasons(question.rejected, question.examples))
+    for word, counts in (("kept", question.answers.kept), ("rejected", question.answers.rejected)):
+        if counts:
+            yield f"    answers {word}: {_histogram(counts)}"
+    if question.kept:
+        faulty = [measure for measure in question.measures if measure.share < 1]
+        yield f"    legible: {question.legible:.0%}"
+        yield from (f"      {_measure(measure)}" for measure in (faulty or question.measures))
+
+
+def _histogram(counts: Mapping[str, int]) -> str:
+    often = sorted(counts.items(), key=lambda one: (-one[1], one[0]))
+    more = f", and {len(often) - MAX_ANSWERS} more" if len(often) > MAX_ANSWERS else ""
+    return ", ".join(f"{answer} {count}" for answer, count in often[:MAX_ANSWERS]) + more
+
+
+def _measure(measure: TriedMeasure) -> str:
+    limit = f"at {'most' if measure.at_most else 'least'} {measure.bound:g} {measure.unit}".rstrip()
+    return f"{measure.name}: {'most' if measure.at_most else 'least'} {measure.worst:.3g}, {limit}: {measure.share:.0%}"
