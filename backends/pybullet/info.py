@@ -60,6 +60,7 @@ INFO = Info(
         ),
         Lack(friction_above(MAX_FRICTION), f"Bullet's own limit is {MAX_FRICTION:g}; lower the friction"),
     ),
+    drawing_cost=3.0,  # see benchmarks/render.py
     # without NumPy at build time pictures are slow tuples; GCC 14 rejects its pointer casts
     compiled=Compiled(
         wheels_until=(3, 11), needs=("setuptools>=70.1",), variables="CFLAGS=-Wno-incompatible-pointer-types"

@@ -53,6 +53,7 @@ INFO = Info(
             "PhysX does not collide the two bodies of a joint; author physics:collisionEnabled = 0",
         ),
     ),
+    drawing_cost=2.0,  # see benchmarks/render.py
     # measured: SAPIEN 3.0.3 finds no device on Mesa 22.3 and draws on 24.3
     graphics=Graphics("Vulkan", mesa=(24, 3), variables=("VK_DRIVER_FILES", "VK_ICD_FILENAMES")),
 )

@@ -56,13 +56,14 @@ def make_all(folder: Path, asks: Mapping[str, Ask], count: int, engines: tuple[s
         size=(SIDE, SIDE),
         seed=3,
         consensus="all",
+        rows_of="engines",
         versions={"wmspec": "0.1.0"},
     )
     with Dataset.open(folder, plan, force=True) as dataset:
         for shard in dataset.pending():
             name = next(name for name, design in designs.items() if design.spec.name == shard.task.spec.name)
             every = [(i, blank(designs[name], i, e)) for i in shard.indices for e in engines]
-            rows = [encode(asks[name](question, np.random.default_rng(i))) for i, question in every]
+            rows = [encode(asks[name](question, np.random.default_rng(i)), "engines") for i, question in every]
             dataset.write(shard, rows, ())
         dataset.finish()
     return folder

@@ -43,6 +43,7 @@ def plan(count: int = 5, shard: int = 2, seed: int = 7, tasks: tuple[str, ...] =
         size=(64, 64),
         seed=seed,
         consensus="all",
+        rows_of="engines",
         versions={"wmspec": "0.1.0", "mujoco": "4.0", "pybullet": "3.2.7", "sapien": "3.0.3"},
         shard=shard,
     )
@@ -77,7 +78,7 @@ def asked(task: str, index: int, engine: str, seed: int = 7, size: int = 64) -> 
         evidence=pictures(0.0, 0.2, 0.4, 0.6)
         if task == "collide"
         else LabelAnswer(options[answer].name, ("left", "right")),
-        agreement=tuple(Vote(e, answer, "said") for e in ENGINES),
+        agreement=tuple(Vote(e, answer, "said", apart=0.001) for e in ENGINES),
     )
 
 
@@ -131,7 +132,7 @@ def filling(plan: Plan, shard: Shard, size: int = 64) -> tuple[list[Row], list[R
             if index % 5 == 0:
                 rejected.append(Rejected(name, index, 0, engine, "alike", "aside and heavier: 3.1 cm apart"))
             else:
-                rows.append(encode(asked(name, index, engine, plan.seed, size)))
+                rows.append(encode(asked(name, index, engine, plan.seed, size), plan.rows_of))
     return rows, rejected
 
 

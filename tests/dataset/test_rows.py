@@ -56,7 +56,7 @@ def test_datasets_reads_every_value(loaded: datasets.Dataset) -> None:
     assert row["option_text"] is None
     assert row["measured"] == [{"name": "contact(ball, victim)", "value": 1.0}]
     assert row["agreement"] == [
-        {"engine": e, "answer": question.answer, "value": "said", "rejected": None} for e in ENGINES
+        {"engine": e, "answer": question.answer, "value": "said", "rejected": None, "apart": 0.001} for e in ENGINES
     ]
     assert "action push.speed: 0.8 -> 0.28" in row["option_change"]
     for name, value in question.factors.items():
@@ -106,7 +106,7 @@ def test_every_factor_has_its_type_and_unit() -> None:
 
 def test_all_but_one_is_a_groupby(tmp_path: Path) -> None:
     """The instances that share `group.target` differ in the target alone, and are all that do."""
-    rows = [encode(asked("collide", i, "mujoco")) for i in range(len(spec("collide").factors) * 6)]
+    rows = [encode(asked("collide", i, "mujoco"), "questions") for i in range(len(spec("collide").factors) * 6)]
     pq.write_table(table(rows, schema(spec("collide"))), tmp_path / "t.parquet")
     frame = pd.read_parquet(tmp_path / "t.parquet")
     others = [c for c in map(str, frame) if c.startswith("factor.") and c != "factor.target"]
@@ -131,4 +131,4 @@ def test_croissant_is_valid_and_streams_pictures(folder: Path, caplog: pytest.Lo
 
 def test_rows_of_another_task_are_refused() -> None:
     with pytest.raises(ValueError, match=r"factor\.ball_color"):
-        table([encode(asked("collide", 1, "mujoco"))], schema(spec("motion_speed")))
+        table([encode(asked("collide", 1, "mujoco"), "questions")], schema(spec("motion_speed")))

@@ -31,8 +31,30 @@ def test_the_three_engines_answer_alike_or_say_why_not(tmp_path: Path) -> None:
             assert {a["answer"] for a in row["agreement"]} == {row["answer"]}
             assert {a["engine"] for a in row["agreement"]} == {"mujoco", "pybullet", "sapien"}
         rejected = [r for r in manifest["rejected"]["list"] if r["task"] == task]
-        assert len(rows) + len(rejected) == 3 * asked
+        assert len(rows) + len(rejected) == asked, "one row stands for three engines"
+        assert {row["renderer"] for row in rows} == {"mujoco"}, "the quickest of them"
+        assert all(a["apart"] < 0.1 for row in rows for a in row["agreement"])
         assert all(r["reason"] for r in rejected)
+
+
+def test_each_engine_has_its_rows_if_rows_are_of_engines(tmp_path: Path) -> None:
+    for engine in ("mujoco", "pybullet"):
+        installed(engine)
+    import pyarrow.parquet as pq
+
+    args = ["generate", SPEED, "-b", "mujoco,pybullet", "--per-task", 3, "--size", 64, "-j", 1]
+    wmspec(*args, "--rows", "engines", "-o", "engines", folder=tmp_path)
+    wmspec(*args, "-o", "questions", folder=tmp_path)
+    engines, questions = (
+        pq.read_table(tmp_path / f"{n}/data/speed_tabletop").to_pylist() for n in ("engines", "questions")
+    )
+    assert {(row["engine"], row["renderer"]) for row in engines} == {("mujoco", "mujoco"), ("pybullet", "pybullet")}
+    own = {row["index"]: row for row in engines if row["engine"] == "mujoco"}
+    for row in questions:
+        assert row == own[row["index"]] | {"id": row["id"]}
+    for name in ("engines", "questions"):
+        told = json.loads(wmspec("verify", name, "--sample", 1, "--json", folder=tmp_path).stdout)
+        assert told["verdict"] == "same"
 
 
 def test_the_same_bytes_whatever_the_number_of_workers(tmp_path: Path) -> None:

@@ -66,6 +66,7 @@ def dataset(folder: Path, count: int | None = None, engines: tuple[str, ...] = (
         size=(16, 16),
         seed=3,
         consensus="all",
+        rows_of="engines",
         versions={"wmspec": "0.1.0"},
     )
     with Dataset.open(folder, plan, force=True) as made:

@@ -50,6 +50,7 @@ def attest(
             backend=",".join(made.engines),
             size=made.size,
             consensus=reader.manifest["consensus"],
+            rows=reader.rows_of,
             **render_settings(reader)._asdict(),
             workers=workers,
             progress=progress,

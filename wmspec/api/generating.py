@@ -8,7 +8,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import Literal, TypedDict, Unpack
+from typing import Literal, TypedDict, Unpack, get_args
 
 from wmspec.api.agreement import Tasks, collect_tasks, worker_settings
 from wmspec.api.loading import Tell, warn
@@ -27,8 +27,8 @@ from wmspec.dataset.build.manifest import Summary
 from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.plan import Task as PlannedTask
 from wmspec.dataset.build.reuse import PriorInstances
-from wmspec.runtime.engines.registry import require_look, select_backends, versions
-from wmspec.runtime.questions.consensus import Consensus
+from wmspec.runtime.engines.registry import quickest_renderer, require_look, select_backends, versions
+from wmspec.runtime.questions.consensus import Consensus, RowsOf
 from wmspec.runtime.workers.cluster import ray_cluster
 from wmspec.runtime.workers.pool import PoolConfig
 from wmspec.sim.scene.model import Look
@@ -39,10 +39,12 @@ class DatasetOptions(TypedDict, total=False):
 
     `per_task`: number of random instances per task, by default that of WM-ABench for its tasks and all instances for
     others; `full`: all instances. `part`: (i, n), only share i of n. `dimensions`: only tasks of these. `backend`:
-    engines, separated by commas, or "all". `renderer`: one engine that draws all episodes; by default each engine draws
-    its own. `consensus`: keep a question if "all" engines agree, if the "majority" agrees, or always ("none"). `seed`:
-    random seed of tasks given by path. `size` (pixels), `look` and `samples`: see `RenderOptions`. `licence`: SPDX
-    identifier of the data licence, by default that of the specs, and CC-BY-4.0 for specs of wmspec.
+    engines, separated by commas, or "all"; the first is the reference, whose episode is shown. `rows`: one row for each
+    of the "questions", answered in all engines, or one for each question in each of the "engines". `renderer`: one
+    engine that draws all episodes, by default the quickest; with rows of engines, each draws its own by default.
+    `consensus`: keep a question if "all" engines agree, if the "majority" agrees, or always ("none"). `seed`: random
+    seed of tasks given by path. `size` (pixels), `look` and `samples`: see `RenderOptions`. `licence`: SPDX identifier
+    of the data licence, by default that of the specs, and CC-BY-4.0 for specs of wmspec.
     """
 
     per_task: int | None
@@ -50,6 +52,7 @@ class DatasetOptions(TypedDict, total=False):
     part: tuple[int, int]
     dimensions: Sequence[str]
     backend: str
+    rows: RowsOf
     renderer: str
     consensus: Consensus
     seed: int
@@ -141,10 +144,14 @@ def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptio
     if not -(1 << 63) <= options.get("seed", 0) < 1 << 63:
         raise WmsError(f"a seed is an integer from {-(1 << 63)} to {(1 << 63) - 1}")
     chosen_tasks = collect_tasks(tasks, options.get("seed"), tell, options.get("dimensions", ()))
-    engines = select_backends(backend) if renderer else require_look(select_backends(backend), look)
-    drawers = require_look(select_backends(renderer), look) if renderer else engines
+    engines, rows_of = select_backends(backend), options.get("rows", "questions")
+    if rows_of not in get_args(RowsOf):
+        raise WmsError(f"no rows of {rows_of!r}", help=f"rows are of {' or of '.join(get_args(RowsOf))}")
+    if rows_of == "questions":
+        renderer = renderer or quickest_renderer(engines)
+    drawers = require_look(select_backends(renderer) if renderer else engines, look)
     if renderer and len(drawers) > 1:
-        raise WmsError("`renderer` expects one engine; without it, each engine draws its own episodes")
+        raise WmsError("`renderer` expects one engine")
     for task in chosen_tasks:
         if not task.questions:
             raise WmsError(f"the task `{task.name}` has no question; nothing to generate")
@@ -160,6 +167,7 @@ def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptio
         look=look,
         samples=check_samples(look, options.get("samples")),
         renderer=drawers[0] if renderer else "",
+        rows_of=rows_of,
         licence=_licence(chosen_tasks, options.get("licence", "")),
         versions=versions({*engines, *drawers}, look),
     )

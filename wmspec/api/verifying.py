@@ -91,6 +91,7 @@ def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan
         look=plan.look,
         samples=plan.samples,
         renderer=plan.renderer,
+        rows_of=dataset.rows_of,
         versions=versions({*engines, *drawers}, plan.look),
     )
 

@@ -34,7 +34,17 @@ if TYPE_CHECKING:
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="Dataset folder.")
 @click.option("--backend", "-b", default="all", show_default=True, help="Engines: comma-separated names, or all.")
 @click.option(
-    "--renderer", "-r", default="", help="Render all episodes with this engine.  [default: each engine renders its own]"
+    "--rows",
+    type=click.Choice(["questions", "engines"]),
+    default="questions",
+    show_default=True,
+    help="One row per question, answered in all engines, or one per question and engine.",
+)
+@click.option(
+    "--renderer",
+    "-r",
+    default="",
+    help="Render with this engine.  [default: the quickest of the engines; with --rows engines, each its own]",
 )
 @click.option(
     "--per-task",
@@ -88,6 +98,7 @@ def generate_command(
     specs: tuple[Path, ...],
     output: Path | None,
     backend: str,
+    rows: Any,
     renderer: str,
     per_task: int | None,
     shard: str,
@@ -110,6 +121,9 @@ def generate_command(
 ) -> None:
     """Generate a dataset from the tasks in SPECS: Parquet with pictures, a manifest and a card.
 
+    Each question is executed in every engine of --backend and must have the same answer there. The first engine is the
+    reference: its episode is drawn and shown. The column `agreement` has the answers of all engines.
+
     An interrupted run resumes with the same command: finished instances are kept, and only those in progress (about
     five per worker) are repeated.
 
@@ -129,6 +143,7 @@ def generate_command(
         "part": parse_share(shard),
         "dimensions": dimension,
         "backend": backend,
+        "rows": rows,
         "renderer": renderer,
         "consensus": consensus,
         "seed": seed,

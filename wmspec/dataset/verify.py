@@ -69,6 +69,7 @@ def verify(
 ) -> Verification:
     """Generate the instances of `plan` again and compare them. The plan is a subset of the dataset's plan."""
     job, differences, questions = job_of(plan, effort), list[Difference](), 0
+    per_engine = plan.rows_of == "engines"
     tasks = {task.spec.name: task for task in plan.tasks}
     every = (
         [(own, name, piece) for piece in unit]
@@ -85,11 +86,13 @@ def verify(
                     {}
                     if isinstance(made, JobFailure)
                     else {
-                        identity(r.task, r.index, r.question, r.engine): f"{r.reason}: {r.detail}"
+                        identity(
+                            r.task, r.index, r.question, r.engine if per_engine else None
+                        ): f"{r.reason}: {r.detail}"
                         for r in made.outcomes[at].rejected
                     }
                 )
-                for engine in plan.engines:
+                for engine in plan.row_engines:
                     for q in range(len(tasks[name].spec.questions)):
                         id_ = identity(name, index, q, engine)
                         differences += _compare(id_, there.get(id_), here, rejected)

@@ -59,11 +59,14 @@ class Case:
 
 @dataclass(frozen=True)
 class Unit:
-    """All rows of one question of a task. `name` is the task's, with the question's number if it has several."""
+    """All rows of one question of a task. `name` is the task's, with the question's number if it has several.
+
+    `first_engines` are those of which one row an instance is read: the first, or all if a row stands for all engines.
+    """
 
     name: str
     cases: tuple[Case, ...]
-    engines: tuple[str, ...]
+    first_engines: tuple[str, ...]
 
     @property
     def open(self) -> bool:
@@ -91,11 +94,11 @@ class Unit:
 
     @cached_property
     def first_engine(self) -> tuple[Case, ...]:
-        """The rows of the first engine that have thumbnails."""
+        """The rows with thumbnails, of the first engine if each engine has its own."""
         return tuple(
             c
             for c in self.cases
-            if c.row["engine"] == self.engines[0] and (c.context_thumbnails or c.option_thumbnails)
+            if c.row["engine"] in self.first_engines and (c.context_thumbnails or c.option_thumbnails)
         )
 
 
@@ -118,10 +121,11 @@ def units(dataset: DatasetReader, task: str, most: int) -> Iterator[Unit]:
     chosen = set(sorted(indices, key=lambda i: _key(task, i))[:most])
     parted: dict[int, list[Case]] = {}
     for row in dataset.rows(task):
-        looked = row["index"] in chosen and _is_sampled(row, dataset.engines)
+        looked = row["index"] in chosen and (dataset.rows_of == "questions" or _is_sampled(row, dataset.engines))
         parted.setdefault(row["question"], []).append(_case(row, looked))
+    first = dataset.engines if dataset.rows_of == "questions" else dataset.engines[:1]
     for question, cases in sorted(parted.items()):
-        yield Unit(task if len(parted) == 1 else f"{task} q{question}", tuple(cases), dataset.engines)
+        yield Unit(task if len(parted) == 1 else f"{task} q{question}", tuple(cases), first)
 
 
 def task_of(name: str) -> str:

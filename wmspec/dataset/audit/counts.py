@@ -9,6 +9,7 @@ from pathlib import Path
 from wmspec.dataset.audit.cases import Case, Unit
 from wmspec.dataset.audit.model import Counts, Finding
 from wmspec.dataset.build import files
+from wmspec.dataset.build.plan import QUESTIONS
 from wmspec.dataset.build.reader import REPAIR_HINT, DatasetReader
 from wmspec.runtime.questions.model import FAILED
 
@@ -42,11 +43,11 @@ def check_files(dataset: DatasetReader) -> list[Finding]:
 def check_rows(dataset: DatasetReader, counts: Counts, units: list[Unit]) -> Iterator[Finding]:
     """Check that a task's rows match the counts of the manifest, each with one true option."""
     rows = [case for unit in units for case in unit.cases]
-    by_engine = Counter(c.row["engine"] for c in rows)
+    there = Counter(c.row["engine"] if dataset.rows_of == "engines" else QUESTIONS for c in rows)
     wrong = [
-        f"{n} of {by_engine[e]:,} rows, {n:,} in the manifest"
-        for e, n in _rows(dataset, counts.task)
-        if by_engine[e] != n
+        f"{there[name]:,} rows of {name}, {n:,} in the manifest"
+        for name, n in _rows(dataset, counts.task)
+        if there[name] != n
     ]
     twice = [name for name, n in Counter(c.row["id"] for c in rows).items() if n > 1]
     odd = [c.row["id"] for c in rows if not _one_truth(c)]

@@ -9,7 +9,7 @@ from wmspec.compile.design.levels import Level
 from wmspec.dataset.build.baselines import Baselines
 from wmspec.dataset.build.files import EXAMPLES
 from wmspec.dataset.build.manifest import Summary, TaskSummary
-from wmspec.dataset.build.plan import Plan, Task
+from wmspec.dataset.build.plan import Plan, Task, row_names
 from wmspec.dataset.build.rows import COLUMNS, channel_columns
 from wmspec.lang.check.ir.ir import Choices, Factor, Interval, Normal
 
@@ -55,7 +55,7 @@ def card(plan: Plan, total: Summary, scores: Mapping[str, Baselines]) -> str:
         _use(plan),
         _baselines(scores),
         _tasks(plan, total),
-        _rejected(total),
+        _rejected(plan, total),
         _columns(plan),
         _citation(plan, total),
     ]
@@ -116,6 +116,8 @@ def _opening(plan: Plan, total: Summary) -> str:
     drawn = (
         f"executed in {engines} and drawn by {plan.renderer}" if plan.renderer else f"executed and drawn in {engines}"
     )
+    if plan.rows_of == "questions" and len(plan.engines) > 1:
+        drawn += f"; the episodes shown are those of {plan.reference}"
     alone = "One engine executed it, so that nothing tells whether another would agree."
     return (
         f"# {title(total)}\n\n"
@@ -154,8 +156,9 @@ def _use(plan: Plan) -> str:
         "Questions are in English, from a few templates.",
         "Questions whose objects or options look the same are rejected: the rest is no fair sample of what happens.",
         "Questions of one control group (`block`) share every draw: compute intervals by group, not by question.",
-        "Rows of several engines are of the same episodes: they are no more questions.",
     ]
+    if plan.rows_of == "engines":
+        limits.append("Rows of several engines are of the same episodes: they are no more questions.")
     return (
         "## Use and limits\n\nFor measuring what models that see pictures understand of a physical world, factor by "
         "factor. Not for training: a model that has seen it is not measured by it.\n\n"
@@ -195,7 +198,9 @@ def _citation(plan: Plan, total: Summary) -> str:
 
 
 def _tasks(plan: Plan, total: Summary) -> str:
-    head = ["task", "dimension", "instances", *(f"questions, {e}" for e in plan.engines), "rejected"]
+    counted = row_names(plan.rows_of, plan.engines)
+    names = [f"questions, {name}" for name in counted] if plan.rows_of == "engines" else counted
+    head = ["task", "dimension", "instances", *names, "rejected"]
     rows = [
         [t.name, task.spec.dimension, t.instances, *t.rows.values(), sum(t.rejected.values())]
         for task, t in zip(plan.tasks, total.tasks, strict=True)
@@ -240,13 +245,14 @@ def format_level(value: Level) -> str:
     return value if isinstance(value, str) else f"{value:.4g}"
 
 
-def _rejected(total: Summary) -> str:
+def _rejected(plan: Plan, total: Summary) -> str:
     if not total.rejected:
         return "## Rejected\n\nNothing was rejected."
     total_questions = total.rows + sum(total.rejected.values())
     rows = [[reason, n, f"{n / total_questions:.1%}", REASONS.get(reason, "")] for reason, n in total.rejected.items()]
     counts = _table(["reason", "questions", "share", "meaning"], rows)
-    return f"## Rejected\n\nOf {total_questions:,} questions asked, one an engine:\n\n{counts}"
+    each = " (each engine counted)" if plan.rows_of == "engines" and len(plan.engines) > 1 else ""
+    return f"## Rejected\n\nOf {total_questions:,} questions{each}:\n\n{counts}"
 
 
 def _reasons(rejected: dict[str, int]) -> str:

@@ -116,14 +116,15 @@ def job_of(plan: Plan, effort: PoolConfig) -> Job:
     if effort.workers > 1:  # otherwise Mesa's software renderer starts a thread per core in every worker
         os.environ.setdefault("LP_NUM_THREADS", "0")
     tasks = tuple((t.spec.name, to_json(t.spec)) for t in plan.tasks)
-    return Job(tasks, plan.seed, plan.engines, plan.size, plan.consensus, plan.look, plan.samples, plan.renderer)
+    drawing = plan.look, plan.samples, plan.renderer
+    return Job(tasks, plan.seed, plan.engines, plan.size, plan.consensus, *drawing, plan.rows_of)
 
 
 def failed_outcome(plan: Plan, spec: TaskSpec, index: int, lost: JobFailure) -> Outcome:
-    """Return the outcome of a failed instance: every question is rejected in every engine."""
+    """Return the outcome of a failed instance: every question of every row is rejected."""
     rejected = (
-        Rejected(spec.name, index, q, engine, lost.kind, lost.reason)
-        for engine in plan.engines
+        Rejected(spec.name, index, q, engine or plan.reference, lost.kind, lost.reason)
+        for engine in plan.row_engines
         for q in range(len(spec.questions))
     )
     return Outcome((), tuple(rejected))

@@ -9,7 +9,7 @@ from typing import Any
 
 from wmspec.core.crash import Crash
 from wmspec.core.tally import Tally
-from wmspec.dataset.build.plan import Plan, Task
+from wmspec.dataset.build.plan import QUESTIONS, Plan, Task, row_names
 from wmspec.dataset.build.shards import Record
 from wmspec.dataset.build.worker import Balance, CacheStats
 from wmspec.runtime.questions.model import FAILED, Rejected
@@ -20,9 +20,10 @@ MAX_REASONS = 3
 
 @dataclass(frozen=True)
 class TaskSummary:
-    """The counts of a task: instances, questions by engine, rejections by reason with the first example of each.
+    """The counts of a task: instances, rows, rejections by reason with the first example of each.
 
-    `failed` instances ended as internal errors, crashes or timeouts, not by a gate.
+    `rows` are counted by engine if each engine has its own (see `row_names`). `failed` instances ended as internal
+    errors, crashes or timeouts, not by a gate.
     """
 
     name: str
@@ -112,8 +113,8 @@ def summary(plan: Plan, records: Mapping[str, Record]) -> Summary:
 
 def _count(plan: Plan, task: Task, lost: list[Rejected]) -> TaskSummary:
     planned = len(task.indices) * len(task.spec.questions)
-    by_engine = Counter(r.engine for r in lost)
-    rows = {engine: planned - by_engine[engine] for engine in plan.engines}
+    by_engine = Counter(r.engine if plan.rows_of == "engines" else QUESTIONS for r in lost)
+    rows = {name: planned - by_engine[name] for name in row_names(plan.rows_of, plan.engines)}
     failed = len({r.index for r in lost if r.reason in FAILED})
     return TaskSummary(task.spec.name, len(task.indices), rows, *by_reason(lost), failed)
 
@@ -125,7 +126,7 @@ def manifest(plan: Plan, records: Mapping[str, Record], total: Summary) -> dict[
     return {
         "format": record["format"],
         "fingerprint": plan.fingerprint,
-        **{key: record[key] for key in ("versions", "seed", "engines", "size", "consensus", "shard")},
+        **{key: record[key] for key in ("versions", "seed", "engines", "size", "consensus", "rows_of", "shard")},
         "licence": plan.licence,
         "specs": {name: {"sha256": sha, "text": plan.texts[name]} for name, sha in record["specs"].items()},
         "tasks": {t.spec.name: _task(t, c) for t, c in zip(plan.tasks, total.tasks, strict=True)},

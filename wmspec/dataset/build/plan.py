@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, Final
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.ir import TaskSpec
-from wmspec.runtime.questions.consensus import Consensus
+from wmspec.runtime.questions.consensus import Consensus, RowsOf
 from wmspec.sim.scene.model import Look
 
 #: The version of the folder's layout and columns.
-FORMAT = 2
+FORMAT = 3
+#: The name of the count of rows, if there is one row a question.
+QUESTIONS: Final = "questions"
 
 
 @dataclass(frozen=True)
@@ -47,8 +49,9 @@ class Plan:
 
     `texts` are the specs and the files they use, by name. `size` is the width and height of pictures (px); `look` and
     `samples` determine the rendering. `renderer` is the engine that renders all episodes; if empty, each engine renders
-    its own. `consensus` says how many engines must agree. `shard` is the number of instances in a shard, `versions`
-    those of wmspec and the engines. `licence` is stated in the card and has no other effect.
+    its own. `consensus` says how many engines must agree. A row is one of `rows_of`: a question that the reference
+    engine executed and the others confirm, or a question in each of the engines. `shard` is the number of instances in
+    a shard, `versions` those of wmspec and the engines. `licence` is stated in the card and has no other effect.
 
     Raises WmsError if two tasks have the same name.
     """
@@ -63,6 +66,7 @@ class Plan:
     look: Look = "parity"
     samples: int | None = None
     renderer: str = ""
+    rows_of: RowsOf = "questions"
     shard: int = field(default=64)
     licence: str = ""
 
@@ -75,6 +79,16 @@ class Plan:
                 )
         if self.shard < 1:
             raise WmsError(f"a shard has at least one instance, not {self.shard}")
+
+    @property
+    def reference(self) -> str:
+        """The engine that executes what is shown; the others confirm its answers."""
+        return self.engines[0]
+
+    @property
+    def row_engines(self) -> tuple[str | None, ...]:
+        """The engines of the rows of one question; None for the single row that stands for all engines."""
+        return self.engines if self.rows_of == "engines" else (None,)
 
     def shards(self) -> Iterator[Shard]:
         """Yield the shards of all tasks, in order."""
@@ -96,6 +110,7 @@ class Plan:
             "samples": self.samples,
             "renderer": self.renderer,
             "consensus": self.consensus,
+            "rows_of": self.rows_of,
             "shard": self.shard,
             "specs": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(self.texts.items())},
             "tasks": {t.spec.name: list(t.indices) for t in self.tasks},
@@ -105,6 +120,11 @@ class Plan:
     def fingerprint(self) -> str:
         """A hash that is equal for two plans exactly if they make the same dataset."""
         return fingerprint(self.record)
+
+
+def row_names(rows_of: RowsOf, engines: Sequence[str]) -> tuple[str, ...]:
+    """Return the names under which rows are counted: those of the engines if each has its own rows."""
+    return tuple(engines) if rows_of == "engines" else (QUESTIONS,)
 
 
 def fingerprint(record: dict[str, Any]) -> str:

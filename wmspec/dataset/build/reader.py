@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,18 +11,22 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from wmspec.core.diagnostics import WmsError
+from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes, regular_file
 from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import fingerprint
 from wmspec.dataset.build.rows import Row
 from wmspec.dataset.build.schema import columns_fault, manifest_fault, pictures_fault, row_fault
+from wmspec.runtime.questions.consensus import RowsOf
 
 #: The columns with pictures, as lists of {bytes, path}.
 PICTURES = ("context", "option_image")
 #: Large columns for programs, not read by default.
 CHANNELS = ("context_depth", "context_ids")
+
+#: What both the plan and the manifest state.
+_SHARED_KEYS = {"seed", "engines", "size", "consensus", "versions", "rows_of"}
 
 #: Remedy for a damaged dataset.
 REPAIR_HINT = "run the command that made the dataset again (`wmspec generate ... -o FOLDER`) to repair it"
@@ -82,6 +86,23 @@ class DatasetReader:
     def engines(self) -> tuple[str, ...]:
         """The names of the engines, in order."""
         return tuple(self.manifest["engines"])
+
+    @property
+    def rows_of(self) -> RowsOf:
+        """Whether a row is a question, or a question in one of the engines, as in datasets before format 3."""
+        rows_of: RowsOf = self.manifest.get("rows_of", "engines")
+        return rows_of
+
+    def require_engines(self, names: Iterable[str]) -> None:
+        """Raise WmsError unless there are rows of each of these engines."""
+        for name in names:
+            if name not in self.engines:
+                raise WmsError(f"the dataset has no engine `{name}`; {suggestion(name, self.engines)}".rstrip("; "))
+            if self.rows_of == "questions":
+                raise WmsError(
+                    "the dataset has one row for each question, which stands for all engines",
+                    help="remove --engine, or generate the dataset with --rows engines",
+                )
 
     def shards(self, task: str) -> tuple[str, ...]:
         """Return the paths of a task's shards in the folder."""
@@ -153,7 +174,7 @@ def read_plan(folder: Path) -> dict[str, Any]:
 def _check_plan(folder: Path, manifest: dict[str, Any]) -> None:
     """Raise WmsError if a manifest contradicts the plan in its folder."""
     plan = read_plan(folder)
-    same = all(plan[key] == manifest[key] for key in plan.keys() & {"seed", "engines", "size", "consensus", "versions"})
+    same = all(plan[key] == manifest[key] for key in plan.keys() & _SHARED_KEYS)
     if plan and not (same and fingerprint(plan) == manifest.get("fingerprint")):
         place = folder / files.MANIFEST
         raise WmsError(f"{place} is not of the dataset that {folder / files.PLAN} plans; {REPAIR_HINT}")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from wmspec.compile.design.dimension import dimension
 from wmspec.dataset.build.images import encode_png, encode_webp
 from wmspec.lang.check.ir.ir import Choices, Factor, TaskSpec
+from wmspec.runtime.questions.consensus import RowsOf
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import Change, Picture, QuestionRow, Strength, VisibleObject, Vote
 from wmspec.runtime.questions.views import channels_of
@@ -23,9 +24,9 @@ Row = dict[str, Any]
 _IMAGES = pa.list_(pa.struct([("bytes", pa.binary()), ("path", pa.string())]))
 _TEXTS = pa.list_(pa.string())
 _READINGS = pa.list_(pa.struct([("name", pa.string()), ("value", pa.float64())]))
-_VOTES = pa.list_(
-    pa.struct([("engine", pa.string()), ("answer", pa.int64()), ("value", pa.string()), ("rejected", pa.string())])
-)
+_VOTE = [("engine", pa.string()), ("answer", pa.int64()), ("value", pa.string()), ("rejected", pa.string())]
+_EARLIER_VOTES = pa.list_(pa.struct(_VOTE))
+_VOTES = pa.list_(pa.struct([*_VOTE, ("apart", pa.float64())]))
 _STRENGTH = pa.struct([("name", pa.string()), ("unit", pa.string()), ("value", pa.float64())])
 _LEGIBILITY = pa.list_(
     pa.struct([("name", pa.string()), ("unit", pa.string()), ("value", pa.float64()), ("bound", pa.float64())])
@@ -40,7 +41,10 @@ _OBJECTS = pa.list_(
 
 #: The columns that every task has: type and description.
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {
-    "id": (pa.string(), "task/index/question/engine, the same in every dataset made with this seed"),
+    "id": (
+        pa.string(),
+        "task/index/question, and the engine if there is one row for each: the same in every dataset of this seed",
+    ),
     "task": (pa.string(), "the task"),
     "dimension": (pa.string(), "what is tested, from broad to narrow"),
     "index": (pa.int64(), "which instance of the task's design"),
@@ -48,8 +52,14 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "crossed": (_TEXTS, "the factors that vary within the block"),
     "question": (pa.int64(), "which of the task's questions"),
     "question_name": (pa.string(), "the question's name; empty if it has none"),
-    "engine": (pa.string(), "who executed the episode"),
-    "renderer": (pa.string(), "who drew the pictures"),
+    "engine": (
+        pa.string(),
+        (
+            "the reference engine, which executed the episode that is shown: the first of the engines, for which "
+            "`all` lists MuJoCo first, because it is the quickest; the others confirm its answer (`agreement`)"
+        ),
+    ),
+    "renderer": (pa.string(), "the engine that drew the pictures"),
     "text": (pa.string(), "the question"),
     "context": (_IMAGES, "the pictures shown with the question"),
     "context_camera": (_TEXTS, "the camera of each picture shown"),
@@ -85,9 +95,18 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
         "how clearly the pictures show what decides the answer: each measure, its unit, its value, and its bound",
     ),
     "measured": (_READINGS, "quantities measured, in SI units"),
-    "agreement": (_VOTES, "of each engine: the option that its outcome picks, its answer, or why it rejects"),
+    "agreement": (
+        _VOTES,
+        (
+            "of each engine: the option that its outcome picks, its answer, or why it rejects, and the largest "
+            "distance (m) of a body from its place in the engine of the row, at the same time"
+        ),
+    ),
     "seed": (pa.int64(), "the seed of the design"),
 }
+
+#: The types that columns had in earlier formats.
+EARLIER_TYPES: dict[str, tuple[pa.DataType, ...]] = {"agreement": (_EARLIER_VOTES,)}
 
 #: Additional columns for questions with named outcomes.
 OUTCOMES: dict[str, tuple[pa.DataType, str]] = {
@@ -186,15 +205,18 @@ def _type(factor: Factor) -> pa.DataType:
     return pa.string() if any(isinstance(v, str) for v in values) else pa.float64()
 
 
-def identity(task: str, index: int, question: int, engine: str) -> str:
-    """Return the stable id of a question: `collide/000123/q0/ENGINE`."""
-    return f"{task}/{index:06d}/q{question}/{engine}"
+def identity(task: str, index: int, question: int, engine: str | None = None) -> str:
+    """Return the stable id of a question: `collide/000123/q0`, or `collide/000123/q0/ENGINE` in one of several
+    engines.
+    """
+    return f"{task}/{index:06d}/q{question}" + (f"/{engine}" if engine else "")
 
 
-def encode(question: QuestionRow) -> Row:
+def encode(question: QuestionRow, rows_of: RowsOf) -> Row:
     """Return the row of a question. Encoding pictures takes a few milliseconds each, so call it in the worker."""
+    engine = question.engine if rows_of == "engines" else None
     return {
-        "id": identity(question.task, question.index, question.question, question.engine),
+        "id": identity(question.task, question.index, question.question, engine),
         "task": question.task,
         "dimension": question.dimension,
         "index": question.index,
@@ -268,7 +290,7 @@ def _change(change: Change | None) -> str | None:
 
 
 def _vote(vote: Vote) -> Row:
-    return {"engine": vote.engine, "answer": vote.answer, "value": vote.value, "rejected": vote.rejected}
+    return asdict(vote)
 
 
 def _strength(strength: Strength | None) -> Row | None:

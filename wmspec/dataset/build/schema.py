@@ -12,8 +12,9 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, Validation
 
 from wmspec.core.safe_io import is_file_name
 from wmspec.dataset.build.images import image_format
-from wmspec.dataset.build.rows import COLUMNS, Row
-from wmspec.runtime.questions.consensus import Consensus
+from wmspec.dataset.build.plan import row_names
+from wmspec.dataset.build.rows import COLUMNS, EARLIER_TYPES, Row
+from wmspec.runtime.questions.consensus import Consensus, RowsOf
 
 #: The path of a shard, which contains the name of its task.
 SHARD = re.compile(r"data/(\w[\w.-]{0,99})/test-\d{5}-of-\d{5}\.parquet")
@@ -61,6 +62,7 @@ class _Manifest(_Strict):
     engines: Annotated[list[_Name], Field(min_length=1)]
     size: Annotated[list[_Side], Field(min_length=2, max_length=2)]
     consensus: Consensus
+    rows_of: RowsOf = "engines"
     versions: dict[str, str]
     tasks: dict[_Name, _Task]
     rows: _Count
@@ -87,8 +89,9 @@ def _counts_fault(manifest: Any) -> str:
     for name, task in manifest["tasks"].items():
         if (counted := sum(task["rows"].values())) != kept[name]:
             return f"it counts {counted:,} rows of `{name}`, and {kept[name]:,} in its files"
-        if unknown := task["rows"].keys() - set(manifest["engines"]):
-            return f"`{name}` has rows of {sorted(unknown)[0]}, which is none of its engines"
+        known = row_names(manifest.get("rows_of", "engines"), manifest["engines"])
+        if unknown := task["rows"].keys() - set(known):
+            return f"`{name}` counts rows of {sorted(unknown)[0]}, expected {' or '.join(known)}"
     if unknown := kept.keys() - manifest["tasks"].keys():
         return f"it has files of `{sorted(unknown)[0]}`, which is none of its tasks"
     if manifest["rows"] != kept.total():
@@ -118,7 +121,7 @@ def columns_fault(columns: pa.Schema) -> str:
     if missing := [name for name in _REQUIRED if name not in columns.names]:
         return f"it has no column `{missing[0]}`"
     for name, (kind, _) in COLUMNS.items():
-        if name in columns.names and (there := columns.field(name).type) != kind:
+        if name in columns.names and (there := columns.field(name).type) not in (kind, *EARLIER_TYPES.get(name, ())):
             return f"column `{name}` is {there}, expected {kind}"
     return ""
 

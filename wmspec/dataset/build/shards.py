@@ -41,10 +41,17 @@ def write_shard(folder: Path, plan: Plan, shard: Shard, *, rows: Iterable[Row], 
     Rows and rejections come in any order. Raises WmsError if they cannot be written, and ValueError unless they account
     for every question of the shard exactly once.
     """
-    place = {(i, e): (n, m) for n, i in enumerate(shard.indices) for m, e in enumerate(plan.engines)}
-    kept = sorted(rows, key=lambda r: (*place.get((r["index"], r["engine"]), (-1, -1)), r["question"]))
-    lost = sorted(rejected, key=lambda r: (*place.get((r.index, r.engine), (-1, -1)), r.question))
-    _check_complete(shard, place.keys(), kept, lost)
+    place = {(i, e): (n, m) for n, i in enumerate(shard.indices) for m, e in enumerate(plan.row_engines)}
+    per_engine = plan.rows_of == "engines"
+
+    def order(index: int, engine: str, question: int) -> tuple[int, ...]:
+        return *place.get((index, engine if per_engine else None), (-1, -1)), question
+
+    kept = sorted(rows, key=lambda r: order(r["index"], r["engine"], r["question"]))
+    lost = sorted(rejected, key=lambda r: order(r.index, r.engine, r.question))
+    ids = [r["id"] for r in kept]
+    ids += [identity(r.task, r.index, r.question, r.engine if per_engine else None) for r in lost]
+    _check_complete(shard, place.keys(), ids)
     content = parquet(table(kept, schema(shard.task.spec)))
     files.write(folder, shard.path, content)
     record = Record(plan.fingerprint, hashlib.sha256(content).hexdigest(), len(kept), tuple(lost))
@@ -52,12 +59,9 @@ def write_shard(folder: Path, plan: Plan, shard: Shard, *, rows: Iterable[Row], 
     return record
 
 
-def _check_complete(
-    shard: Shard, expected: Iterable[tuple[int, str]], rows: list[Row], rejected: list[Rejected]
-) -> None:
-    """Raise ValueError unless every expected question occurs exactly once."""
+def _check_complete(shard: Shard, expected: Iterable[tuple[int, str | None]], ids: list[str]) -> None:
+    """Raise ValueError unless every expected question occurs exactly once in `ids`."""
     task = shard.task.spec.name
-    ids = [r["id"] for r in rows] + [identity(r.task, r.index, r.question, r.engine) for r in rejected]
     questions = range(len(shard.task.spec.questions))
     due = {identity(task, i, q, e) for i, e in expected for q in questions}
     if len(ids) != len(set(ids)) or set(ids) != due:

@@ -12,11 +12,11 @@ from wmspec.lang.check.ir.record import from_json
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.caches.scene_cache import SceneCache
 from wmspec.runtime.caches.trace_cache import TraceCache
-from wmspec.runtime.questions.ask import ask
 from wmspec.runtime.questions.balance import balanced_batch
 from wmspec.runtime.questions.closed_sets import Answers, drop_incomplete_groups, has_closed_set
-from wmspec.runtime.questions.consensus import Consensus, consensus
-from wmspec.runtime.questions.model import QuestionRow, Rejected
+from wmspec.runtime.questions.consensus import Consensus, RowsOf
+from wmspec.runtime.questions.cross_validation import CrossValidation
+from wmspec.runtime.questions.model import Rejected
 from wmspec.runtime.questions.runs import EnginePair
 from wmspec.sim.scene.model import Look
 
@@ -33,6 +33,7 @@ class Job:
     look: Look = "parity"
     samples: int | None = None
     renderer: str = ""
+    rows_of: RowsOf = "questions"
 
     def of(self, task: str) -> Job:
         """Return the settings restricted to one task, which are sent with every batch."""
@@ -91,7 +92,7 @@ class BatchResult:
 
 
 def make_instances(job: Job, task: str, indices: tuple[int, ...]) -> BatchResult:
-    """Make instances in every engine of the job: one instance, or members of a group with a closed set.
+    """Make instances with the engines of the job: one instance, or members of a group with a closed set.
 
     Such a group is made as a whole, whichever members are requested. The same holds for a batch of groups whose answers
     are balanced.
@@ -105,7 +106,7 @@ def make_instances(job: Job, task: str, indices: tuple[int, ...]) -> BatchResult
         answers = _group(job, design, block)
     else:
         answers = {index: _answers(job, design, index) for index in indices}
-    outcomes = tuple(_outcome(answers[index]) for index in indices)
+    outcomes = tuple(_outcome(answers[index], job.rows_of) for index in indices)
     after = _cache_counters(job)
     return BatchResult(outcomes, CacheStats(*(b - a for a, b in zip(before, after, strict=True))), balance)
 
@@ -118,23 +119,25 @@ def _group(job: Job, design: Design, block: int) -> Mapping[int, Answers]:
 
 def _cache_counters(job: Job) -> tuple[int, ...]:
     """Return the cache counters of this process's engines."""
-    counts = [(p.traces.requests, p.traces.executed, p.renders.requests, p.renders.drawn) for p in _pairs(job).values()]
-    return tuple(map(sum, zip(*counts, strict=True)))
+    pairs = _pairs(job).values()
+    renders = {id(pair.renders): pair.renders for pair in pairs}.values()  # engines may share one
+    return (
+        sum(pair.traces.requests for pair in pairs),
+        sum(pair.traces.executed for pair in pairs),
+        sum(render.requests for render in renders),
+        sum(render.drawn for render in renders),
+    )
 
 
 def _answers(job: Job, design: Design, index: int) -> Answers:
-    """Return the questions of an instance in every engine, filtered by the consensus setting of the job."""
-    by_engine = {engine: ask(design, index, pair) for engine, pair in _pairs(job).items()}
-    answers: list[QuestionRow | Rejected] = []
-    for q in range(len(design.spec.questions)):
-        one: dict[str, QuestionRow | Rejected] = {engine: questions[q] for engine, questions in by_engine.items()}
-        answers += consensus(one, job.consensus).values()
-    return answers
+    """Return the questions of an instance, filtered by the consensus setting of the job."""
+    validation = CrossValidation(design, index, _pairs(job), job.consensus)
+    return validation.questions() if job.rows_of == "questions" else validation.rows()
 
 
-def _outcome(answers: Answers) -> Outcome:
+def _outcome(answers: Answers, rows_of: RowsOf) -> Outcome:
     rejected = tuple(answer for answer in answers if isinstance(answer, Rejected))
-    return Outcome(tuple(encode(answer) for answer in answers if not isinstance(answer, Rejected)), rejected)
+    return Outcome(tuple(encode(answer, rows_of) for answer in answers if not isinstance(answer, Rejected)), rejected)
 
 
 @lru_cache(maxsize=4)
@@ -151,7 +154,5 @@ def _engines(
     engines: tuple[str, ...], renderer: str, size: tuple[int, int], look: Look, samples: int | None
 ) -> dict[str, EnginePair]:
     scenes = SceneCache()
-    return {
-        engine: EnginePair(TraceCache(engine), RenderCache(renderer or engine, *size, look, samples), scenes)
-        for engine in engines
-    }
+    renders = {drawer: RenderCache(drawer, *size, look, samples) for drawer in ([renderer] if renderer else engines)}
+    return {engine: EnginePair(TraceCache(engine), renders[renderer or engine], scenes) for engine in engines}

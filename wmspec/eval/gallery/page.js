@@ -127,7 +127,7 @@
 
   function buildFilters() {
     const select = (id, options) => make("select", { id }, options.map(([v, l]) => make("option", { value: v }, l)));
-    const engines = [["", "side by side"], ...data.engines.map((e) => [e, e])];
+    const engines = [["", "side by side"], ...data.runs_of.map((e) => [e, e])];
     $("filters").append(
       ...NAMES.map((name) => control(name, FILTERS[name].label, make("select", { id: name }))),
       control("engine", "Shown", select("engine", engines)),
@@ -136,6 +136,7 @@
       control("search", "Search", make("input", { id: "search", type: "search", placeholder: "words or an id" })),
     );
     $("model").parentElement.hidden = !data.models.length;
+    $("engine").parentElement.hidden = data.runs_of.length < 2;
     $("filters").addEventListener("input", (event) => {
       if (event.target.id === "engine") return draw();
       if (event.target.id === "factor") $("value").value = "";
@@ -292,9 +293,10 @@
   }
 
   function agreement(q) {
-    const votes = new Map(q.runs.flatMap((run) => run.votes).map(([engine, i, rejected]) => [engine, [i, rejected]]));
-    const said = [...votes].map(([engine, [i, rejected]]) =>
-      rejected ? `${engine} would not ask it (${rejected})` : i == null ? engine : `${engine} picks ${LETTERS[i]}`);
+    const votes = new Map(q.runs.flatMap((run) => run.votes).map(([engine, ...vote]) => [engine, vote]));
+    const apart = (metres) => metres ? `, ${(1000 * metres).toPrecision(2)} mm apart` : "";
+    const said = [...votes].map(([engine, [i, rejected, metres]]) =>
+      (rejected ? `${engine} would not ask it (${rejected})` : i == null ? engine : `${engine} picks ${LETTERS[i]}`) + apart(metres));
     return said.length ? `${q.agreement}: ${said.join(", ")}` : q.agreement;
   }
 

@@ -36,6 +36,7 @@ def about(dataset: DatasetReader, replies: GalleryReplies = NO_REPLIES) -> Recor
         "rejections": len(rejected),
         "name": dataset.folder.resolve().name,
         "engines": list(dataset.engines),
+        "runs_of": list(dataset.engines) if dataset.rows_of == "engines" else [],
         "rows": manifest["rows"],
         "seed": manifest["seed"],
         "size": manifest["size"],
@@ -143,7 +144,7 @@ def _run(row: Row, put: StorePicture, replies: GalleryReplies) -> Record:
         "margin": None if row["margin"] is None else f"{row['margin']:.2g}",
         "paths": paths(row),
         "replies": replies.of(row["id"]),
-        "votes": [[v["engine"], v["answer"], v.get("rejected")] for v in row["agreement"]],
+        "votes": [[v["engine"], v["answer"], v.get("rejected"), v.get("apart")] for v in row["agreement"]],
     }
 
 

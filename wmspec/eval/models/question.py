@@ -68,15 +68,17 @@ class Selection:
 
     def ids(self, dataset: DatasetReader) -> list[str]:
         """Return the ids of the questions in dataset order. Raises WmsError if a task or engine is missing."""
-        for kind, expected, known in (("task", self.tasks, dataset.tasks), ("engine", self.engines, dataset.engines)):
-            for name in expected:
-                if name not in known:
-                    raise WmsError(f"the dataset has no {kind} `{name}`; {suggestion(name, known)}".rstrip("; "))
-        queues: dict[tuple[str, str], list[str]] = {}
+        for name in self.tasks:
+            if name not in dataset.tasks:
+                hint = suggestion(name, dataset.tasks)
+                raise WmsError(f"the dataset has no task `{name}`; {hint}".rstrip("; "))
+        dataset.require_engines(self.engines)
+        queues: dict[tuple[str, str], dict[str, str]] = {}
         for task in self.tasks or dataset.tasks:
-            for row in dataset.rows(task, ["id", "engine"]):
-                if not self.engines or row["engine"] in self.engines:
-                    queues.setdefault((task, row["engine"]), []).append(row["id"])
+            for row in dataset.rows(task, ["id", "index", "question", "engine"]):
+                engine = row["engine"] if dataset.rows_of == "engines" else ""
+                if not self.engines or engine in self.engines:
+                    queues.setdefault((task, engine), {})[row["id"]] = f"{task}/{row['index']:06d}/q{row['question']}"
         everything = [id for queue in queues.values() for id in queue]
         if self.limit is None:
             return everything
@@ -84,9 +86,12 @@ class Selection:
         return [id for id in everything if id in chosen]
 
 
-def _interleave(queues: list[list[str]], limit: int) -> set[str]:
-    """Return the first of every shuffled queue, then the second, and so on; the same shuffle for every engine."""
-    shuffled = [sorted(queue, key=lambda id: bits("limit", id.rpartition("/")[0])) for queue in queues]
+def _interleave(queues: list[dict[str, str]], limit: int) -> set[str]:
+    """Return the first of every shuffled queue, then the second, and so on.
+
+    A queue maps ids to questions. The shuffle is by question, so that it is the same for every engine.
+    """
+    shuffled = [sorted(queue, key=lambda id: bits("limit", queue[id])) for queue in queues]
     turns = sorted((turn, queue) for queue, ids in enumerate(shuffled) for turn in range(len(ids)))
     return {shuffled[queue][turn] for turn, queue in turns[:limit]}
 

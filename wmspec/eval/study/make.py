@@ -72,11 +72,11 @@ def make(dataset: DatasetReader, options: StudyOptions, folder: Path) -> Study:
 def _chosen_questions(dataset: DatasetReader, options: StudyOptions) -> Iterator[tuple[str, Kind]]:
     """Yield the ids of the questions, and the purpose of each. Practice questions are not repeated.
 
-    Instances come in random order, with all their questions, each in one engine; engines alternate.
+    Instances come in random order, with all their questions, each in one engine; several engines alternate.
     """
-    for kind, expected, known in (("task", options.tasks, dataset.tasks), ("engine", options.engines, dataset.engines)):
-        if lacking := sorted(set(expected) - set(known)):
-            raise WmsError(f"the dataset has no {kind} `{lacking[0]}`, but {', '.join(known)}")
+    if lacking := sorted(set(options.tasks) - set(dataset.tasks)):
+        raise WmsError(f"the dataset has no task `{lacking[0]}`, but {', '.join(dataset.tasks)}")
+    dataset.require_engines(options.engines)
     for task in options.tasks or dataset.tasks:
         ids: dict[tuple[int, int], dict[str, str]] = {}
         for row in dataset.rows(task, ["id", "index", "question", "engine"]):

@@ -95,8 +95,18 @@ def _load_backend(name: str) -> Backend:
 
 def default() -> str:
     """Return the default backend: the first with an importable engine, those of wmspec before others."""
-    known = sorted(_entries().values(), key=lambda e: (e.dist is None or e.dist.name != "wmspec", e.name))
-    return next((e.name for e in known if _is_importable(e.name)), "") or _none()[0]
+    return next((name for name in _by_origin(_entries()) if _is_importable(name)), "") or _none()[0]
+
+
+def _by_origin(names: Iterable[str]) -> list[str]:
+    """Return backends in order: those of wmspec before others, so that these do not become the reference engine."""
+    entries = _entries()
+
+    def foreign(name: str) -> bool:
+        entry = entries.get(name)
+        return entry is None or entry.dist is None or entry.dist.name != "wmspec"
+
+    return sorted(names, key=foreign)  # stable: `names` come sorted
 
 
 def select_backends(choice: str) -> tuple[str, ...]:
@@ -109,7 +119,13 @@ def select_backends(choice: str) -> tuple[str, ...]:
         for name in chosen:
             backend(name)
         return chosen or (default(),)
-    return tuple(name for name in names() if _is_importable(name)) or _none()
+    return tuple(name for name in _by_origin(names()) if _is_importable(name)) or _none()
+
+
+def quickest_renderer(engines: Sequence[str]) -> str:
+    """Return the engine that draws in the least time; the first engine if none draws, so that the error names it."""
+    able = [name for name in engines if info(name).draws]
+    return min(able or engines[:1], key=lambda name: info(name).drawing_cost)
 
 
 def require_look(engines: Sequence[str], look: Look) -> tuple[str, ...]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeVar
 
 from wmspec.compile.design.about import referenced_objects
 from wmspec.compile.design.design import Design, Instance
@@ -17,7 +18,16 @@ from wmspec.runtime.questions.answer_label import answer_label, member_label
 from wmspec.runtime.questions.gates import smallest_margin
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.legibility import legibility
-from wmspec.runtime.questions.model import Answer, Picture, QuestionRow, Reject, Rejected, Strength, VisibleObject
+from wmspec.runtime.questions.model import (
+    Answer,
+    Measurement,
+    Picture,
+    QuestionRow,
+    Reject,
+    Rejected,
+    Strength,
+    VisibleObject,
+)
 from wmspec.runtime.questions.question_context import (
     AnswerSlot,
     ClosedSlot,
@@ -32,6 +42,8 @@ from wmspec.runtime.questions.views import View, channels_of
 from wmspec.runtime.questions.visibility_gate import connected_sets, require_visible, require_visible_in
 from wmspec.runtime.questions.visible_object import visible_objects
 
+T = TypeVar("T")
+
 
 def ask(design: Design, index: int, pair: EnginePair) -> list[QuestionRow | Rejected]:
     """Return every question of an instance, as a row or rejected with its reason."""
@@ -40,27 +52,65 @@ def ask(design: Design, index: int, pair: EnginePair) -> list[QuestionRow | Reje
     try:
         run = execute(design, instance, None, pair)
     except Reject as reject:
-        return [_rejected(design, instance, q, pair, reject, _member(design, instance, q)) for q in numbers]
-    return [_question_row(design, instance, q, run, pair) for q in numbers]
+        return [rejected(design, instance, q, pair, reject) for q in numbers]
+    return [question_row(design, instance, q, run, pair) for q in numbers]
 
 
-def _question_row(design: Design, instance: Instance, q: int, run: Run, pair: EnginePair) -> QuestionRow | Rejected:
+def question_row(design: Design, instance: Instance, q: int, run: Run, pair: EnginePair) -> QuestionRow | Rejected:
     """Return one question of an executed instance."""
-    alternative = partial(execute, design, instance, pair=pair)
-    asking = QuestionContext(design.spec.questions[q], run, alternative, pair)
+    asking = _context(design, instance, q, run, pair)
+    made = _caught(lambda: _Row(design, instance, q, asking).row())
+    if isinstance(made, Reject):
+        return rejected(design, instance, q, pair, made, asking)
+    return made
+
+
+def measurement(design: Design, instance: Instance, q: int, run: Run, pair: EnginePair) -> Measurement | Rejected:
+    """Return the answer to a question in an engine that only confirms the answer of another.
+
+    It must pass the gates of the question. Gates on pictures and nudges are those of the other engine.
+    """
+    asking = _context(design, instance, q, run, pair)
+
+    def measured() -> Measurement:
+        _, answer = _valid_answer(asking)
+        return Measurement(answer, KINDS[answer.kind].words(asking, answer))
+
+    made = _caught(measured)
+    return rejected(design, instance, q, pair, made) if isinstance(made, Reject) else made
+
+
+def rejected(
+    design: Design, instance: Instance, q: int, pair: EnginePair, why: Reject, asking: QuestionContext | None = None
+) -> Rejected:
+    """Return a rejected question, with the label of its answer if `asking` has one."""
+    label = _member(design, instance, q) or (answer_label(asking) if asking else "")
+    return Rejected(design.spec.name, instance.index, q, pair.traces.engine, why.reason, why.detail, label)
+
+
+def _context(design: Design, instance: Instance, q: int, run: Run, pair: EnginePair) -> QuestionContext:
+    return QuestionContext(design.spec.questions[q], run, partial(execute, design, instance, pair=pair), pair)
+
+
+def _caught(make: Callable[[], T]) -> T | Reject:
+    """Return what `make` returns, or the reason for which it rejects the question."""
     try:
-        return _Row(design, instance, q, asking).row()
+        return make()
     except Reject as reject:
-        why = reject
+        return reject
     except GraphicsError:
         raise
     except WmsError as error:
-        why = rejection_of(error)
-    return _rejected(design, instance, q, pair, why, _member(design, instance, q) or answer_label(asking))
+        return rejection_of(error)
 
 
-def _rejected(design: Design, instance: Instance, q: int, pair: EnginePair, why: Reject, label: str) -> Rejected:
-    return Rejected(design.spec.name, instance.index, q, pair.traces.engine, why.reason, why.detail, label)
+def _valid_answer(asking: QuestionContext) -> tuple[float | None, Answer]:
+    """Return the margin and the answer. Raises Reject if a gate that needs no pictures rejects it."""
+    margin = smallest_margin(asking.question, asking.measured)
+    kind = KINDS[asking.question.kind]
+    answer = kind.answer(asking)
+    kind.gate(asking, answer)
+    return margin, answer
 
 
 def _member(design: Design, instance: Instance, q: int) -> str:
@@ -116,9 +166,7 @@ class _Row:
         """Return the question. Raises Reject if a gate rejects it."""
         spec, instance, asking = self.design.spec, self.instance, self.asking
         question, measured, pair, kind = asking.question, asking.measured, asking.pair, KINDS[asking.question.kind]
-        margin = smallest_margin(question, measured)
-        answer = kind.answer(asking)
-        kind.gate(asking, answer)
+        margin, answer = _valid_answer(asking)
         require_stable(asking, answer, instance.key)
         self.visible(answer)
         options = kind.options(asking, answer, self.slot)

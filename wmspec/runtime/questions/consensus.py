@@ -4,63 +4,77 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import combinations
 from typing import Literal
 
 from wmspec.runtime.questions.kinds import KINDS
-from wmspec.runtime.questions.model import QuestionRow, Rejected, Vote
+from wmspec.runtime.questions.model import Measurement, QuestionRow, Rejected, Vote
 
 #: Keep a question if all engines agree, if the majority agrees, or always.
 Consensus = Literal["all", "majority", "none"]
 
+#: A row is a question, or a question in one of the engines.
+RowsOf = Literal["questions", "engines"]
 
-def picked_option(row: QuestionRow, other: QuestionRow) -> int | None:
+#: The answer of an engine, with or without pictures.
+Valid = QuestionRow | Measurement
+#: What an engine answers, or why it rejects the question.
+Answered = QuestionRow | Measurement | Rejected
+#: The largest distance (m) of a body between an engine and the engine of the row, by engine.
+Distances = Mapping[str, float]
+
+
+def picked_option(row: QuestionRow, other: Valid) -> int | None:
     """Return the option of a row that the outcome of another engine selects; None if there is none."""
     name = KINDS[row.kind].picked(row.evidence, other.evidence)
     return next((i for i, option in enumerate(row.options) if option.name == name), None)
 
 
-def agree(a: QuestionRow, b: QuestionRow) -> bool:
+def agree(a: Valid, b: Valid) -> bool:
     """Whether the outcome of each engine selects the answer of the other."""
-    return KINDS[a.kind].agree(a.evidence, b.evidence)
+    return KINDS[a.evidence.kind].agree(a.evidence, b.evidence)
 
 
-def votes(answers: Mapping[str, QuestionRow | Rejected], mine: QuestionRow) -> tuple[Vote, ...]:
+def votes(answers: Mapping[str, Answered], mine: QuestionRow, apart: Distances) -> tuple[Vote, ...]:
     """Return the answer of every engine as an option of `mine`."""
-    return tuple(_vote(engine, answer, mine) for engine, answer in sorted(answers.items()))
+    return tuple(_vote(engine, answer, mine, apart.get(engine)) for engine, answer in sorted(answers.items()))
 
 
-def _vote(engine: str, answer: QuestionRow | Rejected, mine: QuestionRow) -> Vote:
+def _vote(engine: str, answer: Answered, mine: QuestionRow, apart: float | None) -> Vote:
     if isinstance(answer, Rejected):
-        return Vote(engine, None, "", f"{answer.reason}: {answer.detail}")
-    return Vote(engine, picked_option(mine, answer), answer.value)
+        return Vote(engine, None, "", f"{answer.reason}: {answer.detail}", apart)
+    return Vote(engine, picked_option(mine, answer), answer.value, None, apart)
 
 
-def consensus(answers: Mapping[str, QuestionRow | Rejected], required: Consensus) -> dict[str, QuestionRow | Rejected]:
+def consensus(
+    answers: Mapping[str, QuestionRow | Rejected],
+    required: Consensus,
+    apart: Mapping[str, Distances] | None = None,
+) -> dict[str, QuestionRow | Rejected]:
     """Return the question in several engines, each row with all votes, or rejected without consensus."""
-    rows = {engine: answer for engine, answer in answers.items() if isinstance(answer, QuestionRow)}
-    judged: dict[str, QuestionRow | Rejected] = {}
-    for engine, answer in answers.items():
-        if not isinstance(answer, QuestionRow):
-            judged[engine] = answer
-            continue
-        agreeing = sum(agree(answer, other) for other in rows.values())
-        if _is_kept(agreeing, len(answers), required):
-            judged[engine] = replace(answer, agreement=votes(answers, answer))
-        else:
-            judged[engine] = _disagreement(answer, answers)
-    if required == "all" and len(rows) == len(answers) and any(isinstance(a, Rejected) for a in judged.values()):
-        return {engine: _disagreement(row, answers) for engine, row in rows.items()}
-    return judged
+    return {
+        engine: judge(answer, answers, required, (apart or {}).get(engine, {}))
+        if isinstance(answer, QuestionRow)
+        else answer
+        for engine, answer in answers.items()
+    }
 
 
-def _is_kept(agreeing: int, engines: int, required: Consensus) -> bool:
-    return required == "none" or (agreeing == engines if required == "all" else 2 * agreeing > engines)
-
-
-def _disagreement(row: QuestionRow, answers: Mapping[str, QuestionRow | Rejected]) -> Rejected:
-    """Return the rejected question with the answers of all engines."""
-    detail = "; ".join(_sentence(vote) for vote in votes(answers, row))
+def judge(
+    row: QuestionRow, answers: Mapping[str, Answered], required: Consensus, apart: Distances
+) -> QuestionRow | Rejected:
+    """Return a row with the votes of all engines, itself included, or rejected without consensus."""
+    if _is_kept(row, answers, required):
+        return replace(row, agreement=votes(answers, row, apart))
+    detail = "; ".join(_sentence(vote) for vote in votes(answers, row, apart))
     return Rejected(row.task, row.index, row.question, row.engine, "disagreement", detail, row.label)
+
+
+def _is_kept(row: QuestionRow, answers: Mapping[str, Answered], required: Consensus) -> bool:
+    valid = [answer for answer in answers.values() if not isinstance(answer, Rejected)]
+    if required == "all":
+        return len(valid) == len(answers) and all(agree(a, b) for a, b in combinations(valid, 2))
+    return required == "none" or 2 * sum(agree(row, other) for other in valid) > len(answers)
 
 
 def _sentence(vote: Vote) -> str:

@@ -126,13 +126,15 @@ class Vote:
     """The answer of an engine.
 
     `answer` is the selected option (None if there is none), `value` the answer in words, `rejected` the reason of a
-    rejection.
+    rejection. `apart` is the largest distance (m) of a body from its place in the engine of the row (None if one of the
+    two did not execute the episode).
     """
 
     engine: str
     answer: int | None
     value: str
     rejected: str | None = None
+    apart: float | None = None
 
 
 @dataclass(frozen=True)
@@ -140,6 +142,14 @@ class Answer:
     """The answer of an engine with everything needed for comparison. Each kind of question has a subclass."""
 
     kind: ClassVar[QuestionKind]
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """The answer of an engine without pictures: what is compared with other engines, and the answer in words."""
+
+    evidence: Answer
+    value: str
 
 
 @dataclass(frozen=True)

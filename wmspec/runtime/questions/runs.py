@@ -57,11 +57,15 @@ class Run:
 
     def movers(self) -> set[str]:
         """Return the names of bodies that move at any time."""
+        middles = self.centres()
+        away = np.linalg.norm(middles - middles[0], axis=2).max(axis=0)
+        return {name for name, way in zip(self.movable(), away.tolist(), strict=True) if way > MIN_MOTION}
+
+    def centres(self) -> Array:
+        """Return the centres (T, n, 3) of the boxes of movable bodies (m)."""
         can = [i for i, body in enumerate(self.scene.bodies) if body.motion != "static"]
         own = np.array([own_box_center(self.scene.bodies[i]) for i in can]).reshape(-1, 3)
-        middles = self.trace.position[:, can] + rotate(self.trace.orientation[:, can], own)
-        away = np.linalg.norm(middles - middles[0], axis=2).max(axis=0)
-        return {self.scene.bodies[i].name for i, way in zip(can, away.tolist(), strict=True) if way > MIN_MOTION}
+        return np.asarray(self.trace.position[:, can] + rotate(self.trace.orientation[:, can], own))
 
     def poses(self, names: Sequence[str], time: float) -> NDArray[np.float64]:
         """Return box centres and orientations (n, 7) of bodies at a time (s), NaN for absent ones.

@@ -54,6 +54,8 @@ class Info:
     lacks: tuple[Lack, ...] = ()
     #: Whether the engine draws.
     draws: bool = True
+    #: The time to draw a picture relative to MuJoCo's, for the choice of the quickest.
+    drawing_cost: float = 10.0
     graphics: Graphics | None = None
     compiled: Compiled | None = None
 
