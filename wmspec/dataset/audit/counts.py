@@ -45,9 +45,7 @@ def check_rows(dataset: DatasetReader, counts: Counts, units: list[Unit]) -> Ite
     rows = [case for unit in units for case in unit.cases]
     there = Counter(c.row["engine"] if dataset.rows_of == "engines" else QUESTIONS for c in rows)
     wrong = [
-        f"{there[name]:,} rows, {n:,} in the manifest"
-        for name, n in _rows(dataset, counts.task)
-        if there[name] != n
+        f"{there[name]:,} rows, {n:,} in the manifest" for name, n in _rows(dataset, counts.task) if there[name] != n
     ]
     twice = [name for name, n in Counter(c.row["id"] for c in rows).items() if n > 1]
     odd = [c.row["id"] for c in rows if not _one_truth(c)]
