@@ -96,6 +96,7 @@ def _statements() -> st.SearchStrategy[s.Statement]:
         st.builds(s.Counterfactual, names, _many(change, most=2), here), st.builds(s.EachOther, places, here)
     )
     outcomes = st.builds(s.Kinds, properties, here)
+    legibility = st.builds(s.Legibility, words, here)
     kinds = st.sampled_from(["object", "camera", "light", "joint", "robot"])
     return st.one_of(
         st.builds(s.Factor, names, expressions, st.booleans(), here, st.none() | words),
@@ -111,7 +112,16 @@ def _statements() -> st.SearchStrategy[s.Statement]:
         st.builds(s.Block, st.just("world"), st.just(s.Name("world", NOWHERE)), properties, here),
         st.builds(s.Action, names, calls, timings, here),
         st.builds(s.Observe, names, expressions, here, optional),
-        st.builds(s.Question, pieces, _many(clause), _many(changes, most=2), here, model, _many(outcomes, most=1)),
+        st.builds(
+            s.Question,
+            pieces,
+            _many(clause),
+            _many(changes, most=2),
+            here,
+            model,
+            _many(outcomes, most=1),
+            _many(legibility, most=1),
+        ),
         st.builds(s.Use, names, properties, model, optional, here),
         st.builds(s.Parameter, names, expressions, here),
     )
@@ -181,7 +191,7 @@ def _use(node: s.Use) -> str:
 
 
 def _question(node: s.Question) -> str:
-    clauses = _block(*node.clauses, *node.kinds, *node.counterfactuals)
+    clauses = _block(*node.clauses, *node.legibility, *node.kinds, *node.counterfactuals)
     return f"question {written(node.name)} {written(node.text)} {clauses}"
 
 
@@ -228,6 +238,7 @@ _TEXTS: dict[type, Callable[[Any], str]] = {
         f"{'nuisance' if n.nuisance else 'factor'} {n.name.id} in {written(n.domain)}{_after(' about ', n.about)}"
     ),
     s.Word: lambda n: n.id,
+    s.Legibility: lambda n: f"legibility {n.word.id}",
     s.Let: lambda n: f"let {n.name.id} = {written(n.value)}",
     s.Require: lambda n: f"require {written(n.condition)}",
     s.Setting: lambda n: f"{n.key} {written(n.value)}",

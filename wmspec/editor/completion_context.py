@@ -18,6 +18,7 @@ from wmspec.lang.check.tables.vocabulary import (
     DESIGNS,
     FACTOR_DIMENSIONS,
     JOINTS,
+    LEGIBILITY,
     PROPERTIES,
     SETS,
     SETTINGS,
@@ -148,6 +149,8 @@ class Reader:
                 return ExpectedInput(kind="changed") if changing else ExpectedInput()
             case "ABOUT":
                 return ExpectedInput(kind="table", words=FACTOR_DIMENSIONS)
+            case "LEGIBILITY":
+                return ExpectedInput(kind="table", words=LEGIBILITY)
             case "DESIGN":
                 return ExpectedInput(kind="table", words={name: plan.meaning for name, plan in DESIGNS.items()})
             case "TOLERANCE":

@@ -20,6 +20,7 @@ from wmspec.lang.check.tables.vocabulary import (
     DESIGNS,
     FACTOR_DIMENSIONS,
     JOINTS,
+    LEGIBILITY,
     PROPERTIES,
     SETS,
     TOLERANCES,
@@ -70,6 +71,8 @@ def _key(document: Document, nodes: list[Node], token: Token) -> str:  # noqa: C
     name = nodes[-1]
     if isinstance(name, s.Word) and name.id in FACTOR_DIMENSIONS:
         return f"`about {name.id}`: {FACTOR_DIMENSIONS[name.id]}"
+    if isinstance(name, s.Word) and len(nodes) > 1 and isinstance(nodes[-2], s.Legibility) and name.id in LEGIBILITY:
+        return f"`legibility {name.id}`: {LEGIBILITY[name.id]}"
     if not isinstance(name, s.Name) or len(nodes) < 2:
         return ""
     holder, outer = nodes[-2], nodes[:-2]

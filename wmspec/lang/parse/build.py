@@ -80,7 +80,11 @@ class _Builder:
         return s.Factor(self(c[0]), self(c[1]), True, span, self.maybe(c[2]))
 
     def about(self, c: Any, span: Span) -> s.Word:  # noqa: ARG002  the word alone
-        name = self(c[0])
+        return self.word(c[0])
+
+    def word(self, tree: Any) -> s.Word:
+        """Return a name as a word of the language."""
+        name = self(tree)
         return s.Word(name.id, name.span)
 
     def let(self, c: Any, span: Span) -> s.Let:
@@ -145,7 +149,8 @@ class _Builder:
         clauses = tuple(p for p in parts if isinstance(p, s.Clause))
         counterfactuals = tuple(p for p in parts if isinstance(p, s.Counterfactual | s.EachOther))
         kinds = tuple(p for p in parts if isinstance(p, s.Kinds))
-        return s.Question(self(c[1]), clauses, counterfactuals, span, self.maybe(c[0]), kinds)
+        legibility = tuple(p for p in parts if isinstance(p, s.Legibility))
+        return s.Question(self(c[1]), clauses, counterfactuals, span, self.maybe(c[0]), kinds, legibility)
 
     def pieces(self, c: Any, span: Span) -> s.Pieces:
         return s.Pieces(tuple(self.text([token], self.span(token)) for token in c), span)
@@ -169,6 +174,9 @@ class _Builder:
     def orbit(self, c: Any, span: Span) -> s.Clause:
         names = self.every(c)
         return s.Clause("orbit", s.Items("list", names, None, names[0].span.to(names[-1].span)), None, span)
+
+    def legibility(self, c: Any, span: Span) -> s.Legibility:
+        return s.Legibility(self.word(c[0]), span)
 
     def kinds(self, c: Any, span: Span) -> s.Kinds:
         return s.Kinds(self.every(c), span)

@@ -17,7 +17,7 @@ INDENT = 2
 _TIGHT_BEFORE = {"COMMA", "COLON", "DOT", "RPAR", "RSQB", "LIST_UNIT"}
 _TIGHT_AFTER = {"LPAR", "LSQB", "DOT"}
 
-Part = s.Statement | s.Task | s.Variant | s.Clause | s.Kinds | s.Counterfactual | s.EachOther
+Part = s.Statement | s.Task | s.Variant | s.Clause | s.Legibility | s.Kinds | s.Counterfactual | s.EachOther
 
 
 def token_text(token: Token) -> str:
@@ -116,8 +116,8 @@ class Layout:
             case s.Variant():
                 self._body(x.span, x.name.span.end, x.body)
             case s.Question():
-                clauses: list[s.Clause | s.Kinds | s.Counterfactual | s.EachOther]
-                clauses = [*x.clauses, *x.kinds, *x.counterfactuals]
+                clauses: list[s.Clause | s.Legibility | s.Kinds | s.Counterfactual | s.EachOther]
+                clauses = [*x.clauses, *x.legibility, *x.kinds, *x.counterfactuals]
                 self._pieces(x)
                 self._body(x.span, x.text.span.end, sorted(clauses, key=lambda part: part.span.start))
             case s.Block() | s.Template():
@@ -169,7 +169,7 @@ class Layout:
                 self._block(x.span, [(p.name.id, p.span) for p in x.baseline])
             case s.Observe():
                 self.cells[self._after(x.camera.span.start)] = "at"
-            case s.Setting() | s.Clause() | s.Tolerance():
+            case s.Setting() | s.Clause() | s.Legibility() | s.Tolerance():
                 self.cells[self._after(x.span.start)] = "value"
 
     def _changes(self, changes: Iterable[s.Change]) -> None:

@@ -327,6 +327,13 @@ class Clause(Node):
     unless: Expr | None = None
 
 
+class Legibility(Node):
+    """`legibility off`: whether the question must be legible."""
+
+    word: Word
+    span: Span
+
+
 class Question(Node):
     """`question name "text" { clauses }`; the name may be left out."""
 
@@ -336,6 +343,7 @@ class Question(Node):
     span: Span
     name: Name | None = None
     kinds: tuple[Kinds, ...] = ()
+    legibility: tuple[Legibility, ...] = ()
 
 
 Statement = (

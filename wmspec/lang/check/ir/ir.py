@@ -308,7 +308,8 @@ class Question(Node):
 
     Two pictures must differ by the length `distinct` (m) or the angle `distinct_turn` (rad) and, if `distinct_kinds`,
     by the kind of their outcome, the first of `kinds` that holds. `texts` are the options with inserted values.
-    `stable` is the displacement (m) of every free object under which the answer must hold.
+    `stable` is the displacement (m) of every free object under which the answer must hold. Without `legible`,
+    illegible instances are kept.
     """
 
     name: str = ""
@@ -323,6 +324,7 @@ class Question(Node):
     within: Expr | None = None
     difference: Difference | None = None
     stable: Expr | None = None
+    legible: bool = True
     counterfactuals: tuple[Counterfactual, ...]
     orbit: tuple[OrbitFactor, ...] = ()
     kinds: tuple[Outcome, ...] = ()

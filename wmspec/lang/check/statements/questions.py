@@ -27,7 +27,7 @@ from wmspec.lang.check.statements.question_kinds import (
     question_kind,
     violated_rule,
 )
-from wmspec.lang.check.tables.vocabulary import PropertySpec
+from wmspec.lang.check.tables.vocabulary import LEGIBILITY, PropertySpec
 from wmspec.lang.check.types.types import (
     A_LENGTH,
     AN_ANGLE,
@@ -125,6 +125,7 @@ class Questions:
             within=self._within(clauses, answer),
             difference=next(iter(difference), None),
             stable=next(iter(stable), None),
+            legible=self._legible(question.legibility),
             counterfactuals=(*changes, *siblings),
             place=Location.of(question.text.span),
         )
@@ -148,6 +149,17 @@ class Questions:
             except Failed:
                 continue
         return results
+
+    def _legible(self, written: tuple[s.Legibility, ...]) -> bool:
+        """Check `legibility off`, at most once."""
+        for other in written[1:]:
+            notes = (Note("first set here", written[0].span),)
+            self.report.add("WMS202", "`legibility` is set twice", other.span, "remove one", notes)
+        for word in (each.word for each in written if each.word.id not in LEGIBILITY):
+            remedy = "remove the line: questions must be legible unless it says `off`" if word.id == "on" else ""
+            message = f"`legibility` is `off` or left out, not `{word.id}`"
+            self.report.add("WMS201", message, word.span, remedy or "write `legibility off`")
+        return not written
 
     # ------------------------------------------------------------ answers
 

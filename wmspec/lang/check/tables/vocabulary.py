@@ -366,6 +366,11 @@ FACTOR_DIMENSIONS: dict[str, str] = {
     "other": "everything else: speeds, masses, times, numbers",
 }
 
+#: What `legibility` of a question may be; without it, instances that are hard to read are rejected.
+LEGIBILITY: dict[str, str] = {
+    "off": "keeps instances that a person can hardly read off the pictures, for studies at the threshold of vision",
+}
+
 #: Continuous domains of nuisances, and of factors of a Latin hypercube.
 CONTINUOUS_DOMAINS = (
     SyntaxForm("-5 deg .. 5 deg", "anywhere between, all alike; `uniform(-5 deg, 5 deg)` is the same"),
