@@ -36,12 +36,14 @@ def answer_in_text(task: LintTask) -> Iterator[Breach]:
 @rule("WMS510")
 def answer_in_appearance(task: LintTask) -> Iterator[Breach]:
     """Find states of a closed set that are visible in all pictures and so eliminate options."""
+    painted = set(_painted(task))
     for question in task.spec.questions:
         for varied in question.orbit:
             if varied.reads == "action":
                 continue
             for thing in (t for t in task.spec.things if t.kind in ("object", "part")):
-                if any(varied.factor in task.depend.source(f"{thing.name}.{look}") for look in _VISIBLE_PROPERTIES):
+                looks = [p for p in _VISIBLE_PROPERTIES if p != "color" or thing.name.split(".")[0] not in painted]
+                if any(varied.factor in task.depend.source(f"{thing.name}.{look}") for look in looks):
                     what = f"`{varied.factor}` decides what `{thing.name}` looks like, in the options and before"
                     remedy = "let it change what cannot be seen at the end, such as a mass, or a place that is left"
                     yield Breach(what, question.place, remedy, about=("looks", question.place, varied.factor))
@@ -66,6 +68,15 @@ def answer_in_pictures(scene: LintScene) -> Iterator[Breach]:
                 what = f"the requested picture is shown: that at {at}, {scene.where}"
                 yield Breach(what, observation.place, _remedy(scene, question), about=("shown", question.place))
                 break
+
+
+def _painted(task: LintTask) -> Iterator[str]:
+    """Yield the objects that an action paints: the options do not show the colours that they had before."""
+    for action in task.spec.things:
+        if action.kind == "action" and action.verb == "paint":
+            target = action.properties["object"].value
+            if target.kind == "value":
+                yield str(target.value)
 
 
 TASK_RULES = (answer_in_text, answer_in_appearance)
