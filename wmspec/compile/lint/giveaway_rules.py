@@ -71,12 +71,12 @@ def answer_in_pictures(scene: LintScene) -> Iterator[Breach]:
 
 
 def _painted(task: LintTask) -> Iterator[str]:
-    """Yield the objects that an action paints: the options do not show the colours that they had before."""
+    """Yield the objects that an action may paint: the options do not show the colours that they had before."""
     for action in task.spec.things:
         if action.kind == "action" and action.verb == "paint":
-            target = action.properties["object"].value
-            if target.kind == "value":
-                yield str(target.value)
+            for part in subexpressions(action.properties["object"].value):
+                if part.kind == "value":
+                    yield str(part.value)
 
 
 TASK_RULES = (answer_in_text, answer_in_appearance)
