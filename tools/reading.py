@@ -100,12 +100,12 @@ def score(key: Path, answers: Sequence[Path]) -> Iterator[str]:
     counts: dict[tuple[str, str, str], list[bool]] = defaultdict(list)
     wrong = []
     for row in given:
-        asked = truth[row["sheet"]]
-        right = row["answer"].strip().upper() == asked["answer"]
-        counts[asked["task"], asked["question"], asked["tier"]].append(right)
+        keyed = truth[row["sheet"]]
+        right = row["answer"].strip().upper() == keyed["answer"]
+        counts[keyed["task"], keyed["question"], keyed["tier"]].append(right)
         if not right:
             wrong.append(
-                f"{row['sheet']} {asked['task']} {asked['tier']} {asked['id']}: {row['answer']}, not {asked['answer']}"
+                f"{row['sheet']} {keyed['task']} {keyed['tier']} {keyed['id']}: {row['answer']}, not {keyed['answer']}"
             )
     yield "| task | question | tier | right | 95 % interval |\n|---|---|---|---|---|"
     for (task, question, tier), results in sorted(counts.items()):
