@@ -400,6 +400,11 @@ def texts(node: object) -> Iterator[Text]:
     return _nodes_of_type(node, Text)
 
 
+def lists(node: object) -> Iterator[Items]:
+    """Yield all lists in a subtree."""
+    return (items for items in _nodes_of_type(node, Items) if items.kind == "list")
+
+
 def numbers(node: object) -> Iterator[Number]:
     """Yield all numbers in a subtree."""
     return _nodes_of_type(node, Number)

@@ -19,6 +19,7 @@ from wmspec.lang.check.library.modules import Modules
 from wmspec.lang.check.statements.counterfactuals import Counterfactuals
 from wmspec.lang.check.statements.objects import Entities
 from wmspec.lang.check.statements.orbits import Orbits
+from wmspec.lang.check.statements.overlapping_options import warn_overlapping
 from wmspec.lang.check.statements.question_kinds import (
     ANSWER,
     COUNTERFACTUAL,
@@ -205,6 +206,7 @@ class Questions:
         if isinstance(options.expr, ir.Items) and len(options.expr.items) < 2:
             self.check.fail("WMS502", "a question has two or more options", clause.value.span)
         self._check_unique_options(clause.value, options.expr)
+        warn_overlapping(clause.value, self.check.scope, self.report)
         return options.expr, Typed(answer.expr, common.item)
 
     def _check_unique_options(self, written: s.Expr, options: ir.Expr) -> None:

@@ -40,6 +40,7 @@ CODES: dict[str, str] = {
     "WMS508": "options that are no closed set",
     "WMS509": "condition that never holds",
     "WMS510": "answer given away",
+    "WMS511": "options that overlap",
     "WMS601": "objects inside one another",
     "WMS602": "camera that misses the matter",
     "WMS603": "camera that looks another way",
