@@ -20,13 +20,14 @@ from wmspec.sim.scene.render.camera import find_camera, world_camera
 from wmspec.sim.scene.render.color import load_texture, round_up_color
 from wmspec.sim.scene.render.contact_shadow import ContactShadows
 from wmspec.sim.scene.render.picture import require_all_poses
-from wmspec.sim.scene.render.shadow import SUN_SHADE, ShadowMapRegion
+from wmspec.sim.scene.render.shadow import ShadowMapRegion
 from wmspec.sim.scene.render.texcoords import texcoords
 from wmspec.sim.scene.render.window import MovingBodies, Window, full_window
 from wmspec.sim.shapes import Shape
 
 from .backdrop import MAX_BACKDROPS, Backdrop, ImageLayer, key
 from .body_subset import BodySubset
+from .sun import SunMap
 
 with silence():
     import mujoco
@@ -67,6 +68,7 @@ class Renderer:
         self._data: Any = mujoco.MjData(self._model)
         self._owner = np.append(self._model.body_mocapid[self._model.geom_bodyid], -1)
         self._view: Any = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + 100)
+        self._view.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False
         self._gl, self._context = _graphics(self._model, width, height)
         self._open = False
         """Whether the background has been visible; until then it is not drawn, which saves about 4 %."""
@@ -126,7 +128,10 @@ class Renderer:
         self._aim(cast, eye, region, shot, window)
         rgb = self._colors(window)
         ids = self._bodies(window)
-        return ImageLayer(rgb, ids, np.where(ids >= 0, self._distance(window), np.float32(0)))
+        depth = np.where(ids >= 0, self._distance(window), np.float32(0))
+        if self._scene.light.shadows:
+            rgb = self._sun_map(region).shade(rgb, ids, depth, eye, self._scene.light, window)
+        return ImageLayer(rgb, ids, depth)
 
     def _aim(self, cast: BodySubset, eye: Camera, region: ShadowMapRegion, shot: Shot, window: Window) -> None:
         """Aim camera and shadow map, and hide shapes that neither appear nor cast a visible shadow.
@@ -181,6 +186,15 @@ class Renderer:
         mujoco.mjr_readPixels(rgba, None, part, self._context)
         return rgba[::-1]
 
+    def _sun_map(self, region: ShadowMapRegion) -> SunMap:
+        """Draw the shadow map for the current view; a picture of one pixel makes MuJoCo draw all of it."""
+        self._view.flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = False
+        self._view.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = True
+        mujoco.mjr_render(_rect(Window(0, 0, 1, 1, self._size)), self._view, self._context)
+        self._view.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False
+        bounds = float(self._model.vis.map.znear), float(self._model.vis.map.zfar)
+        return SunMap(_shadow_texels(self._context), region, *bounds)
+
     def _distance(self, window: Window) -> NDArray[np.float32]:
         """Return depth (h, w), m along the view axis, of the last rendering.
 
@@ -213,6 +227,16 @@ class Renderer:
 def _rect(window: Window) -> Any:
     """Return the viewport of a window, in the corner of the buffer."""
     return mujoco.MjrRect(0, 0, window.width, window.height)
+
+
+def _shadow_texels(context: Any) -> NDArray[np.float32]:
+    """Return the shadow map of a context (n, n), rows upwards."""
+    from OpenGL import GL  # after EGL is chosen
+
+    GL.glBindTexture(GL.GL_TEXTURE_2D, context.shadowTex)
+    texels = GL.glGetTexImage(GL.GL_TEXTURE_2D, 0, GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT)
+    GL.glBindTexture(GL.GL_TEXTURE_2D, 0)
+    return np.asarray(texels, np.float32).reshape(context.shadowSize, context.shadowSize)
 
 
 def _texel(region: ShadowMapRegion) -> float:
@@ -279,18 +303,17 @@ def _settings(spec: Any, scene: Scene, width: int, height: int) -> None:
 
 
 def _lights(spec: Any, scene: Scene) -> None:
-    """Add the sun twice: with shadows, and without shadows plus ambient light."""
+    """Add the sun and ambient light."""
     light = scene.light
-    for name, share, shadow in (("sun", SUN_SHADE, True), ("sky", 1 - SUN_SHADE, False)):
-        spec.worldbody.add_light(
-            name=name,
-            type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-            dir=light.direction,
-            castshadow=shadow and light.shadows,
-            diffuse=np.full(3, light.diffuse * share),
-            ambient=np.full(3, 0.0 if shadow else light.ambient),
-            specular=np.zeros(3),
-        )
+    spec.worldbody.add_light(
+        name="sun",
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        dir=light.direction,
+        castshadow=light.shadows,
+        diffuse=np.full(3, light.diffuse),
+        ambient=np.full(3, light.ambient),
+        specular=np.zeros(3),
+    )
 
 
 class _Assets:

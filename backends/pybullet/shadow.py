@@ -16,6 +16,7 @@ from wmspec.sim.scene.model.transform import rotation
 from wmspec.sim.scene.render.camera import look_at, pixel_rays
 from wmspec.sim.scene.render.picture import Image
 from wmspec.sim.scene.render.shadow import ShadowMapRegion
+from wmspec.sim.scene.render.shadow_filter import occlusion
 
 SUN_FOV = math.radians(1.0)
 """Field of view of the sun's map from far away: its rays are nearly parallel."""
@@ -35,14 +36,14 @@ class Sun:
         self._half = region.half
 
     def occlusion(self, camera: Camera, depth: NDArray[np.float32], seen: NDArray[np.float32]) -> Image:
-        """Return the shadowed fraction (h, w), 0..1, of points seen by `camera`, smooth over a texel.
+        """Return the shadowed fraction (h, w), 0..1, of points seen by `camera`, smooth over two texels.
 
         `depth` (h, w) of the camera and `seen` (n, n) of the sun are along their view axes, m; depth 0 is background.
         """
         right, up, back = self._points(camera, depth)
         focal = np.float32(len(seen) / (2 * math.tan(SUN_FOV / 2)))
         middle, bias = np.float32(len(seen) / 2), np.float32(SHADOW_BIAS * 2 * self._half / len(seen))
-        behind = _behind(middle - focal * right / back, middle + focal * up / back, -back - bias, seen)
+        behind = occlusion(middle - focal * right / back, middle + focal * up / back, -back - bias, seen)
         return np.where(depth > 0, behind, np.float32(0))
 
     def _points(self, camera: Camera, depth: NDArray[np.float32]) -> list[Image]:
@@ -52,20 +53,3 @@ class Sun:
         move = ((camera.pose.position - self.camera.pose.position) @ axes).astype(np.float32)
         x, y = (side.astype(np.float32) for side in pixel_rays(camera, depth.shape[1], depth.shape[0]))
         return [depth * (x * a + (y * b - c)[:, None]) + d for (a, b, c), d in zip(turn.T, move, strict=True)]
-
-
-def _behind(x: Image, y: Image, away: Image, seen: NDArray[np.float32]) -> Image:
-    """Return the fraction of the four texels around `x`, `y` (h, w) that is nearer than `away`, weighted by distance.
-
-    Percentage-closer filtering (Reeves et al., SIGGRAPH 1987).
-    """
-    side = np.float32(len(seen))
-    x, y = np.clip(x + np.float32(0.5), 0, side), np.clip(y + np.float32(0.5), 0, side)
-    column, row = x.astype(np.intp), y.astype(np.intp)
-    right, down = x - column.astype(np.float32), y - row.astype(np.float32)
-    wide = len(seen) + 2
-    texels, first = np.pad(seen, 1, constant_values=np.inf).ravel(), row * wide + column
-    upper = (texels[first] < away) * (1 - right) + (texels[first + 1] < away) * right
-    lower = (texels[first + wide] < away) * (1 - right) + (texels[first + wide + 1] < away) * right
-    share: Image = upper * (1 - down) + lower * down
-    return share

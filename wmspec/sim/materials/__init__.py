@@ -81,7 +81,8 @@ DISTINCT_COLORS = (
     "black",
 )
 """Colours for questions: any two differ by a CIEDE2000 of at least 16 for normal vision, and 9.5 for every colour
-vision deficiency (Machado, Oliveira and Fernandes, IEEE TVCG 15, 2009).
+vision deficiency (Machado, Oliveira and Fernandes, IEEE TVCG 15, 2009). As drawn in the lights of the libraries, whose
+shade darkens them, any two differ by at least 15.
 """
 
 SHADES: dict[str, Color] = {

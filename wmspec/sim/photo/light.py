@@ -16,7 +16,7 @@ ROWS = 256
 """Rows of the map from zenith to nadir; it has twice as many columns."""
 
 SUN, SKY = 1.0, 1.25
-"""Gain over the parity look, which is not linear."""
+"""Gain over the light of the parity look."""
 
 SUN_COLOR, SUN_RADIUS = np.array([1.0, 0.95, 0.87]), math.radians(2.5)
 """Five times as wide as the real sun in a hazy sky, for soft shadows."""
@@ -36,15 +36,22 @@ def directions(rows: int) -> Array:
     return toward
 
 
+def strengths(light: Light) -> tuple[float, float]:
+    """Return the linear strengths of sun and sky: light of the parity look adds up in sRGB."""
+    shaded, lit = (float(part) for part in to_linear((light.ambient, light.ambient + light.diffuse)))
+    return (lit - shaded) * SUN, shaded * SKY
+
+
 def environment_map(light: Light, background: tuple[float, float, float], rows: int = ROWS) -> NDArray[np.float32]:
     """Return linear radiance (rows, 2 rows, 3); 1 is a fully lit white surface."""
     toward = directions(rows)
-    image = radiance(toward) * _hue(toward, background) * (light.ambient * SKY)
+    direct, ambient = strengths(light)
+    image = radiance(toward) * _hue(toward, background) * ambient
     away = np.arccos(np.clip(toward @ -light.direction, -1, 1))
     disc = np.clip((SUN_RADIUS - away) / (math.pi / rows) + 0.5, 0, 1)
     solid = np.sin((np.arange(rows) + 0.5) / rows * math.pi)[:, None] * (math.pi / rows) ** 2 * disc
-    # a facing white surface reflects `diffuse`; its irradiance is pi times that
-    sun = SUN_COLOR * (math.pi * light.diffuse * SUN / solid.sum())
+    # a facing white surface reflects `direct`; its irradiance is pi times that
+    sun = SUN_COLOR * (math.pi * direct / solid.sum())
     lit: NDArray[np.float32] = (image + disc[..., None] * sun).astype(np.float32)
     return lit
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.sim.photo.library import mitsuba
-from wmspec.sim.photo.light import SKY, SUN, ceiling_lights, environment_map
+from wmspec.sim.photo.light import ceiling_lights, environment_map, strengths
 from wmspec.sim.photo.materials import Material, material
 from wmspec.sim.scene.model import Array, Camera, Geom, Pose, Scene, Shot, Surface
 from wmspec.sim.scene.model.transform import apply, compose, rotate, rotation
@@ -128,10 +128,9 @@ class Tracer:
 
     def _panel(self, low: Array, high: Array) -> Any:
         """Return a rectangle that emits sun and sky light downwards and is invisible."""
-        sun = self._scene.light
         middle, half = (low + high) / 2, (high - low) / 2
         placed = self._mi.ScalarTransform4f().translate(middle.tolist()).scale([half[0], half[1], 1])
-        strength = sun.diffuse * SUN + sun.ambient * SKY
+        strength = sum(strengths(self._scene.light))
         shine = {"type": "area", "radiance": {"type": "rgb", "value": [strength] * 3}}
         glass = {"type": "null"}  # the ceiling stays visible
         return {"type": "rectangle", "to_world": placed.rotate([1, 0, 0], 180), "emitter": shine, "bsdf": glass}

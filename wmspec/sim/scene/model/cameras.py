@@ -34,8 +34,8 @@ class Light:
     """
 
     direction: Array
-    diffuse: float = 0.65
-    ambient: float = 0.35
+    diffuse: float = 0.4
+    ambient: float = 0.6
     shadows: bool = True
 
 

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from wmspec.sim.scene.model import Array, Body, Camera, Pose, Scene, Shot
 from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.scene.model.transform import apply, compose, identity, inverse, rotation
-from wmspec.sim.scene.render.camera import pixel_rays
 from wmspec.sim.scene.render.picture import Image, quantize
+from wmspec.sim.scene.render.surfaces import ImageRegion, rays, surfaces
 from wmspec.sim.shapes import Shape
 from wmspec.sim.shapes.facets import tessellate
 
@@ -41,9 +41,6 @@ MIN_THICKNESS = 0.2
 
 MAX_CUTS, MAX_CUT_VOLUME = 3, 0.75
 """A shape is halved up to this number of times while both boxes have at most `MAX_CUT_VOLUME` of its volume."""
-
-ImageRegion = tuple[slice, slice]
-"""Rows and columns of a picture."""
 
 
 @dataclass(frozen=True)
@@ -127,10 +124,10 @@ class ContactShadows:
         if not shaded:
             return rgb
         window = _window(shaded, ids.shape)
-        surfaces = _surfaces(camera, ids, depth, window)
-        lost = np.zeros_like(surfaces[0][0])
+        visible = surfaces(camera, ids, depth, window)
+        lost = np.zeros_like(visible[0][0])
         for _, parts in groupby(shaded, lambda part: part.body):
-            lost += _hidden(parts, surfaces, window)
+            lost += _hidden(parts, visible, window)
         left = 1 - np.minimum(np.float32(STRENGTH) * lost, np.float32(MAX_LOSS))
         picture = rgb.copy()
         picture[window] = quantize(rgb[window] * left.reshape(*ids[window].shape, 1))
@@ -142,7 +139,7 @@ class ContactShadows:
         """Yield the pixels that each caster may shade, body by body, without empty ones."""
         bodies = _stacked([shot.poses[piece.body] for piece in self._pieces])
         frames = compose(compose(inverse(camera.pose), bodies), self._frames)
-        x, y = _rays(camera, ids.shape)
+        x, y = rays(camera, ids.shape)
         for i, (piece, middle) in enumerate(zip(self._pieces, apply(frames, self._middles).tolist(), strict=True)):
             part = _reached(piece.box.reach, middle, camera, ids.shape)
             seen, (rows, columns) = depth[part], part
@@ -187,12 +184,12 @@ def _window(shaded: list[ShadedRegion], size: tuple[int, ...]) -> ImageRegion:
     return rows, columns
 
 
-def _hidden(parts: Iterable[ShadedRegion], surfaces: tuple[list[Image], list[Image]], window: ImageRegion) -> Image:
+def _hidden(parts: Iterable[ShadedRegion], visible: tuple[list[Image], list[Image]], window: ImageRegion) -> Image:
     """Return the fraction of light hidden by the casters of a body in a window."""
-    most = np.zeros_like(surfaces[0][0])
+    most = np.zeros_like(visible[0][0])
     for part in parts:
         pixels = part.within(window)
-        points, normals = ([side.take(pixels) for side in sides] for sides in surfaces)
+        points, normals = ([side.take(pixels) for side in sides] for sides in visible)
         most[pixels] = np.maximum(most.take(pixels), part.box.hidden(points, normals, part.frame))
     return most
 
@@ -272,43 +269,6 @@ def _part(aside: float, away: float, reach: float, focal: float, size: int) -> s
     ends = [(aside + sign * reach) / (away + other * reach) for sign in (-1, 1) for other in (-1, 1)]
     first, last = (size / 2 + focal * end for end in (min(ends), max(ends)))
     return slice(min(max(0, math.floor(first)), size), max(0, min(size, math.ceil(last))))
-
-
-def _surfaces(
-    camera: Camera, ids: NDArray[np.int16], depth: NDArray[np.float32], window: ImageRegion
-) -> tuple[list[Image], list[Image]]:
-    """Return visible points and unit normals in a window, (n,) along each camera axis.
-
-    The inverse depth of a plane is linear in pixel coordinates; its slopes give the normal.
-    """
-    x, y = _rays(camera, ids.shape)
-    step = x[1] - x[0] if len(x) > 1 else np.float32(1)
-    ids, depth, x, y = ids[window], depth[window], x[window[1]], y[window[0]]
-    near: Image = np.reciprocal(np.maximum(depth, np.float32(1e-6)))
-    along, up = _slope(near, ids, 1) / step, -_slope(near, ids, 0) / step
-    normal = [-along, -up, near - x * along - y[:, None] * up]
-    length = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
-    points = [x * depth, y[:, None] * depth, -depth]
-    return [part.ravel() for part in points], [(part / length).ravel() for part in normal]
-
-
-def _rays(camera: Camera, size: tuple[int, ...]) -> tuple[Image, Image]:
-    """Return `pixel_rays` for a picture (height, width)."""
-    x, y = pixel_rays(camera, size[1], size[0])
-    return x.astype(np.float32), y.astype(np.float32)
-
-
-def _slope(values: Image, ids: NDArray[np.int16], axis: int) -> Image:
-    """Return the difference of `values` (h, w) per pixel, towards the more similar neighbour of the same body."""
-    step = np.where(np.diff(ids, axis=axis) == 0, np.diff(values, axis=axis), np.float32(np.inf))
-    before, after = np.full_like(values, np.inf), np.full_like(values, np.inf)
-    if axis:
-        before[:, 1:] = after[:, :-1] = step
-    else:
-        before[1:] = after[:-1] = step
-    slope = np.where(np.abs(before) < np.abs(after), before, after)
-    slope[np.isinf(slope)] = 0
-    return slope
 
 
 def _along(parts: list[Image], axis: Array) -> Image:
