@@ -114,7 +114,7 @@ dist: setup
 	cd conformance && ../$(BIN)/python -m hatchling build -d ../dist/usdphysics-conformance
 
 docs: setup
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
 	@echo "The site: $(CURDIR)/out/site/index.html"
 
 # OTHERS: scores of engines that are no backends, and their versions: OTHERS='out/newton.json newton=1.8.0'.

@@ -1,17 +1,26 @@
-"""Generate pages of the site: commands, one page for each diagnostic, changelog. `mkdocs.yml` names this hook."""
+"""Generate pages of the site: a page for each command, diagnostic and task; dataset columns; changelog.
+
+`mkdocs.yml` names this hook. `python -m mkdocs` finds the modules of `tools`.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import click
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
+import wmspec
+from tools import cards
+from wmspec.api.task import Task
 from wmspec.cli import main
+from wmspec.dataset.build import rows
 from wmspec.lang.parse.codes import CODES
 from wmspec.lang.parse.pages import page as diagnostic_page
 
@@ -19,9 +28,34 @@ CHANGELOG = Path(__file__).parent.parent / "CHANGELOG.md"
 WIDTH = 80  # characters of a line of help
 
 
+def on_config(config: MkDocsConfig) -> MkDocsConfig:
+    """List the pages of the commands and tasks in the navigation."""
+    tasks = sorted(task.name for task in _tasks())
+    listed = {"commands/index.md": list(_commands()), "tasks/index.md": tasks}
+    _extend(
+        config.nav or [],
+        {name: [f"{name.partition('/')[0]}/{page}.md" for page in pages] for name, pages in listed.items()},
+    )
+    return config
+
+
+def _extend(nav: list[Any], listed: dict[str, list[str]]) -> None:
+    """Replace entries of the navigation that name a key by sections of that page and the listed ones."""
+    for entry in nav:
+        for title, target in entry.items() if isinstance(entry, dict) else ():
+            if isinstance(target, list):
+                _extend(target, listed)
+            elif target in listed:
+                entry[title] = [target, *listed[target]]
+
+
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pages."""
-    made = {"commands": "\n".join(commands())}
+    made = {f"commands/{name}": page for name, page in _commands().items()}
+    made["commands/index"] = "\n".join(_command_index())
+    made |= {f"tasks/{task.name}": "\n".join(cards.card(task)) for task in _tasks()}
+    made["tasks/index"] = "\n".join(cards.index(_tasks()))
+    made["reference/columns"] = "\n".join(_columns())
     made |= {f"diagnostics/{code}": diagnostic_page(code).markdown for code in CODES}
     made["changelog"] = CHANGELOG.read_text(encoding="utf-8")
     for name, text in made.items():
@@ -29,20 +63,62 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     return files
 
 
-def commands() -> Iterator[str]:
-    """Yield the help text of every command."""
-    yield "# Commands\n\nMost commands are also functions of [the API](api.md)."
+@cache
+def _tasks() -> tuple[Task, ...]:
+    return wmspec.load_all()
+
+
+@cache
+def _commands() -> dict[str, str]:
+    """Return the page of every command by its name: its help, and that of its subcommands."""
     whole = click.Context(main, info_name="wmspec", max_content_width=WIDTH, terminal_width=WIDTH)
-    for name in main.list_commands(whole):
+    return {name: "\n".join(_command(name, whole)) for name in main.list_commands(whole)}
+
+
+def _command(name: str, whole: click.Context) -> Iterator[str]:
+    command = main.get_command(whole, name)
+    assert command is not None
+    context = click.Context(command, whole, name, max_content_width=WIDTH, terminal_width=WIDTH)
+    yield f"# wmspec {name}\n\n```text\n{command.get_help(context)}\n```"
+    for sub in command.list_commands(context) if isinstance(command, click.Group) else ():
+        part = command.get_command(context, sub)
+        assert part is not None
+        inner = click.Context(part, context, sub, max_content_width=WIDTH, terminal_width=WIDTH)
+        yield f"\n## wmspec {name} {sub}\n\n```text\n{part.get_help(inner)}\n```"
+
+
+def _command_index() -> Iterator[str]:
+    yield "# Commands\n\nMost commands are also functions of [the API](../api.md).\n\n| command | does |\n|---|---|"
+    whole = click.Context(main, info_name="wmspec")
+    for name in _commands():
         command = main.get_command(whole, name)
         assert command is not None
-        context = click.Context(command, whole, name, max_content_width=WIDTH, terminal_width=WIDTH)
-        yield f"\n## wmspec {name}\n\n```text\n{command.get_help(context)}\n```"
-        for sub in command.list_commands(context) if isinstance(command, click.Group) else ():
-            part = command.get_command(context, sub)
-            assert part is not None
-            inner = click.Context(part, context, sub, max_content_width=WIDTH, terminal_width=WIDTH)
-            yield f"\n### wmspec {name} {sub}\n\n```text\n{part.get_help(inner)}\n```"
+        yield f"| [`wmspec {name}`]({name}.md) | {command.get_short_help_str(limit=120)} |"
+
+
+def _columns() -> Iterator[str]:
+    """Yield the page of the columns of a dataset."""
+    yield "# Columns of a dataset\n\nEvery row is a question. Columns with `list` hold several values.\n"
+    yield from _column_table(rows.COLUMNS)
+    yield "\n## Questions with named outcomes\n"
+    yield from _column_table(rows.OUTCOMES)
+    yield "\n## Balanced answers\n"
+    yield from _column_table(rows.REDRAWN)
+    for channel, columns in rows.CHANNELS.items():
+        yield f"\n## Channel `{channel}`\n"
+        yield from _column_table(columns)
+    yield "\n## Factors\n\nFor every factor `f` of the task:\n\n| column | holds |\n|---|---|"
+    yield "| `factor.f` | its value, in the SI unit that the column's metadata name |"
+    yield "| `level.f` | the name of the value, if its values have names |"
+    yield "| `group.f` | a key that instances share if they differ in `f` alone |"
+    yield "| `nuisance.f` | the value of a nuisance |"
+
+
+def _column_table(columns: Mapping[str, tuple[object, str]]) -> Iterator[str]:
+    yield "| column | type | holds |\n|---|---|---|"
+    for name, (kind, meaning) in columns.items():
+        words = re.sub(r"list<(?:item|element): (.*)>", r"list of \1", str(kind)).replace("|", "\\|")
+        yield f"| `{name}` | {words} | {meaning} |"
 
 
 def on_page_markdown(markdown: str, page: Page, **_: object) -> str:

@@ -10,8 +10,10 @@ from pathlib import Path
 
 import pytest
 
+import wmspec
 from wmspec.api import HOMES
 from wmspec.cli import COMMANDS
+from wmspec.dataset.build.rows import COLUMNS
 
 ROOT = Path(__file__).parents[2]
 
@@ -23,8 +25,13 @@ def test_it_builds_without_warnings(tmp_path: Path) -> None:
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert not re.search("WARNING|ERROR", done.stderr)
-    commands = (tmp_path / "commands/index.html").read_text()
-    assert all(f"wmspec {name}" in commands for name in COMMANDS)
+    for name in COMMANDS:
+        assert f"wmspec {name}" in (tmp_path / f"commands/{name}/index.html").read_text()
+    for task in wmspec.load_all():
+        card = (tmp_path / f"tasks/{task.name}/index.html").read_text()
+        assert all(f"<code>{factor.name}</code>" in card for factor in task.factors)
+    columns = (tmp_path / "reference/columns/index.html").read_text()
+    assert all(f"<code>{name}</code>" in columns for name in COLUMNS)
     reference = (tmp_path / "api/index.html").read_text()
     assert all(f'id="{home}.{name}"' in reference for name, home in HOMES.items())
     assert "freiction" in (tmp_path / "diagnostics/WMS203/index.html").read_text()

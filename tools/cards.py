@@ -1,0 +1,118 @@
+"""A card for every task: what it asks, what varies, and one question at a size at which a person can answer it.
+
+    python -m tools.cards [TASK...]     draws the questions of all tasks, or of the named ones, into docs/images/tasks
+
+The text of the cards is made when the site is built.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import wmspec
+from tools.reading import LETTERS, sheet
+from wmspec.api.task import Factor, Task
+from wmspec.dataset.build.format_units import format_value
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.lang.check.ir.ir import Choices, Interpolation, Question
+
+ROOT = Path(__file__).parent.parent
+PICTURES = ROOT / "docs/images/tasks"
+ANSWERS = PICTURES / "answers.json"
+#: An instance that is not among the first of its design.
+SEED, QUALITY = 20, 80
+
+
+def index(tasks: tuple[Task, ...]) -> Iterator[str]:
+    """Yield the lines of the page that lists the tasks."""
+    yield "# Tasks\n"
+    yield f"The catalogue has {len(tasks)} tasks. Each card shows one question, and what varies in the task.\n"
+    yield "| task | asks | dimension | instances | column of WM-ABench |\n|---|---|---|---:|---|"
+    for task in sorted(tasks, key=lambda t: (t.dimension, t.name)):
+        paper = task.paper.name if task.paper else "—"
+        yield f"| [`{task.name}`]({task.name}.md) | {_summary(task)} | {task.dimension} | {len(task):,} | {paper} |"
+
+
+def card(task: Task) -> Iterator[str]:
+    """Yield the lines of a task's card."""
+    yield f"# {task.name}\n"
+    yield f"{task.spec.description or task.title}\n"
+    picture = PICTURES / f"{task.name}.webp"
+    if picture.exists():
+        answer = json.loads(ANSWERS.read_text())[task.name]
+        yield f"![A question of {task.name}: {answer['text']}](../images/tasks/{picture.name})\n"
+        yield f'??? question "Answer"\n    {answer["answer"]}. {answer["value"]}\n'
+    yield "| | |\n|---|---|"
+    yield f"| dimension | {task.dimension} |"
+    yield f"| instances | {len(task):,} in {task.groups:,} control groups |"
+    yield f"| pictures shown | {task.images} |"
+    if task.paper:
+        yield f"| column of WM-ABench | {task.paper.name}, {task.paper.cases:,} cases |"
+    yield f"| spec | `{Path(task.file).resolve().relative_to(ROOT.resolve())}` |\n"
+    yield "## Questions\n"
+    for question in task.spec.questions:
+        yield f"- {f'`{question.name}`: ' if question.name else ''}{_text(question)}"
+    yield "\n## Factors\n"
+    yield "| factor | values | about | groups that vary it |\n|---|---|---|---:|"
+    for factor in task.factors:
+        yield f"| `{factor.name}` | {_values(task, factor)} | {factor.about} | {task.sample_sizes[factor.name]:,} |"
+    file = Path(task.file).resolve().relative_to(ROOT.resolve())
+    yield f"\n## Make it\n\n```sh\nwmspec generate {file} -o {task.name} --per-task 40\nwmspec view {task.name}\n```"
+
+
+def _summary(task: Task) -> str:
+    """Return the first line of the description, without its name."""
+    line = (task.spec.description or task.title).partition("\n")[0]
+    return (line.partition(": ")[2] or line).replace("|", "\\|")
+
+
+def _text(question: Question) -> str:
+    """Return the text of a question, with names for its interpolations."""
+    parts = [f"*{_name(part.value)}*" if isinstance(part, Interpolation) else str(part) for part in question.text]
+    return "".join(parts)
+
+
+def _name(value: Any) -> str:
+    if value.kind == "property":
+        return f"{_name(value.owner)}'s {value.name}"
+    return str(getattr(value, "name", None) or getattr(value, "value", None) or "value")
+
+
+def _values(task: Task, factor: Factor) -> str:
+    if factor.values is None:
+        assert factor.bounds is not None
+        return " to ".join(format_value(bound, factor.unit) for bound in factor.bounds)
+    domain = next(f.domain for f in task.spec.factors if f.name == factor.name)
+    names = domain.names if isinstance(domain, Choices) else None
+    shown = list(names or (format_value(value, factor.unit) for value in factor.values))
+    return ", ".join(shown if len(shown) <= 8 else [*shown[:3], "…", shown[-1]])
+
+
+def draw(names: list[str]) -> None:
+    """Draw one question of each task."""
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    answers = json.loads(ANSWERS.read_text()) if ANSWERS.exists() else {}
+    tasks = [task for task in wmspec.load_all() if not names or task.name in names]
+    for path in sorted({Path(task.file) for task in tasks}):
+        with tempfile.TemporaryDirectory() as folder:
+            made = Path(folder) / "out"
+            wmspec.generate(path, made, backend="mujoco", per_task=2, seed=SEED)
+            dataset = DatasetReader.open(made)
+            for task in dataset.tasks:
+                row = next((row for row in dataset.rows(task) if row["question"] == 0), None)
+                if row is None:
+                    raise SystemExit(f"{task} keeps no question")
+                sheet(row).save(PICTURES / f"{task}.webp", quality=QUALITY, method=6)
+                right = LETTERS[row["answer"]]
+                answers[task] = {"text": row["text"], "answer": right, "value": row["answer_value"], "id": row["id"]}
+                print(task, right)
+    ANSWERS.write_text(json.dumps(dict(sorted(answers.items())), indent=1, ensure_ascii=False) + "\n")
+
+
+if __name__ == "__main__":
+    draw(sys.argv[1:])
