@@ -19,10 +19,10 @@ from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.rows import encode
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.statements.task import check
-from wmspec.runtime.questions.ask import groups
+from wmspec.runtime.questions.ask import groups, names_of
 from wmspec.runtime.questions.kinds.labels import LabelAnswer
 from wmspec.runtime.questions.kinds.numbers import NumberAnswer
-from wmspec.runtime.questions.model import Change, Option, Picture, QuestionRow
+from wmspec.runtime.questions.model import Change, Option, Picture, QuestionRow, VisibleObject
 
 SIDE = 48
 SPECS = Path(__file__).parent / "specs"
@@ -39,14 +39,18 @@ def spec(name: str) -> TaskSpec:
     return tasks[0]
 
 
-def make(folder: Path, name: str, ask: Ask, count: int = 400, engines: tuple[str, ...] = ("mujoco",)) -> Path:
+def make(
+    folder: Path, name: str, ask: Ask, count: int = 400, engines: tuple[str, ...] = ("mujoco",), seed: int = 3
+) -> Path:
     """A finished dataset of `count` instances of a task, asked by `ask` from a blank question."""
-    return make_all(folder, {name: ask}, count, engines)
+    return make_all(folder, {name: ask}, count, engines, seed)
 
 
-def make_all(folder: Path, asks: Mapping[str, Ask], count: int, engines: tuple[str, ...] = ("mujoco",)) -> Path:
+def make_all(
+    folder: Path, asks: Mapping[str, Ask], count: int, engines: tuple[str, ...] = ("mujoco",), seed: int = 3
+) -> Path:
     """The same of several tasks."""
-    designs = {name: Design(spec(name), 3) for name in asks}
+    designs = {name: Design(spec(name), seed) for name in asks}
     plan = Plan(
         texts={f"{name}.wms": (SPECS / f"{name}.wms").read_text() for name in asks},
         tasks=tuple(  # of groups of up to 8
@@ -54,7 +58,7 @@ def make_all(folder: Path, asks: Mapping[str, Ask], count: int, engines: tuple[s
         ),
         engines=engines,
         size=(SIDE, SIDE),
-        seed=3,
+        seed=seed,
         consensus="all",
         rows_of="engines",
         versions={"wmspec": "0.1.0"},
@@ -92,6 +96,7 @@ def blank(design: Design, index: int, engine: str) -> QuestionRow:
         measured={},
         evidence=NumberAnswer(0.0, 0.5),
         moments=2,
+        levels=names_of(design.spec, instance.values),
     )
 
 
@@ -194,3 +199,58 @@ def picture(balls: Sequence[tuple[float, float, tuple[int, ...]]]) -> np.ndarray
         cover = np.clip((0.08 - np.hypot(aside, y - v)) * SIDE + 0.5, 0, 1)[..., None]
         image = image * (1 - cover) + np.array(color) * cover
     return image.round().astype(np.uint8)
+
+
+#: Where a ball comes to rest, by weight and way: on the circle, each way mirrors the other.
+ENDS = {("light", "left"): 0.1, ("heavy", "left"): 0.3, ("heavy", "right"): 0.7, ("light", "right"): 0.9}
+
+
+def slide(revealing: bool = False, in_words: bool = True) -> Ask:
+    """Where does a ball come to rest? It starts anywhere on the circle and moves by one step.
+
+    If `revealing`, it starts in the middle and its step ends near the rest of a heavy ball that goes the same way. Then
+    the nearest option shows the way. The weight is in the text if it is `in_words`.
+    """
+
+    def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
+        weight, way = asked.levels["weight"], asked.levels["way"]
+        tone, sign = TONES[str(asked.factors["tone"])], 1 if way == "right" else -1
+        middle = 0.5 if revealing else random.random()
+        seen = (middle, middle + sign * 0.17) if revealing else (middle - sign * 0.05, middle + sign * 0.05)
+        order = list(ENDS)
+        random.shuffle(order)
+        options = tuple(_closed(each, (weight, way), tone) for each in order)
+        return replace(
+            asked,
+            text=f"The ball is {weight}. Where does it come to rest?" if in_words else "Where does it come to rest?",
+            context=tuple(Picture("front", 0.1 * i, picture([(x, 0.5, tone)])) for i, x in enumerate(seen)),
+            objects=tuple((_ball(x),) for x in seen),
+            options=options,
+            answer=order.index((weight, way)),
+            value="front at 1 s",
+            crossed=("weight", "way"),
+            evidence=pictures(0.0, 0.1, 0.2, 0.3),
+        )
+
+    return ask
+
+
+def _closed(end: tuple[str, str], truth: tuple[str, str], tone: tuple[int, ...]) -> Option:
+    """The option of a closed set, with what differs from the truth."""
+    differs = [
+        Change(kind, name, true, mine)
+        for kind, name, true, mine in zip(("state", "action"), ("weight", "way"), truth, end, strict=True)
+        if mine != true
+    ]
+    change = replace(differs[0], beside=differs[1]) if len(differs) == 2 else differs[0] if differs else None
+    kind: Any = "truth" if not differs else "both" if len(differs) == 2 else differs[0].kind
+    name, seen = "_".join(end) if differs else "truth", (_ball(ENDS[end]),)
+    return Option(
+        kind, name, picture=Picture("front", 1.0, picture([(ENDS[end], 0.5, tone)])), change=change, objects=seen
+    )
+
+
+def _ball(x: float) -> VisibleObject:
+    return VisibleObject(
+        "ball", ("ball",), True, (x, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), 0.02, x % 1, 0.5, (0.5, 0.5, 0.5)
+    )

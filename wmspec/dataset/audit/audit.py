@@ -12,12 +12,16 @@ import numpy as np
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.audit import balance, groups, probes
 from wmspec.dataset.audit.cases import FullSizePictures, Unit, task_of, units
+from wmspec.dataset.audit.constant_answers import constant_answer_finding
 from wmspec.dataset.audit.counts import check_files, check_rows, counts
 from wmspec.dataset.audit.duplicates import duplicate_findings, duplicates, mark_faint
+from wmspec.dataset.audit.given import companion_finding
 from wmspec.dataset.audit.image_similarity import QUANTILES, option_similarity, similarity_finding
 from wmspec.dataset.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Summary, Test
+from wmspec.dataset.audit.motion import motion_finding
 from wmspec.dataset.audit.stability import stability
 from wmspec.dataset.audit.summary import summary
+from wmspec.dataset.audit.vocabulary import vocabulary_finding
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_ordered
 
@@ -26,6 +30,9 @@ TASK_TIMEOUT = 24 * 3600.0
 
 #: Verdicts, most important first.
 _ORDER = ("fails", "unclear", "reported", "holds")
+
+#: Checks of one question that apply to some questions only.
+_OPTIONAL = (vocabulary_finding, motion_finding, constant_answer_finding)
 
 
 @dataclass
@@ -103,6 +110,8 @@ def _audit_task(dataset: DatasetReader, task: str, most: int, damaged: bool) -> 
     gathered.findings.append(finding)
     for unit in parts:
         _audit_unit(unit, FullSizePictures(dataset, task), gathered)
+        findings = (companion_finding(parts, unit), *(find(unit) for find in _OPTIONAL))
+        gathered.findings += filter(None, findings)
     return gathered
 
 

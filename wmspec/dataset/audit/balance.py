@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.dataset.audit.cases import Case, Unit, task_of
-from wmspec.dataset.audit.model import Finding, Test
+from wmspec.dataset.audit.model import Finding, Test, Verdict
 from wmspec.dataset.audit.statistics import Table, contingency_table, dependence, detectable, goodness_of_fit, holm
 
 #: Numbers with more distinct values are binned into quarters, or into halves if a quarter would have fewer cases.
@@ -49,20 +49,22 @@ def corrected_tests(tested: Sequence[Test]) -> list[Test]:
 
     In a task, tests of answers form one family and tests of positions another, each with half of the false alarms.
     Otherwise the many tests of positions would take power from the few of answers, which have one case in each group.
+    Every test of metadata is a family of its own.
     """
-    families: dict[tuple[str, str], list[int]] = {}
+    families: dict[tuple[str, ...], list[int]] = {}
     for i, test in enumerate(tested):
         if test.judged:
-            families.setdefault((task_of(test.task), test.first), []).append(i)
+            family = () if test.check == "balance" else (test.check, test.task)
+            families.setdefault((task_of(test.task), test.first, *family), []).append(i)
     made = [
         test
         if test.judged
         else replace(test, corrected=test.p, least=detectable(test.counts, SIGNIFICANCE, test.effect))
         for test in tested
     ]
-    for family in families.values():
-        level = SIGNIFICANCE / 2 / len(family)
-        for i, p in zip(family, holm([tested[i].p for i in family]), strict=True):
+    for those in families.values():
+        level = SIGNIFICANCE / 2 / len(those)
+        for i, p in zip(those, holm([tested[i].p for i in those]), strict=True):
             made[i] = replace(
                 tested[i], corrected=min(1.0, 2 * p), least=detectable(tested[i].counts, level, tested[i].effect)
             )
@@ -88,14 +90,15 @@ def judge(test: Test) -> Finding:
     wrong = f"{test.first} depends on {test.second}" if test.second else f"the {test.first} is not uniform"
     how = f"({test.method}, p = {test.corrected:.2g}, strength {test.strength:.2f}, {count:,} questions)"
     if test.corrected < SIGNIFICANCE and test.strength >= MIN_STRENGTH:
-        return Finding("balance", test.task, "fails" if test.judged else "reported", f"{wrong} {how}")
-    if not test.judged:
-        return Finding("balance", test.task, "reported", f"{what} within the power of the test {how}")
+        return Finding(test.check, test.task, "fails" if test.judged else "reported", f"{wrong} {how}")
+    if not test.judged or test.check != "balance":
+        verdict: Verdict = "holds" if test.judged else "reported"
+        return Finding(test.check, test.task, verdict, f"{what} within the power of the test {how}")
     gain = f"{100 * guessing_gain(test):.0f} points above guessing"
     power = f"a strength of {test.least:.2f} would have been detected, {gain}"
     if guessing_gain(test) > MAX_MISSED_GAIN:
-        return Finding("balance", test.task, "unclear", f"{what} {how}; {power}: too few questions for a conclusion")
-    return Finding("balance", test.task, "holds", f"{what} {how}; {power}")
+        return Finding(test.check, test.task, "unclear", f"{what} {how}; {power}: too few questions for a conclusion")
+    return Finding(test.check, test.task, "holds", f"{what} {how}; {power}")
 
 
 def _test(unit: Unit, first: str, second: str, judged: bool) -> Test:
@@ -112,7 +115,7 @@ def _independent(unit: Unit, *names: str) -> Sequence[Case]:
     """Return the rows that are independent for these variables: one of a control group if all its rows agree."""
     combinations: dict[int, set[tuple[str, ...]]] = {}
     for case in unit.per_instance:
-        combinations.setdefault(case.row["block"], set()).add(tuple(str(_value(case, name)) for name in names))
+        combinations.setdefault(case.row["block"], set()).add(tuple(str(value_of(case, name)) for name in names))
     if len(combinations) < 2 or max(map(len, combinations.values())) > 1:
         return unit.per_instance
     return list({case.row["block"]: case for case in unit.per_instance}.values())
@@ -125,7 +128,7 @@ def _uniform(unit: Unit, what: str) -> Test:
     for case in cases:
         for value in _offered_values(case, what):
             expected[value] += 1 / case.count  # type: ignore[assignment]
-    seen = Counter(_value(case, what) for case in cases)
+    seen = Counter(value_of(case, what) for case in cases)
     values = tuple(sorted(expected, key=_order))
     counts = np.array([seen[v] for v in values])
     strength, p, method = goodness_of_fit(counts, np.array([expected[v] for v in values], dtype=np.float64))
@@ -144,13 +147,18 @@ def answers_by(cases: Sequence[Case], factor: str) -> Table:
 
 def _codes(cases: Sequence[Case], what: str) -> tuple[tuple[str, ...], NDArray[np.intp]]:
     """Return the sorted values, and the index (n,) of each case's value."""
-    binned = _bin([_value(case, what) for case in cases])
+    return codes([value_of(case, what) for case in cases])
+
+
+def codes(seen: Sequence[Any]) -> tuple[tuple[str, ...], NDArray[np.intp]]:
+    """Return the sorted values as texts, and the index (n,) of each. Many numbers are binned (`MAX_VALUES`)."""
+    binned = _bin(seen)
     values = tuple(sorted(set(binned), key=_order))
     number = {value: i for i, value in enumerate(values)}
     return values, np.array([number[value] for value in binned], np.intp)
 
 
-def _value(case: Case, what: str) -> Any:
+def value_of(case: Case, what: str) -> Any:
     """Return the value of a factor or nuisance, the position of the truth (from 1), or the answer."""
     if what == PLACE:
         return str(case.row["answer"] + 1)

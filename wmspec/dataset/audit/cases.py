@@ -24,13 +24,15 @@ Thumbnail = NDArray[np.uint8]
 
 @dataclass(frozen=True)
 class Case:
-    """A row: its values, the hashes of its pictures and, if sampled, thumbnails (SIDE, SIDE, 3)."""
+    """A row: its values, the hashes and sizes (bytes) of its pictures and, if sampled, thumbnails (SIDE, SIDE, 3)."""
 
     row: Row
     context: tuple[bytes, ...]
     options: tuple[bytes, ...]
     context_thumbnails: tuple[Thumbnail, ...] = ()
     option_thumbnails: tuple[Thumbnail, ...] = ()
+    context_sizes: tuple[int, ...] = ()
+    option_sizes: tuple[int, ...] = ()
 
     @property
     def has_picture_options(self) -> bool:
@@ -154,6 +156,8 @@ def _case(row: Row, looked: bool) -> Case:
         tuple(hashlib.sha256(b).digest() for b in options),
         tuple(map(_thumbnail, context)) if looked else (),
         tuple(map(_thumbnail, options)) if looked else (),
+        tuple(map(len, context)),
+        tuple(map(len, options)),
     )
 
 

@@ -49,10 +49,13 @@ def similarity_finding(unit: Unit, likeness: Likeness | None) -> Finding:
 def rules(cases: Sequence[Case]) -> dict[str, NDArray[np.float64]]:
     """Return rules of thumb for choosing a picture, each with a score for every option; the highest is chosen.
 
-    Similarity to the last picture shown, and prominence: the number of pixels that differ from the other options.
+    Similarity to the last picture shown, prominence (the number of pixels that differ from the other options), and the
+    size of the file.
     """
     apart = np.concatenate([_from_others(case) for case in cases])
     scored = {"the option that differs most from the others": apart, "the option that differs least": -apart}
+    sizes = np.concatenate([np.array(case.option_sizes, dtype=np.float64) for case in cases])
+    scored |= {"the option with the largest file": sizes, "the option with the smallest file": -sizes}
     if cases[0].context_thumbnails:
         gaps = [pixel_difference(o, c.context_thumbnails[-1]) for c in cases for o in c.option_thumbnails]
         scored["the option most like the last picture"] = -np.array(gaps)

@@ -10,7 +10,7 @@ from wmspec.dataset.audit.classify import FOLDS, FOREST_TREES
 from wmspec.dataset.audit.groups import MIN_GROUPS
 from wmspec.dataset.audit.model import Audit, Probe, Summary, Verdict
 from wmspec.dataset.audit.power import FALSE_ALARMS, POWER
-from wmspec.dataset.audit.probes import MAX_MISSED_SHORTCUT, SLACK
+from wmspec.dataset.audit.probes import COMBINED_SLACK, MAX_MISSED_SHORTCUT, SLACK
 from wmspec.dataset.audit.probes import verdict as probe_verdict
 from wmspec.dataset.audit.stability import MIN_STABLE
 from wmspec.dataset.build.webpage import webpage
@@ -26,6 +26,7 @@ _RULES = {
     "trees": FOREST_TREES,
     "folds": FOLDS,
     "slack": SLACK,
+    "combined": COMBINED_SLACK,
     "alarms": FALSE_ALARMS,
     "room": MAX_MISSED_SHORTCUT,
     "power": POWER,

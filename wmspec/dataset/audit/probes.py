@@ -8,24 +8,23 @@ one for a change, two for the course of a motion. Of the many probes that see on
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import cache, partial
+from dataclasses import replace
 from itertools import combinations
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.dataset.audit import features, image_similarity, power, state
+from wmspec.dataset.audit import combined, features, image_similarity, power, state
 from wmspec.dataset.audit.balance import answers_by
 from wmspec.dataset.audit.cases import Case, Unit, task_of
-from wmspec.dataset.audit.classify import Array, ProbeDataset, ProbeFeatures, cross_validated_scores, top1_score
+from wmspec.dataset.audit.classify import Array, ProbeFeatures
 from wmspec.dataset.audit.model import Finding, Probe
-from wmspec.dataset.audit.probe_selection import CandidateProbes
+from wmspec.dataset.audit.probed import Family, Look, ProbedQuestions, ProbeSpec
 from wmspec.dataset.audit.statistics import clopper_pearson, independence
 
-#: Tolerated accuracy above chance: without pictures, and with some pictures.
-SLACK, PICTURE_SLACK = 0.05, 0.12
+#: Tolerated accuracy above chance: without pictures, of a known factor with a rule, and with some pictures.
+SLACK, COMBINED_SLACK, PICTURE_SLACK = 0.05, 0.08, 0.12
 #: A probe is inconclusive if it could miss a larger shortcut than this.
 MAX_MISSED_SHORTCUT = 0.3
 #: Minimum number of questions, and of groups, for fitting.
@@ -34,11 +33,11 @@ MIN_QUESTIONS, MIN_GROUPS = 20, 5
 Of = Literal["options", "questions"]
 See = Callable[[Sequence[Case]], Array]
 SeeViews = Callable[[Sequence[Case], Sequence[int]], Array]
-Look = Callable[[], ProbeFeatures]
-Family = Literal["text", "options", "rule", "picture", "pair", "pictures"]
 
 #: Names of the selected probes.
 _BEST = {"picture": "single picture", "pair": "pair of pictures"}
+
+_SLACKS: dict[str, float] = {"picture": PICTURE_SLACK, "pair": PICTURE_SLACK, "combination": COMBINED_SLACK}
 
 _BLIND = "it sees none of the pictures"
 _FEWER = "the answer requires more moments than it sees"
@@ -49,20 +48,6 @@ _RIVAL = "only the best of these probes is judged"
 _UNASKED = "without the question, the object in question is unknown"
 
 
-@dataclass(frozen=True)
-class _ProbeSpec:
-    """A probe to be run. Its input is computed on demand."""
-
-    sees: str
-    family: Family
-    judged: bool
-    why: str
-    seen: Look | None = None
-    scores: Array | None = None  # set for a rule, which is not fitted
-    pictured: bool = False  # sees a context picture, so options may be eliminated (`state.struck_out`)
-    competes: bool = False  # competes for selection as the best probe
-
-
 def probes(unit: Unit) -> list[Probe]:
     """Return the results of all applicable probes; empty if questions are too few or have no options."""
     cases = _most_frequent_form(unit.sampled)
@@ -71,102 +56,39 @@ def probes(unit: Unit) -> list[Probe]:
     groups = _groups(unit, cases)
     if len(set(groups)) < MIN_GROUPS:
         return []
-    task, lines = _ProbedTask(unit.name, cases, groups), list(_probe_specs(cases))
-    made = [task.probe(line) for line in lines if not line.competes]
+    lines = list(_probe_specs(cases))
+    every, left = (ProbedQuestions.of(unit.name, cases, groups, struck) for struck in _eliminated(cases))
+    made = [(left if line.pictured else every).probe(line) for line in lines if not line.competes]
     for family in dict.fromkeys(line.family for line in lines if line.competes):
-        made += task.rivals(family, [line for line in lines if line.competes and line.family == family])
-    return made
+        rivals = [line for line in lines if line.competes and line.family == family]
+        made += left.rivals(f"the best {_BEST[family]} ({{}})", _FEWER, rivals)
+    return made + combined.probes(unit, cases, groups, _required_moments(cases))
 
 
-class _ProbedTask:
-    """The probed questions of a task."""
-
-    def __init__(self, name: str, cases: Sequence[Case], groups: Sequence[str]) -> None:
-        self._name, self._cases, self._groups = name, cases, groups
-        everything, struck = [np.zeros(c.count, dtype=bool) for c in cases], state.eliminated_options(cases)
-        self._kept = ~np.concatenate(struck)
-        self._data = {False: _probe_dataset(cases, groups, everything), True: _probe_dataset(cases, groups, struck)}
-
-    def probe(self, line: _ProbeSpec) -> Probe:
-        """Return the result of a probe."""
-        data = self._data[line.pictured]
-        if line.scores is not None:
-            scores = line.scores[self._kept] if line.pictured else line.scores
-            return self._probe(line, top1_score(scores, data))
-        seen = self._seen(line)
-        learned = power.learned_gains(seen, data, 1 / data.sizes) if line.judged else None
-        return self._probe(line, cross_validated_scores(seen, data), learned)
-
-    def rivals(self, family: Family, lines: Sequence[_ProbeSpec]) -> list[Probe]:
-        """Return the results of competing probes, and of the best of them."""
-        # Cached: every injection uses the same features, which are small and costly to compute.
-        data, seen = self._data[True], [cache(partial(self._seen, line)) for line in lines]
-        rivals = CandidateProbes.of(seen, data)
-        right, picked = rivals.best(data)
-        commonest = lines[int(np.bincount(picked).argmax())].sees
-        best = _ProbeSpec(f"the best {_BEST[family]} ({commonest})", family, True, _FEWER, pictured=True)
-        learned = rivals.learned(seen, data, 1 / data.sizes)
-        each = [self._probe(line, answered) for line, answered in zip(lines, rivals.right, strict=True)]
-        return [*each, self._probe(best, right, learned)]
-
-    def _seen(self, line: _ProbeSpec) -> ProbeFeatures:
-        assert line.seen is not None
-        seen = line.seen()
-        kept = line.pictured and seen.of == "options"
-        return replace(seen, features=seen.features[self._kept]) if kept else seen
-
-    def _probe(self, line: _ProbeSpec, right: Array, learned: tuple[float, ...] | None = None) -> Probe:
-        chance = 1 / self._data[line.pictured].sizes
-        return Probe(
-            task=self._name,
-            sees=line.sees,
-            family=line.family,
-            questions=len(right),
-            right=float(right.sum()),
-            chance=float(chance.mean()),
-            deviation=power.deviation(right, chance, self._groups),
-            judged=line.judged,
-            why=line.why,
-            learned=learned,
-        )
-
-
-def _probe_dataset(cases: Sequence[Case], groups: Sequence[str], struck: Sequence[NDArray[np.bool_]]) -> ProbeDataset:
-    """Return the classification problem without eliminated options."""
-    kept = ~np.concatenate(struck)
-    truth = [np.arange(c.count) == c.row["answer"] for c in cases]
-    return ProbeDataset(
-        owner=np.repeat(np.arange(len(cases)), [c.count for c in cases])[kept],
-        name=np.array([name for c in cases for name in _classes(c)])[kept],
-        truth=np.concatenate(truth)[kept],
-        groups=groups,
-    )
-
-
-def _classes(case: Case) -> list[str]:
-    """Return the names of options across questions; positions for pictures, since their names reveal the truth."""
-    return [str(i) for i in range(case.count)] if case.has_picture_options else case.row["option_name"]
+def _eliminated(cases: Sequence[Case]) -> tuple[Sequence[NDArray[np.bool_]], Sequence[NDArray[np.bool_]]]:
+    """Return the options that are eliminated without pictures (none), and by any picture."""
+    return [np.zeros(c.count, dtype=bool) for c in cases], state.eliminated_options(cases)
 
 
 # ---------------------------------------------------------------- catalogue
 
 
-def _probe_specs(cases: Sequence[Case]) -> Iterator[_ProbeSpec]:
+def _probe_specs(cases: Sequence[Case]) -> Iterator[ProbeSpec]:
     """Yield the applicable probes."""
     shown = len(cases[0].context_thumbnails)
     blind = (bool(shown), _BLIND if shown else _NOTHING)
-    yield _ProbeSpec("the place of the options", "options", True, _BLIND, _blind(features.positions, cases))
-    yield _ProbeSpec("the text", "text", True, _BLIND, _blind(features.texts, cases))
-    yield _ProbeSpec("the options", "options", *blind, _blind(features.options, cases))
+    yield ProbeSpec("the place of the options", "options", True, _BLIND, _blind(features.positions, cases))
+    yield ProbeSpec("the text", "text", True, _BLIND, _blind(features.texts, cases))
+    yield ProbeSpec("the options", "options", *blind, _blind(features.options, cases))
     if cases[0].has_picture_options:
-        yield _ProbeSpec("the options' colours", "options", *blind, _blind(features.colours, cases))
+        yield ProbeSpec("the options' colours", "options", *blind, _blind(features.colours, cases))
         if state.has_object_states(cases):
-            yield _ProbeSpec("the options' objects", "options", *blind, _forest(state.option_states, cases, ()))
+            yield ProbeSpec("the options' objects", "options", *blind, _forest(state.option_states, cases, ()))
         fewer = _sees_too_few_moments(cases, (shown - 1,)) if shown else False
         for name, scores in image_similarity.rules(cases).items():
             last = "last picture" in name
             judged = (fewer, _FEWER if fewer else _ENOUGH) if last else blind
-            yield _ProbeSpec(name, "rule", *judged, scores=scores, pictured=last)
+            yield ProbeSpec(name, "rule", *judged, scores=scores, pictured=last)
     for views in _views(shown):
         yield from _picture_probes(cases, views)
     if shown:
@@ -180,7 +102,7 @@ def _views(shown: int) -> Iterator[tuple[int, ...]]:
         yield from combinations(range(shown), 2)
 
 
-def _picture_probes(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_ProbeSpec]:
+def _picture_probes(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[ProbeSpec]:
     """Yield the probes that see these pictures with the question and its options."""
     competes = _sees_too_few_moments(cases, views)
     if len(views) > 1 and not competes:
@@ -189,9 +111,9 @@ def _picture_probes(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_
     name = f"picture {views[0] + 1}" if len(views) == 1 else f"pictures {views[0] + 1} and {views[1] + 1}"
     known = state.has_object_states(cases)
 
-    def line(what: str, seen: Look, framed: bool = False) -> _ProbeSpec:
+    def line(what: str, seen: Look, framed: bool = False) -> ProbeSpec:
         why = _FRAMED if framed else _RIVAL if competes else _ENOUGH
-        return _ProbeSpec(f"{name}: {what}", family, False, why, seen, pictured=True, competes=competes and not framed)
+        return ProbeSpec(f"{name}: {what}", family, False, why, seen, pictured=True, competes=competes and not framed)
 
     if len(views) == 1 or not known:  # for two pictures, object states are stronger features
         yield line("pixels", _pixels(cases, views))
@@ -207,14 +129,14 @@ def _picture_probes(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_
         yield line("objects named by the options", _forest(state.named_object_states, cases, views))
 
 
-def _question_blind_probe(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[_ProbeSpec]:
+def _question_blind_probe(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[ProbeSpec]:
     """Yield the probe with all pictures and options but no question.
 
     It is not judged, since the question may decide the answer.
     """
     if len({c.row["text"] for c in cases}) > 1:
         seen = _pixels(cases, views)
-        yield _ProbeSpec("all pictures without the question", "pictures", False, _UNASKED, seen, pictured=True)
+        yield ProbeSpec("all pictures without the question", "pictures", False, _UNASKED, seen, pictured=True)
 
 
 def _blind(see: See, cases: Sequence[Case]) -> Look:
@@ -300,7 +222,7 @@ def verdict(probe: Probe) -> Literal["fails", "unclear", "reported", "holds"]:
     """Return the verdict of a probe."""
     if not probe.judged:
         return "reported"
-    slack = PICTURE_SLACK if probe.family in ("picture", "pair") else SLACK
+    slack = _SLACKS.get(probe.family, SLACK)
     if not probe.luck and probe.accuracy > probe.chance + slack:
         return "fails"
     return "unclear" if probe.least > MAX_MISSED_SHORTCUT else "holds"

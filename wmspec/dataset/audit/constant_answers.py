@@ -1,0 +1,56 @@
+"""Answers that are the same whatever is shown: the accuracy of the most frequent answer in each tier of difficulty.
+
+A tier is a value of the stimulus difference. If it has one answer more often than others, "always yes" is right in it,
+and the accuracy of the tier says nothing.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from scipy import stats
+
+from wmspec.dataset.audit.cases import Case, Unit
+from wmspec.dataset.audit.model import Finding
+
+#: Tolerated accuracy above chance, and the probability of a false alarm in all tiers of a question.
+SLACK, FALSE_ALARMS = 0.08, 0.01
+#: The most tiers; a difference with more values is continuous.
+MAX_TIERS = 12
+
+
+def constant_answer_finding(unit: Unit) -> Finding | None:
+    """Return whether one answer is right too often in a tier; None without tiers, or if options differ by question.
+
+    Tiers with a single answer are left out: two equal things have no difference, so that only "different" has tiers.
+    """
+    cases = unit.per_instance
+    offered = {tuple(sorted(case.row["option_name"] or ())) for case in cases}
+    if unit.open or cases[0].has_picture_options or len(offered) != 1:
+        return None
+    options = next(iter(offered))
+    tiers = {tier: answers for tier, answers in _tiers(cases).items() if len(set(answers)) > 1}
+    if not 1 <= len(tiers) <= MAX_TIERS:
+        return None
+    worst, p = "", 1.0
+    for tier, answers in tiers.items():
+        answer, count = Counter(answers).most_common(1)[0]
+        chance = min(1.0, len(options) * stats.binomtest(count, len(answers), 1 / len(options), "greater").pvalue)
+        if count / len(answers) > 1 / len(options) + SLACK and chance < p:
+            worst, p = f"always `{answer}` is right in {count:,} of {len(answers):,} questions of tier {tier}", chance
+    if p * len(tiers) < FALSE_ALARMS:
+        what = f"{worst} (chance {1 / len(options):.0%}, p = {p * len(tiers):.2g})"
+        return Finding("constant answer", unit.name, "fails", what)
+    many = f"{len(tiers)} {'tier' if len(tiers) == 1 else 'tiers'}"
+    return Finding("constant answer", unit.name, "holds", f"no answer is right too often in any of {many}")
+
+
+def _tiers(cases: Sequence[Case]) -> dict[str, list[str]]:
+    """Return the true answers of each tier, which is a value of the stimulus difference."""
+    tiers: dict[str, list[str]] = {}
+    for case in cases:
+        if difference := case.row.get("difference"):
+            name = f"{difference['name']} = {difference['value']:.4g} {difference['unit']}".strip()
+            tiers.setdefault(name, []).append(case.row["option_name"][case.row["answer"]])
+    return tiers
