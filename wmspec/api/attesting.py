@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 from wmspec.api.agreement import collect_tasks
 from wmspec.api.generating import generate
 from wmspec.api.loading import Tell, warn
+from wmspec.api.profile import check_profile
 from wmspec.api.progress import Progress, silent
 from wmspec.api.verifying import render_settings, write_specs
 from wmspec.dataset.attestation import Attestation, differences
@@ -51,6 +52,7 @@ def attest(
             size=made.size,
             consensus=reader.manifest["consensus"],
             rows=reader.rows_of,
+            profile=check_profile(reader.manifest.get("profile", "")),
             **render_settings(reader)._asdict(),
             workers=workers,
             progress=progress,

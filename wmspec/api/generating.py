@@ -12,6 +12,7 @@ from typing import Literal, TypedDict, Unpack, get_args
 
 from wmspec.api.agreement import Tasks, collect_tasks, worker_settings
 from wmspec.api.loading import Tell, warn
+from wmspec.api.profile import Profile, check_profile, with_profile
 from wmspec.api.progress import Progress, silent
 from wmspec.api.rendering import DEFAULT_SIDE, check_samples, pixels
 from wmspec.api.task import Task
@@ -37,18 +38,20 @@ from wmspec.sim.scene.model import Look
 class DatasetOptions(TypedDict, total=False):
     """The content of a dataset.
 
-    `per_task`: number of random instances per task, by default that of WM-ABench for its tasks and all instances for
-    others; `full`: all instances. `part`: (i, n), only share i of n. `dimensions`: only tasks of these. `backend`:
-    engines, separated by commas, or "all"; the first is the reference, whose episode is shown. `rows`: one row for each
-    of the "questions", answered in all engines, or one for each question in each of the "engines". `renderer`: one
-    engine that draws all episodes, by default the quickest; with rows of engines, each draws its own by default.
-    `consensus`: keep a question if "all" engines agree, if the "majority" agrees, or always ("none"). `seed`: random
-    seed of tasks given by path. `size` (pixels), `look` and `samples`: see `RenderOptions`. `licence`: SPDX identifier
-    of the data licence, by default that of the specs, and CC-BY-4.0 for specs of wmspec.
+    `per_task`: number of random instances per task, by default that of WM-ABench for its tasks and all instances
+    for others; `full`: all instances. `profile`: "wm-abench" for the paper's tasks as the paper asks them. `part`:
+    (i, n), only share i of n. `dimensions`: only tasks of these. `backend`: engines, separated by commas, or "all";
+    the first is the reference, whose episode is shown. `rows`: one row for each of the "questions", answered in all
+    engines, or one for each question in each of the "engines". `renderer`: one engine that draws all episodes, by
+    default the quickest; with rows of engines, each draws its own by default. `consensus`: keep a question if "all"
+    engines agree, if the "majority" agrees, or always ("none"). `seed`: random seed of tasks given by path. `size`
+    (pixels), `look` and `samples`: see `RenderOptions`. `licence`: SPDX identifier of the data licence, by default
+    that of the specs, and CC-BY-4.0 for specs of wmspec.
     """
 
     per_task: int | None
     full: bool
+    profile: Profile
     part: tuple[int, int]
     dimensions: Sequence[str]
     backend: str
@@ -143,7 +146,8 @@ def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptio
         raise WmsError("`full` and `per_task` exclude each other; give one of the two")
     if not -(1 << 63) <= options.get("seed", 0) < 1 << 63:
         raise WmsError(f"a seed is an integer from {-(1 << 63)} to {(1 << 63) - 1}")
-    chosen_tasks = collect_tasks(tasks, options.get("seed"), tell, options.get("dimensions", ()))
+    profile = check_profile(options.get("profile", ""))
+    chosen_tasks = with_profile(collect_tasks(tasks, options.get("seed"), tell, options.get("dimensions", ())), profile)
     engines, rows_of = select_backends(backend), options.get("rows", "questions")
     if rows_of not in get_args(RowsOf):
         raise WmsError(f"no rows of {rows_of!r}", help=f"rows are of {' or of '.join(get_args(RowsOf))}")
@@ -168,6 +172,7 @@ def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptio
         samples=check_samples(look, options.get("samples")),
         renderer=drawers[0] if renderer else "",
         rows_of=rows_of,
+        profile=profile,
         licence=_licence(chosen_tasks, options.get("licence", "")),
         versions=versions({*engines, *drawers}, look),
     )

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from wmspec.api.agreement import collect_tasks, worker_settings
 from wmspec.api.loading import Tell, warn
+from wmspec.api.profile import check_profile, with_profile
 from wmspec.api.progress import Progress, silent
 from wmspec.api.task import Task
 from wmspec.core.diagnostics import WmsError
@@ -51,6 +52,7 @@ def verify(
     dataset.intact()
     with TemporaryDirectory() as scratch:
         tasks = collect_tasks(write_specs(dataset, Path(scratch)), dataset.manifest["seed"], tell)
+    tasks = with_profile(tasks, check_profile(dataset.manifest.get("profile", "")))
     known = {task.name: task for task in tasks}
     if unknown := [name for name in dataset.tasks if name not in known]:
         raise WmsError(f"the specs in {dataset.folder / files.MANIFEST} have no task `{unknown[0]}`")
@@ -92,6 +94,7 @@ def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan
         samples=plan.samples,
         renderer=plan.renderer,
         rows_of=dataset.rows_of,
+        profile=dataset.manifest.get("profile", ""),
         versions=versions({*engines, *drawers}, plan.look),
     )
 

@@ -19,7 +19,6 @@ from wmspec.cli.common import (
     parse_size,
     seed_option,
     size_option,
-    specs_argument,
     tell,
 )
 from wmspec.cli.cost import print_cost
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @click.command("generate")
-@specs_argument
+@click.argument("specs", nargs=-1, type=click.Path(path_type=Path))
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="Dataset folder.")
 @click.option("--backend", "-b", default="all", show_default=True, help="Engines: comma-separated names, or all.")
 @click.option(
@@ -57,6 +56,11 @@ if TYPE_CHECKING:
     multiple=True,
     type=click.Path(path_type=Path),
     help="Folder of an earlier dataset whose instances are reused. Repeatable.",
+)
+@click.option(
+    "--profile",
+    type=click.Choice(["wm-abench"]),
+    help="The paper's 44 tasks as the paper asks them: one kind of question, and its number of pictures.",
 )
 @click.option("--full", is_flag=True, help="All instances of every task, also beyond WM-ABench's count.")
 @dimension_option
@@ -104,6 +108,7 @@ def generate_command(
     shard: str,
     reuse: tuple[Path, ...],
     full: bool,
+    profile: Any,
     dimension: tuple[str, ...],
     size: str,
     look: Any,
@@ -121,6 +126,8 @@ def generate_command(
 ) -> None:
     """Generate a dataset from the tasks in SPECS: Parquet with pictures, a manifest and a card.
 
+    With --profile wm-abench, SPECS may be left out.
+
     Each question is executed in every engine of --backend and must have the same answer there. The first engine is the
     reference: its episode is drawn and shown. The column `agreement` has the answers of all engines.
 
@@ -136,10 +143,15 @@ def generate_command(
     from wmspec.api import generate, progress_bar
     from wmspec.api.agreement import worker_settings
     from wmspec.api.generating import plan_dataset
+    from wmspec.lang.parse.files import catalogue_folders
 
+    if not (specs or profile):
+        raise click.UsageError("missing argument SPECS, such as specs/perception, or --profile wm-abench")
+    specs = specs or catalogue_folders()
     options: DatasetOptions = {
         "per_task": per_task,
         "full": full,
+        "profile": profile or "",
         "part": parse_share(shard),
         "dimensions": dimension,
         "backend": backend,

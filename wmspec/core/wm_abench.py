@@ -13,13 +13,15 @@ from dataclasses import dataclass
 class Column:
     """One task of the paper: a sub-dimension (in the paper's abbreviation) in one environment.
 
-    `cases` counts its instances, `images` the pictures shown before the options.
+    `cases` counts its instances, `images` the pictures shown before the options. `question` is the name of the kind of
+    question that its chance level belongs to, in tasks of the catalogue that ask several.
     """
 
     letters: str
     environment: str
     cases: int
     images: int
+    question: str = ""
 
     @property
     def name(self) -> str:
@@ -40,10 +42,10 @@ COLUMNS = (
     Column("TP", "TDW", 5646, 6),
     Column("TE", "ManiSkill", 2000, 5),
     Column("TE", "TDW", 7680, 6),
-    Column("V-C", "ManiSkill", 648, 3),
-    Column("V-C", "TDW", 1440, 3),
-    Column("V-S", "TDW", 1000, 3),
-    Column("V-M", "TDW", 1728, 1),
+    Column("V-C", "ManiSkill", 648, 3, "which"),
+    Column("V-C", "TDW", 1440, 3, "which"),
+    Column("V-S", "TDW", 1000, 3, "which"),
+    Column("V-M", "TDW", 1728, 1, "pair"),
     Column("MI", "ManiSkill", 2688, 6),
     Column("MI", "TDW", 1913, 4),
     Column("MS", "ManiSkill", 2304, 4),

@@ -127,6 +127,7 @@ def manifest(plan: Plan, records: Mapping[str, Record], total: Summary) -> dict[
         "format": record["format"],
         "fingerprint": plan.fingerprint,
         **{key: record[key] for key in ("versions", "seed", "engines", "size", "consensus", "rows_of", "shard")},
+        **({"profile": plan.profile} if plan.profile else {}),
         "licence": plan.licence,
         "specs": {name: {"sha256": sha, "text": plan.texts[name]} for name, sha in record["specs"].items()},
         "tasks": {t.spec.name: _task(t, c) for t, c in zip(plan.tasks, total.tasks, strict=True)},

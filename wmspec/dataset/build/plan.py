@@ -47,11 +47,12 @@ class Shard:
 class Plan:
     """Everything that determines the bytes of a dataset.
 
-    `texts` are the specs and the files they use, by name. `size` is the width and height of pictures (px); `look` and
-    `samples` determine the rendering. `renderer` is the engine that renders all episodes; if empty, each engine renders
-    its own. `consensus` says how many engines must agree. A row is one of `rows_of`: a question that the reference
-    engine executed and the others confirm, or a question in each of the engines. `shard` is the number of instances in
-    a shard, `versions` those of wmspec and the engines. `licence` is stated in the card and has no other effect.
+    `texts` are the specs and the files they use, by name. `size` is the width and height of pictures (px); `look`
+    and `samples` determine the rendering. `renderer` is the engine that renders all episodes; if empty, each engine
+    renders its own. `consensus` says how many engines must agree. A row is one of `rows_of`: a question that the
+    reference engine executed and the others confirm, or a question in each of the engines. `profile` names the
+    benchmark whose tasks are asked as it asks them. `shard` is the number of instances in a shard, `versions` those
+    of wmspec and the engines. `licence` is stated in the card and has no other effect.
 
     Raises WmsError if two tasks have the same name.
     """
@@ -67,6 +68,7 @@ class Plan:
     samples: int | None = None
     renderer: str = ""
     rows_of: RowsOf = "questions"
+    profile: str = ""
     shard: int = field(default=64)
     licence: str = ""
 
@@ -111,6 +113,7 @@ class Plan:
             "renderer": self.renderer,
             "consensus": self.consensus,
             "rows_of": self.rows_of,
+            **({"profile": self.profile} if self.profile else {}),
             "shard": self.shard,
             "specs": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(self.texts.items())},
             "tasks": {t.spec.name: list(t.indices) for t in self.tasks},

@@ -26,7 +26,7 @@ PICTURES = ("context", "option_image")
 CHANNELS = ("context_depth", "context_ids")
 
 #: What both the plan and the manifest state.
-_SHARED_KEYS = {"seed", "engines", "size", "consensus", "versions", "rows_of"}
+_SHARED_KEYS = {"seed", "engines", "size", "consensus", "versions", "rows_of", "profile"}
 
 #: Remedy for a damaged dataset.
 REPAIR_HINT = "run the command that made the dataset again (`wmspec generate ... -o FOLDER`) to repair it"
@@ -174,7 +174,7 @@ def read_plan(folder: Path) -> dict[str, Any]:
 def _check_plan(folder: Path, manifest: dict[str, Any]) -> None:
     """Raise WmsError if a manifest contradicts the plan in its folder."""
     plan = read_plan(folder)
-    same = all(plan[key] == manifest[key] for key in plan.keys() & _SHARED_KEYS)
+    same = all(plan[key] == manifest.get(key) for key in plan.keys() & _SHARED_KEYS)
     if plan and not (same and fingerprint(plan) == manifest.get("fingerprint")):
         place = folder / files.MANIFEST
         raise WmsError(f"{place} is not of the dataset that {folder / files.PLAN} plans; {REPAIR_HINT}")

@@ -63,6 +63,7 @@ class _Manifest(_Strict):
     size: Annotated[list[_Side], Field(min_length=2, max_length=2)]
     consensus: Consensus
     rows_of: RowsOf = "engines"
+    profile: str = ""
     versions: dict[str, str]
     tasks: dict[_Name, _Task]
     rows: _Count
