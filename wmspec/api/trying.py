@@ -108,7 +108,7 @@ def _tried(plan: Plan, task: PlannedTask) -> TriedTask:
     outcomes = list(_outcomes(plan, task))
     rows = [row for outcome in outcomes for row in outcome.rows]
     rejected = [each for outcome in outcomes for each in outcome.rejected]
-    counts = count_answers(task.spec, rows, rejected, plan.engines[0])
+    counts = count_answers(task.spec, rows, rejected)
     questions = []
     for q, question in enumerate(task.spec.questions):
         kept = [row for row in rows if row["question"] == q]

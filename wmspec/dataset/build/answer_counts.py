@@ -93,18 +93,18 @@ def label_columns(spec: TaskSpec, columns: Iterable[str]) -> list[str]:
 
 
 def count_answers(
-    spec: TaskSpec, rows: Iterable[Mapping[str, Any]], rejected: Sequence[Rejected], engine: str
+    spec: TaskSpec, rows: Iterable[Mapping[str, Any]], rejected: Sequence[Rejected], engine: str = ""
 ) -> list[AnswerCounts]:
-    """Return the counts of every question of a task in an engine."""
+    """Return the counts of every question of a task, in an engine if rows are of engines."""
     kept: list[Counter[str]] = [Counter() for _ in spec.questions]
     lost: list[Counter[str]] = [Counter() for _ in spec.questions]
     blocks: list[set[int]] = [set() for _ in spec.questions]
     for row in rows:
-        if row["engine"] == engine:
+        if engine in ("", row["engine"]):
             blocks[row["question"]].add(row["block"])
             kept[row["question"]][row_label(spec.questions[row["question"]], row)] += 1
     for each in rejected:
-        if each.engine == engine:
+        if engine in ("", each.engine):
             lost[each.question][each.answer] += 1
     return [
         AnswerCounts(_known(there), _known(gone), len(own)) for there, gone, own in zip(kept, lost, blocks, strict=True)
@@ -119,6 +119,7 @@ def _known(counts: Counter[str]) -> dict[str, int]:
 def balance_shifts(folder: Path, plan: Plan) -> Iterator[str]:
     """Yield a warning for every question of a finished dataset for which the gates change the balance of answers."""
     reader = DatasetReader.open(folder)
+    engine = plan.reference if plan.rows_of == "engines" else ""
     rejected = [Rejected(**each) for each in reader.manifest["rejected"]["list"]]
     for task in plan.tasks:
         spec = task.spec
@@ -126,6 +127,6 @@ def balance_shifts(folder: Path, plan: Plan) -> Iterator[str]:
             reader.rows(spec.name, label_columns(spec, reader.columns(spec.name))) if reader.columns(spec.name) else ()
         )
         lost = [each for each in rejected if each.task == spec.name]
-        for question, counts in zip(spec.questions, count_answers(spec, rows, lost, plan.engines[0]), strict=True):
+        for question, counts in zip(spec.questions, count_answers(spec, rows, lost, engine), strict=True):
             if counts.shift:
                 yield f"warning: {spec.name}{f', {question.name}' if question.name else ''}: {counts.shift}"
