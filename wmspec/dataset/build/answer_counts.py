@@ -12,6 +12,7 @@ from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.lang.check.ir.ir import Question, TaskSpec
 from wmspec.runtime.questions.answer_label import member_label
+from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import Rejected
 
 #: Probability below which a difference between kept and rejected answers is no chance.
@@ -76,7 +77,7 @@ def row_label(question: Question, row: Mapping[str, Any]) -> str:
     if question.orbit:
         levels = {varied.factor: row[f"factor.{varied.factor}"] for varied in question.orbit}
         return member_label(question, levels, {name: row.get(f"level.{name}") for name in levels})
-    return row["answer_value"] if question.kind == "labels" else ""
+    return row["answer_value"] if KINDS[question.kind].countable else ""
 
 
 def label_columns(spec: TaskSpec, columns: Iterable[str]) -> list[str]:

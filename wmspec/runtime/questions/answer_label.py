@@ -25,10 +25,10 @@ def member_label(question: Question, levels: Mapping[str, Any], names: Mapping[s
 
 def answer_label(asking: QuestionContext) -> str:
     """Return the answer of an executed instance before gates, in words; '' if it is open, a picture or undefined."""
-    if asking.question.kind != "labels":
+    kind = KINDS[asking.question.kind]
+    if not kind.countable:
         return ""
     try:
-        kind = KINDS[asking.question.kind]
         return kind.words(asking, kind.answer(asking))
     except (Reject, WmsError):
         return ""

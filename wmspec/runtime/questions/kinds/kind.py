@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from wmspec.lang.check.ir.ir import Counterfactual, Level, Question
 from wmspec.runtime.questions.model import Answer, Number, Option, Picture
@@ -41,6 +41,9 @@ class Kind(ABC, Generic[A]):
     `ask` calls `answer`, `gate`, `change_under_nudge` after every nudge, and `options`; crosscheck calls `answer` and
     `gate`. Answers hold everything that is known without drawing, so that engines can be compared by them.
     """
+
+    #: Whether answers are counted by their words.
+    countable: ClassVar[bool] = False
 
     def executed(self, question: Question, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:
         """Return the counterfactuals to execute for an instance with these factor levels."""

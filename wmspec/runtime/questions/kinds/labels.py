@@ -31,6 +31,8 @@ class LabelAnswer(Answer):
 class Labels(Kind[LabelAnswer]):
     """The answer is the option with the measured value."""
 
+    countable = True
+
     def answer(self, asking: QuestionContext) -> LabelAnswer:
         """Return the measured value and the options."""
         assert asking.question.options is not None
