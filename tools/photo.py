@@ -33,7 +33,7 @@ VIEWS = {
     "relation": View("perception/space/relation", 7, "front", 0.0),
     "trajectory": View("perception/motion/trajectory", 101, "top", 3.33),
     "duration": View("perception/time/duration", 202, "front", 5.0),
-    "collide": View("prediction/mechanistic/collide", 101, "wide", 0.55),
+    "collide": View("prediction/mechanistic/collide", 101, "wide", 1.1),
     "contain": View("prediction/mechanistic/contain", 101, "near", 0.13),
     "domino_row": View("prediction/mechanistic/domino_row", 202, "near", 0.2),
     "arms_push": View("prediction/compositionality/arms_push", 101, "facing", 1.5),

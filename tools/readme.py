@@ -1,8 +1,6 @@
 """Make the picture of the README, `docs/images/questions.jpg`: two questions, large enough to be answered.
 
 python -m tools.readme
-
-The second is a question of `collide` whose pictures are 0.1 s apart, so that the motion is visible at this size.
 """
 
 from __future__ import annotations
@@ -74,8 +72,7 @@ def relation(page: Page) -> None:
 
 def collide(page: Page) -> None:
     """A question whose options are pictures of what could have happened."""
-    text = (ROOT / "specs/prediction/mechanistic/collide.wms").read_text()
-    task = wmspec.load(text=text.replace("in [50, 20, 10, 5] ms", "in [100] ms"))
+    task = wmspec.load(ROOT / "specs/prediction/mechanistic/collide.wms")
     question = task[9].ask(ENGINE, size=(1040, 1040))[0]
     page.text(question.text, 32, bold=True)
     page.y += GAP

@@ -65,12 +65,12 @@ def test_a_task_is_the_sequence_of_its_instances() -> None:
     task = wmspec.load(COLLIDE)
     assert len(task) == 1728
     assert task.dimension == "prediction.mechanistic.physics"
-    assert task.counterfactuals == ("empty_slow", "empty_fast", "full_of_sand_slow", "full_of_sand_fast")
+    assert task.counterfactuals == ("light_slow", "light_fast", "heavy_slow", "heavy_fast")
     fill = next(factor for factor in task.factors if factor.name == "fill")
     assert (fill.name, fill.unit, fill.values, fill.nuisance) == ("fill", "kg", (0.15, 12), False)
     y = next(nuisance for nuisance in task.nuisances if nuisance.name == "y")
     assert y.values is None
-    assert y.bounds == pytest.approx((-0.05, 0.05))
+    assert y.bounds == pytest.approx((-0.03, 0.03))
     assert task[-1].index == 1727
     assert [one.index for one in task[10:13]] == [10, 11, 12]
     with pytest.raises(IndexError, match="instances 0 to 1727"):
@@ -91,8 +91,8 @@ def test_names_that_are_not_there_are_told_with_those_that_are() -> None:
     one = wmspec.load(COLLIDE)[3]
     with pytest.raises(wmspec.WmsError, match="no factor `fil`; did you mean `fill`"):
         one.neighbors("fil")
-    with pytest.raises(wmspec.WmsError, match="no counterfactual `empty_slwo`; did you mean `empty_slow`"):
-        one.stage("empty_slwo")
+    with pytest.raises(wmspec.WmsError, match="no counterfactual `light_slwo`; did you mean `light_slow`"):
+        one.stage("light_slwo")
 
 
 def test_mistakes_are_raised_together() -> None:
@@ -214,8 +214,8 @@ def test_a_stage_that_does_not_say_how_long_it_lasts_is_not_guessed_at(tmp_path:
 def test_a_counterfactual_is_run_as_an_instance_is() -> None:
     installed("mujoco")
     one = wmspec.load(COLLIDE)[0]
-    pushed, harder = one.run("mujoco"), one.run("mujoco", "empty_fast")
-    shown, ratio = int(0.6 * 240), float(one.nuisances["ratio"])  # both have been pushed by then, and have met nothing
+    pushed, harder = one.run("mujoco"), one.run("mujoco", "light_fast")
+    shown, ratio = int(1.1 * 240), float(one.nuisances["ratio"])  # both have been pushed by then, and have met nothing
     slow, fast = (np.linalg.norm(run["ball"].linear_velocity[:shown], axis=1).max() for run in (pushed, harder))
     assert fast - slow == pytest.approx(float(one.nuisances["middle"]) * (ratio**0.5 - ratio**-0.5), rel=0.02)
 

@@ -9,7 +9,10 @@ import pytest
 import wmspec
 from tests.engines import installed
 from tests.language.specs import task_of
-from wmspec.lang.check.ir.ir import Choices, Ref
+from wmspec.compile.design.depend import dependencies
+from wmspec.lang.check.expressions.measured import is_measured
+from wmspec.lang.check.ir.evaluate import subexpressions
+from wmspec.lang.check.ir.ir import Choices, Expr, Interpolation, Question, Ref, TaskSpec, Value
 from wmspec.lang.parse.files import catalogue_folders
 
 FOLDER = next(folder for folder in catalogue_folders() if folder.name == "prediction")
@@ -29,7 +32,7 @@ def test_groups_tiers_and_questions(path: Path) -> None:
     task = task_of(path)
     assert task.name == path.stem
     foreseen, *seen = task.questions
-    assert {question.name for question in seen} in ({"seen_state", "seen_action"}, {"moves", "color", "shape"})
+    assert {question.name for question in seen} == {"seen_state", "seen_action"}
     assert len(foreseen.orbit) == 2, "a state and an action"
     assert foreseen.difference is not None
     strength = foreseen.difference.value
@@ -37,6 +40,36 @@ def test_groups_tiers_and_questions(path: Path) -> None:
     tiers = next(factor for factor in task.factors if factor.name == strength.name)
     assert isinstance(tiers.domain, Choices)
     assert len(tiers.domain.values) == 4
+
+
+@pytest.mark.parametrize("path", PHYSICS, ids=lambda path: path.stem)
+def test_what_the_options_vary_is_asked_and_not_told(path: Path) -> None:
+    task = task_of(path)
+    varied = {orbit.factor for orbit in task.questions[0].orbit}
+    asked = [varied & decisive(task, question) for question in task.questions[1:]]
+    assert all(asked), "about the mover, and not about something else"
+    assert set().union(*asked) == varied
+    for question in task.questions:
+        inserted = [part.value for part in question.text if isinstance(part, Interpolation)]
+        assert not varied & {value.name for value in inserted if isinstance(value, Ref)}
+
+
+def decisive(task: TaskSpec, question: Question) -> set[str]:
+    """The factors of the answer, and of what moves the objects that it measures."""
+    depend = dependencies(task)
+    factors = set(depend.expression(question.answer))
+    if is_measured(task, question.answer):
+        measured = named(question.answer)
+        for action in (thing for thing in task.things if thing.kind == "action"):
+            if measured & named(action.properties["object"].value):
+                factors.update(*(depend.source(f"{action.name}.{name}") for name in action.properties))
+    return factors
+
+
+def named(expression: Expr) -> set[object]:
+    """The names and words in an expression."""
+    parts = list(subexpressions(expression))
+    return {p.name for p in parts if isinstance(p, Ref)} | {p.value for p in parts if isinstance(p, Value)}
 
 
 @pytest.mark.slow

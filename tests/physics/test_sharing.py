@@ -36,10 +36,10 @@ def scene_of(index: int) -> Scene:
 def twins() -> tuple[Scene, Scene]:
     """Two instances that differ in a colour."""
     here = Design(COLLIDE)[7]
-    colors = COLLIDE.factor("ball_color").domain
+    colors = COLLIDE.factor("box_color").domain
     assert isinstance(colors, Choices)
-    other = next(color for color in colors.values if color != here.factors["ball_color"])
-    there = replace(here, factors=here.factors | {"ball_color": other})
+    other = next(color for color in colors.values if color != here.factors["box_color"])
+    there = replace(here, factors=here.factors | {"box_color": other})
     return scene_of(7), read(compose(document(COLLIDE, there)))
 
 

@@ -11,7 +11,7 @@ from wmspec.eval.report.choices import kind_of_change
 from wmspec.eval.report.compare import comparisons
 from wmspec.eval.report.curves import curves, strength
 from wmspec.eval.report.entanglement import paper_dimension, relative_entanglement
-from wmspec.eval.report.filtered import ALL_MODELS, OWN_PERCEPTION
+from wmspec.eval.report.filtered import ALL_MODELS, OWN_PERCEPTION, filtered_accuracies, missed_accuracies
 from wmspec.eval.report.intervals import mean_estimates, seeded_generator
 from wmspec.eval.report.items import fit_item_response, item_rest_correlation, stratified_sample
 from wmspec.eval.report.questions import Questions
@@ -231,6 +231,31 @@ def test_a_known_gain_is_found_and_none_where_there_is_none(made: Made) -> None:
     assert none.low < 0 < none.high
     assert found["sure", OWN_PERCEPTION].kept == 1.0
     assert found["ideal", ALL_MODELS].kept < 0.2
+
+
+def test_a_system_that_ignores_the_mover_leaves_the_filtered_score(made: Made) -> None:
+    """It predicts well by the options alone, and knows nothing of what a companion question is about."""
+    ignores = Rater("ignores", lambda row: 0.0 if row["question_name"] == "color" else 0.8)
+    read = replies(answers(made.rows, ignores), Questions.read(made.folder))
+    (own,) = (f for f in filtered_accuracies(read) if f.by == OWN_PERCEPTION)
+    assert own.everything.value > 0.7
+    assert own.kept == 0.0
+    assert np.isnan(own.perceived.value)
+
+
+def test_the_gain_is_found_by_the_question_that_was_missed(made: Made) -> None:
+    found = {(m.system, m.missed): m for m in missed_accuracies(made.replies)}
+    missed = found["foresees", "color"]
+    # 25 % where it does not tell the colour, 65 % of all; a third is that.
+    assert missed.share == pytest.approx(1 / 3)
+    assert missed.accuracy.value == pytest.approx(0.25, abs=0.07)
+    assert missed.gain.high is not None
+    assert missed.gain.high < -0.25
+    assert ("foresees", "moves") not in found, "it never misses whether something moves"
+    other = found["ideal", "color"].gain
+    assert other.low is not None
+    assert other.high is not None
+    assert other.low < 0 < other.high
 
 
 # ---------------------------------------------------------------- items

@@ -1,8 +1,10 @@
-"""Perception-filtered prediction: accuracy of predictions given correct perception.
+"""Perception-filtered prediction: accuracy of predictions given that state and action were perceived.
 
-Prediction tasks have companion questions about the same episode (does anything move, which colour, which shape is it?).
-Accuracy is taken over all predictions, and over those of episodes whose companion questions were all answered
-correctly. The latter is judged by the system's own answers and, as in the paper, by those of all models.
+Prediction tasks have companion questions about the same episode: on the state and the action that distinguish the
+options (which ball is heavier, does it move slowly or fast?). Accuracy is taken over all predictions, and over those of
+episodes whose companion questions were all answered correctly. The latter is judged by the system's own answers and, as
+in the paper, by those of all models. A further analysis takes the predictions of episodes with one companion question
+answered wrongly: it shows which perception a prediction depends on.
 """
 
 from __future__ import annotations
@@ -38,12 +40,37 @@ class FilteredAccuracy:
     kept: float
 
 
+@dataclass(frozen=True)
+class MissedAccuracy:
+    """A system's accuracy on all predictions of a task, on those whose companion question `missed` it answered wrongly,
+    and the gain Δ.
+
+    `share` is the share of predictions with this question answered wrongly.
+    """
+
+    task: str
+    system: str
+    missed: str
+    everything: Estimate
+    accuracy: Estimate
+    gain: Estimate
+    share: float
+
+
 def filtered_accuracies(replies: Replies) -> tuple[FilteredAccuracy, ...]:
     """Return the result of each prediction task with companion questions and each system. Requires the dataset."""
-    if replies.questions is None or not replies.about["query"].any():
-        return ()
-    queried = sorted(replies.about.loc[replies.about["query"], "task"].unique())
-    return tuple(f for task in queried for f in _task(replies, task))
+    return tuple(f for task in _queried_tasks(replies) for f in _task(replies, task))
+
+
+def missed_accuracies(replies: Replies) -> tuple[MissedAccuracy, ...]:
+    """Return the result of each companion question that a system answers wrongly. Requires the dataset."""
+    return tuple(m for task in _queried_tasks(replies) for m in _missed(replies, task))
+
+
+def _queried_tasks(replies: Replies) -> list[str]:
+    if replies.questions is None:
+        return []
+    return sorted(replies.about.loc[replies.about["query"], "task"].unique())
 
 
 def _task(replies: Replies, task: str) -> Iterator[FilteredAccuracy]:
@@ -64,6 +91,22 @@ def _task(replies: Replies, task: str) -> Iterator[FilteredAccuracy]:
                     np.asarray(perceived[valid], dtype=np.float64),
                     cluster[valid.to_numpy()],
                 )
+
+
+def _missed(replies: Replies, task: str) -> Iterator[MissedAccuracy]:
+    about = replies.about[replies.about["task"] == task]
+    predictions = about[~about["query"]]
+    scores = replies.scores.loc[predictions.index].reset_index(drop=True)
+    for name in sorted(about.loc[about["query"], "question_name"].unique()):
+        rows = about[~about["query"] | (about["question_name"] == name)]
+        seen = _perceived(replies, rows).reindex(_episode(predictions)).reset_index(drop=True)
+        for system in replies.systems:
+            valid = scores[system].notna() & seen[system].notna()
+            missed = 1.0 - np.asarray(seen[system][valid], dtype=np.float64)
+            if missed.any():
+                right, cluster = scores[system][valid].to_numpy(dtype=float), predictions["cluster"].to_numpy()
+                found = _filtered_accuracy((task, system, name), right, missed, cluster[valid.to_numpy()])
+                yield MissedAccuracy(task, system, name, found.everything, found.perceived, found.gain, found.kept)
 
 
 def _episode(about: pd.DataFrame) -> pd.Series[str]:

@@ -28,6 +28,7 @@ def long_tables(report: Report) -> dict[str, pd.DataFrame]:
         "entanglement": report.entanglement,
         "curves": report.curves,
         "filtered": report.filtered,
+        "missed": report.missed,
         "items": report.items.items if report.items else (),
         "abilities": report.items.abilities if report.items else (),
         "short_forms": report.items.forms if report.items else (),
@@ -75,6 +76,12 @@ def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
         rows = ((f"{f.task}, perceived by {f.by}", f.system, _signed_points(f.gain.value)) for f in report.filtered)
         made["filtered"] = (
             f"Gain {DELTA} (points) in prediction where the episode was perceived rightly.",
+            _pivot(rows, report.systems),
+        )
+    if report.missed:
+        rows = ((f"{m.task}, {m.missed} missed", m.system, _signed_points(m.gain.value)) for m in report.missed)
+        made["missed"] = (
+            f"Gain {DELTA} (points) in prediction where a companion question was answered wrongly.",
             _pivot(rows, report.systems),
         )
     if report.entanglement:

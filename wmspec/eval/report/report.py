@@ -11,7 +11,7 @@ from wmspec.eval.report.choices import Flips, Mistakes, Position, flips, mistake
 from wmspec.eval.report.compare import Comparison, comparisons
 from wmspec.eval.report.curves import Curve, curves
 from wmspec.eval.report.entanglement import Entanglement, entanglement
-from wmspec.eval.report.filtered import FilteredAccuracy, filtered_accuracies
+from wmspec.eval.report.filtered import FilteredAccuracy, MissedAccuracy, filtered_accuracies, missed_accuracies
 from wmspec.eval.report.items import Items, items
 from wmspec.eval.report.pairs import Pair, pairs
 from wmspec.eval.report.replies import PEOPLE, Replies, read
@@ -59,6 +59,7 @@ class Report:
     entanglement: tuple[Entanglement, ...]
     curves: tuple[Curve, ...]
     filtered: tuple[FilteredAccuracy, ...]
+    missed: tuple[MissedAccuracy, ...]
     items: Items | None
 
     @property
@@ -101,12 +102,13 @@ def analyse(replies: Replies, dataset: str, progress: Callable[[str, int], None]
         entanglement=step("entanglement", entanglement),
         curves=step("curves", curves),
         filtered=step("filtered", filtered_accuracies),
+        missed=step("missed", missed_accuracies),
         items=step("items", items),
     )
 
 
 #: Number of calls of `progress`.
-STEPS = 11
+STEPS = 12
 
 
 def accounts(replies: Replies) -> tuple[Account, ...]:

@@ -63,7 +63,8 @@ def _decisive_movers(asking: QuestionContext, answer: PictureAnswer) -> list[str
     movers = []
     for k, name in enumerate(answer.bodies):
         places = answer.outcomes[:, k, :3]
-        differ = bool((np.linalg.norm(places - places[0], axis=1) > MIN_MOTION).any() or np.isnan(places).any())
+        gone = np.isnan(places).any(axis=1)
+        differ = bool((np.linalg.norm(places - places[0], axis=1) > MIN_MOTION).any() or gone.any() != gone.all())
         if name in objects and differ and moves(asking.observed, name):
             movers.append(name)
     return movers
