@@ -15,7 +15,7 @@ from wmspec.sim.scene.model import Scene
 from wmspec.sim.scene.physics.episode import play
 from wmspec.sim.usd import read
 
-LAUNCHED, DRIVEN = ("collide", "drop", "slide", "two_balls", "roll"), ("direction", "arm_drop")
+LAUNCHED, DRIVEN = ("drop", "slide", "two_balls", "roll"), ("direction", "arm_drop", "collide")
 
 
 def scene_of(task: str, place: int) -> Scene:
