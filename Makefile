@@ -90,7 +90,6 @@ coverage: browser
 generate: setup
 	$(BIN)/python tools/reference.py
 	$(BIN)/python tools/grammars.py
-	$(BIN)/python tools/capabilities.py
 	$(BIN)/python tools/looks.py
 	@mkdir -p out
 	$(BIN)/wmspec schema > out/generated && mv out/generated docs/schema.json

@@ -23,6 +23,8 @@ from wmspec.cli import main
 from wmspec.dataset.build import rows
 from wmspec.lang.parse.codes import CODES
 from wmspec.lang.parse.pages import page as diagnostic_page
+from wmspec.runtime.engines.registry import info, names
+from wmspec.sim.scene.capability import APPROXIMATE, capability_table
 
 CHANGELOG = Path(__file__).parent.parent / "CHANGELOG.md"
 WIDTH = 80  # characters of a line of help
@@ -56,6 +58,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     made |= {f"tasks/{task.name}": "\n".join(cards.card(task)) for task in _tasks()}
     made["tasks/index"] = "\n".join(cards.index(_tasks()))
     made["reference/columns"] = "\n".join(_columns())
+    made["reference/capabilities"] = "\n".join(_capabilities())
     made |= {f"diagnostics/{code}": diagnostic_page(code).markdown for code in CODES}
     made["changelog"] = CHANGELOG.read_text(encoding="utf-8")
     for name, text in made.items():
@@ -112,6 +115,18 @@ def _columns() -> Iterator[str]:
     yield "| `level.f` | the name of the value, if its values have names |"
     yield "| `group.f` | a key that instances share if they differ in `f` alone |"
     yield "| `nuisance.f` | the value of a nuisance |"
+
+
+def _capabilities() -> Iterator[str]:
+    """Yield the page of what each engine can execute, as the engines declare it."""
+    engines = [info(name) for name in names()]
+    yield "# Capabilities of the engines\n"
+    yield "✓: executed. ≈: executed nearly. —: refused, with the reason in the last column.\n"
+    yield f"| | {' | '.join(engine.title for engine in engines)} | otherwise |"
+    yield "|---|" + "---|" * (len(engines) + 1)
+    for capability, row in capability_table({engine.name: engine.lacks for engine in engines}):
+        marks = ["≈" if why.startswith(APPROXIMATE) else "—" if why else "✓" for why in row.values()]
+        yield f"| {capability} | {' | '.join(marks)} | {'; '.join(dict.fromkeys(filter(None, row.values())))} |"
 
 
 def _column_table(columns: Mapping[str, tuple[object, str]]) -> Iterator[str]:

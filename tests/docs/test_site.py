@@ -14,6 +14,8 @@ import wmspec
 from wmspec.api import HOMES
 from wmspec.cli import COMMANDS
 from wmspec.dataset.build.rows import COLUMNS
+from wmspec.runtime.engines.registry import info, names
+from wmspec.sim.scene.capability import capability_table
 
 ROOT = Path(__file__).parents[2]
 
@@ -32,6 +34,8 @@ def test_it_builds_without_warnings(tmp_path: Path) -> None:
         assert all(f"<code>{factor.name}</code>" in card for factor in task.factors)
     columns = (tmp_path / "reference/columns/index.html").read_text()
     assert all(f"<code>{name}</code>" in columns for name in COLUMNS)
+    capabilities = (tmp_path / "reference/capabilities/index.html").read_text()
+    assert all(name in capabilities for name, _ in capability_table({n: info(n).lacks for n in names()}))
     reference = (tmp_path / "api/index.html").read_text()
     assert all(f'id="{home}.{name}"' in reference for name, home in HOMES.items())
     assert "freiction" in (tmp_path / "diagnostics/WMS203/index.html").read_text()
