@@ -108,5 +108,5 @@ def test_ground_is_a_box_that_all_else_stands_on(scene: Scene) -> None:
 
 
 def _sunk(body: Body) -> Body:
-    """Where the floor shades it."""
-    return replace(body, pose=replace(body.pose, position=body.pose.position - np.array([0.0, 0.0, 0.85])))
+    """Behind the table, where the floor shades it."""
+    return replace(body, pose=replace(body.pose, position=body.pose.position - np.array([0.0, -0.5, 0.85])))
