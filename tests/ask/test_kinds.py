@@ -12,6 +12,8 @@ import wmspec
 from tests.ask.asking import SCENE, asked, one, pair, refused
 from tests.language.specs import task_from
 from wmspec.compile.design.design import Design
+from wmspec.compile.stage.episode import document
+from wmspec.compile.stage.layers import compose
 from wmspec.lang.check.ir.ir import QuestionKind
 from wmspec.lang.check.statements.question_kinds import QUESTION_RULES
 from wmspec.runtime.caches.trace_cache import TraceCache
@@ -21,6 +23,7 @@ from wmspec.runtime.questions.ask import ask
 from wmspec.runtime.questions.consensus import consensus
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import TRUTH, QuestionRow
+from wmspec.sim.usd import read
 
 SOURCES = Path(wmspec.__file__).parent
 #: Where a kind may be named: in its own module, where kinds are told apart, and in the type that names them all.
@@ -120,3 +123,13 @@ def test_texts_among_options_say_values() -> None:
     assert question.text == "Where is the red marble, 8 cm from nothing?"
     assert {option.text for option in question.options} == {"left of the green cube", "red and {right}"}
     assert question.options[question.answer or 0].text == "left of the green cube"
+
+
+def test_lights_are_as_strong_as_a_spec_says() -> None:
+    """Also if sun and sky do not sum to 1."""
+    task = task_from(SCENE.format(body=LOOKS % (DARKER, "")))
+    (question,) = task.questions
+    drawn = Design(task)[0]
+    lights = [read(compose(document(task, drawn, change))).light for change in (None, question.counterfactuals[0])]
+    assert [round(light.ambient, 3) for light in lights] == [0.6, 0.2]
+    assert lights[0].diffuse == lights[1].diffuse

@@ -396,7 +396,7 @@ def test_a_stage_without_episode_camera_and_light() -> None:
 def test_foreign_intensities_keep_the_default_split() -> None:
     light = read(stage('def DistantLight "l" {float inputs:intensity = 3000}' + BALL % "")).light
     assert_allclose(light.direction, (0, 0, -1))
-    assert (light.diffuse, light.ambient) == (0.65, 0.35)
+    assert (light.diffuse, light.ambient) == (0.4, 0.6)
 
 
 # ---------------------------------------------------------------- what is refused

@@ -63,7 +63,7 @@ def daylight(
 ) -> tuple[Light, tuple[float, float, float]]:
     """Return the sun and the background colour (sRGB).
 
-    Intensities of DistantLight and DomeLight are `diffuse` and `ambient` if they sum to 1, as on stages of wmspec.
+    Intensities of DistantLight and DomeLight are `diffuse` and `ambient` if wmspec wrote them or if they sum to 1.
     Other intensities are in units that engines lack; then the default split applies.
 
     Raises: StageError: if there are several lights of a kind, or the sky is an image.
@@ -77,9 +77,15 @@ def daylight(
     background = _background(skies[0], notes) if skies else BACKGROUND
     shadows = not suns or bool(value(suns[0], "inputs:shadow:enable", True))
     diffuse, ambient = (float(value(p[0], "inputs:intensity", 1.0)) if p else 0.0 for p in (suns, skies))
-    if suns and skies and math.isclose(diffuse + ambient, 1.0, abs_tol=1e-4):
+    written = suns and skies and all(_from_spec(light) for light in (suns[0], skies[0]))
+    if written or (suns and skies and math.isclose(diffuse + ambient, 1.0, abs_tol=1e-4)):
         return Light(direction, diffuse, ambient, shadows=shadows), background
     return Light(direction, shadows=shadows), background
+
+
+def _from_spec(light: Usd.Prim) -> bool:
+    """Whether a spec says how strong a light is."""
+    return bool(light.GetAttribute("inputs:intensity").HasCustomDataKey("wms:from"))
 
 
 def _background(sky: Usd.Prim, notes: Substitutions) -> tuple[float, float, float]:
