@@ -17,6 +17,7 @@ from wmspec.dataset.audit.counts import check_files, check_rows, counts
 from wmspec.dataset.audit.duplicates import duplicate_findings, duplicates, mark_faint
 from wmspec.dataset.audit.given import companion_finding
 from wmspec.dataset.audit.image_similarity import QUANTILES, option_similarity, similarity_finding
+from wmspec.dataset.audit.legibility import legibility_finding
 from wmspec.dataset.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Summary, Test
 from wmspec.dataset.audit.motion import motion_finding
 from wmspec.dataset.audit.stability import stability
@@ -110,7 +111,7 @@ def _audit_task(dataset: DatasetReader, task: str, most: int, damaged: bool) -> 
     gathered.findings.append(finding)
     for unit in parts:
         _audit_unit(unit, FullSizePictures(dataset, task), gathered)
-        findings = (companion_finding(parts, unit), *(find(unit) for find in _OPTIONAL))
+        findings = (companion_finding(parts, unit), legibility_finding(unit), *(find(unit) for find in _OPTIONAL))
         gathered.findings += filter(None, findings)
     return gathered
 
