@@ -66,11 +66,24 @@ def make_all(
     with Dataset.open(folder, plan, force=True) as dataset:
         for shard in dataset.pending():
             name = next(name for name, design in designs.items() if design.spec.name == shard.task.spec.name)
-            every = [(i, blank(designs[name], i, e)) for i in shard.indices for e in engines]
-            rows = [encode(asks[name](question, np.random.default_rng(i)), "engines") for i, question in every]
+            order = _shuffled(designs[name], shard.task.indices)
+            every = [(i, blank(designs[name], order[i], e)) for i in shard.indices for e in engines]
+            rows = [
+                encode(replace(asks[name](question, np.random.default_rng(question.index)), index=i), "engines")
+                for i, question in every
+            ]
             dataset.write(shard, rows, ())
         dataset.finish()
     return folder
+
+
+def _shuffled(design: Design, indices: Sequence[int]) -> dict[int, int]:
+    """The instance behind each index: another of its group, at random, so that an index tells no level."""
+    blocks: dict[int, list[int]] = {}
+    for index in indices:
+        blocks.setdefault(design[index].block, []).append(index)
+    random = np.random.default_rng(design.seed)
+    return {i: int(j) for those in blocks.values() for i, j in zip(those, random.permutation(those), strict=True)}
 
 
 def blank(design: Design, index: int, engine: str) -> QuestionRow:

@@ -99,7 +99,7 @@ def test_a_sound_dataset_passes(name: str, audited: Audited) -> None:
     assert found.passed, failing(found)
     held = [f for f in found.findings if f.check == "shortcut" and f.verdict in ("holds", "unclear")]
     checks = {"files", "counts", "balance", "duplicates", "options", "shortcut", "groups", "stability", "legibility"}
-    checks |= {"vocabulary"} if name == "race" else set()
+    checks |= {"metadata", "vocabulary"} if name == "race" else {"metadata"}
     assert {f.check for f in found.findings} == checks
     judged = [p for p in found.probes if p.judged]
     assert len(judged) >= 4

@@ -24,10 +24,15 @@ def found(shared: Shared, task: str) -> Audit:
         ("support", "shortcut", "from `lead` and the distance of the objects from the last picture (the best rule)"),
         ("support", "companions", "no companion question concerns `way`"),
         ("support", "motion", "something moves 12 px or more"),
+        ("support", "metadata", "level of `way` depends on index modulo 2"),
         ("collide", "motion", "something moves 12 px or more"),
         ("collide", "companions", "no companion question concerns `pace`"),
+        ("collide", "metadata", "level of `fill` depends on index modulo 4"),
         ("identification_room", "motion", "something moves 12 px or more"),
+        ("identification_room", "metadata", "answer depends on "),
+        ("relation_room", "metadata", "answer depends on index modulo 4"),
         ("material_room", "vocabulary", "`planks` is a kind of `wood`"),
+        ("material_room", "metadata", "answer depends on order of the rows modulo 2"),
     ],
 )
 def test_an_old_task_fails_for_its_defect(task: str, check: str, words: str, shared: Shared) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.dataset.audit import balance, groups, probes
+from wmspec.dataset.audit import balance, groups, metadata, probes
 from wmspec.dataset.audit.cases import FullSizePictures, Unit, task_of, units
 from wmspec.dataset.audit.constant_answers import constant_answer_finding
 from wmspec.dataset.audit.counts import check_files, check_rows, counts
@@ -113,6 +113,7 @@ def _audit_task(dataset: DatasetReader, task: str, most: int, damaged: bool) -> 
         _audit_unit(unit, FullSizePictures(dataset, task), gathered)
         findings = (companion_finding(parts, unit), legibility_finding(unit), *(find(unit) for find in _OPTIONAL))
         gathered.findings += filter(None, findings)
+    gathered.tests += metadata.level_tests(parts[0]) if parts else []
     return gathered
 
 
@@ -125,7 +126,7 @@ def _audit_unit(unit: Unit, pictures: FullSizePictures, gathered: _Results) -> N
     alike = option_similarity(unit)
     gathered.findings.append(similarity_finding(unit, alike))
     gathered.likeness += [alike] if alike else []
-    gathered.tests += balance.tests(unit)
+    gathered.tests += [*balance.tests(unit), *metadata.answer_tests(unit)]
     probed = probes.probes(unit)
     if not probed and not unit.open:
         few = f"{len(unit.per_instance):,} instances of {unit.draws:,} groups are too few for shortcut probes"
