@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from wmspec.core.diagnostics import Report
+from wmspec.lang.check.statements.task import check
 from wmspec.lang.check.tables.overlaps import KINDS, is_kind_of
 
 WORDS = sorted({word for whole, kinds in KINDS.items() for word in (whole, *kinds)})
+SPECS = Path(__file__).parent.parent.parent / "specs"
 MODIFIERS = ["red", "tall", "left", "small"]
 
 
@@ -60,3 +65,10 @@ def test_words_before_a_kind_keep_it_one(kind: str, whole: str, before: list[str
     more = " ".join(["the", *before, kind])
     assert is_kind_of(more, f"a {whole}") == (is_kind_of(kind, whole) or (kind == whole and bool(before)))
     assert not is_kind_of(whole, " ".join([*MODIFIERS, kind]))
+
+
+@pytest.mark.parametrize("path", sorted(SPECS.glob("p*/**/*.wms")), ids=lambda path: path.stem)
+def test_the_catalogue_offers_no_two(path: Path) -> None:
+    report = Report()
+    check(path, report)
+    assert not [str(d) for d in report.diagnostics if d.code == "WMS511"]
