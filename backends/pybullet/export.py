@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from wmspec.sim.scene.joints.articulations import Link, LoopClosure, MimicConstraint
 from wmspec.sim.scene.model import Scene
+from wmspec.sim.scene.physics import rest
 from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 from wmspec.sim.scene.script import episode_script
 
@@ -23,11 +24,13 @@ CONSTANTS = {
         "TIE_FORCE",
         "MAX_JOINT_SPEED",
     ),
+    rest: ("REST_SPEED", "REST_SPIN", "REST_CHECKS", "CHECK_STEPS", "REACH", "WINDOW", "FASTEST_FALL"),
     shapes: ("IDENTITY_POSE", "KINDS"),
     articulations: ("JOINTS", "SELF_COLLISION_FLAGS"),
 }
 PARTS = (
     *(CollisionShape, Rigid, Link, LoopClosure, MimicConstraint, Assembly),
+    *(rest.Rest, rest.is_moving, rest.bounding_box, rest.box_corners, rest.box_distance),
     *(shapes.shape, shapes.relative_pose, shapes.xyzw, shapes.single, shapes.several, shapes.objects),
     *(articulations.add_multibody, articulations.depth_first, articulations.disable_motor, articulations.reset_tree),
     world.World,

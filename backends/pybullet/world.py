@@ -11,6 +11,7 @@ import numpy as np
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.joints.articulations import Link, LoopClosure, MimicConstraint
 from wmspec.sim.scene.physics.episode import TOUCH_BEGIN, TOUCH_END, Grip
+from wmspec.sim.scene.physics.rest import Rest
 from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 
 from .articulations import add_multibody, reset_tree
@@ -34,7 +35,7 @@ class World:
 
     def __init__(self, assembly: Assembly) -> None:
         self.client = pybullet.connect(pybullet.DIRECT)
-        self.bodies, self.gravity = assembly.bodies, np.array(assembly.gravity)
+        self.bodies, self.lift = assembly.bodies, list(-HEAVY_MASS * np.array(assembly.gravity))
         pybullet.setGravity(*assembly.gravity, physicsClientId=self.client)
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=assembly.step,
@@ -60,6 +61,7 @@ class World:
             elif i not in self.parts:
                 self.parts |= self.grow(self.trees[i])
         self.index = {part: body for body, parts in self.parts.items() for part in parts}
+        self.pairs: dict[tuple[int, int, int, int], tuple[int, int]] = {}
         self.ids = [self.parts[i][0] if self.parts[i] else (-1, -1) for i in range(len(self.bodies))]
         self.drives = {limb.joint: limb for tree in assembly.trees for limb in tree if limb.drive}
         self.targets = {joint: limb.drive[2] for joint, limb in self.drives.items()}
@@ -67,6 +69,9 @@ class World:
         self.held: set[int] = set()
         self.loop_closures: dict[int, list[int]] = {}
         self.met: set[tuple[int, int]] = set()
+        self.rest = Rest(self.bodies, assembly.step, allowed=not assembly.trees)
+        self.states: dict[int, Any] = {}
+        self.skipped: int | None = None
         for a, b in assembly.non_colliding_pairs:
             for one, other in [(one, other) for one in self.parts[a] for other in self.parts[b]]:
                 pybullet.setCollisionFilterPair(one[0], other[0], one[1], other[1], 0, physicsClientId=self.client)
@@ -184,28 +189,56 @@ class World:
 
     def kick(self, body: int, linear: Any, angular: Any) -> None:
         """Set the velocities of a free body."""
+        self.stir()
         pybullet.resetBaseVelocity(self.ids[body][0], list(linear), list(angular), physicsClientId=self.client)
 
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
-        """Return a function that resets kinematic bodies to their paths before step i."""
-        moves = [(body, here.tolist(), speeds.tolist()) for body, (here, _, speeds) in paths.items()]
+        """Return a function that resets kinematic bodies to their paths before step i.
+
+        Distant ones are reset at times only, and nothing is while all steps are left out.
+        """
+        moves = [(body, np.concatenate([here, speeds], axis=1)) for body, (here, _, speeds) in paths.items()]
+        self.rest.follow(paths)
+
+        def move(i: int, near: set[int] | None = None) -> None:
+            for body, states in moves:
+                if near is None or body in near:
+                    x, y, z, c, u, v, w, *speeds = states[i].tolist()
+                    self.reset(self.ids[body][0], (x, y, z), (u, v, w, c), speeds[:3], speeds[3:])
 
         def drive(i: int) -> None:
-            for body, here, speeds in moves:
-                self.drive(body, here[i], speeds[i])
+            if self.rest.skips(i, self.state):
+                self.skipped = i
+                return
+            self.skipped = None
+            if moves:
+                move(i, self.rest.neighbours(i, self.state) if self.rest.allowed and not self.loop_closures else None)
 
+        self.move = move
         return drive
+
+    def stir(self) -> None:
+        """Leave out no step until everything rests again."""
+        self.states.clear()
+        self.rest.wake()
+        if self.skipped is not None:
+            self.move(self.skipped)
+            self.skipped = None
 
     def drive(self, body: int, here: Any, speeds: Any) -> None:
         """Reset a kinematic body to its path and hold it against gravity."""
-        handle, place = self.ids[body][0], list(here[:3])
-        pybullet.resetBasePositionAndOrientation(handle, place, xyzw(here[3:]), physicsClientId=self.client)
-        pybullet.resetBaseVelocity(handle, list(speeds[:3]), list(speeds[3:]), physicsClientId=self.client)
-        lift = list(-HEAVY_MASS * self.gravity)
-        pybullet.applyExternalForce(handle, -1, lift, place, pybullet.WORLD_FRAME, physicsClientId=self.client)
+        self.reset(self.ids[body][0], list(here[:3]), xyzw(here[3:]), list(speeds[:3]), list(speeds[3:]))
+
+    def reset(self, handle: int, place: Any, turn: Any, speed: Any, spin: Any) -> None:
+        """Reset a heavy body, given PyBullet's quaternion (x, y, z, w), and hold it against gravity."""
+        client = self.client
+        pybullet.resetBasePositionAndOrientation(handle, place, turn, physicsClientId=client)
+        pybullet.resetBaseVelocity(handle, speed, spin, physicsClientId=client)
+        pybullet.applyExternalForce(handle, -1, self.lift, place, pybullet.WORLD_FRAME, physicsClientId=client)
 
     def push(self, body: int, force: Any, torque: Any) -> None:
         """Apply a force and a torque at the centre of mass of a body during the next step."""
+        self.stir()
         part, here = self.ids[body], self.state(body)[:3]
         where = {"flags": pybullet.WORLD_FRAME, "physicsClientId": self.client}
         pybullet.applyExternalForce(*part, list(force), list(here), **where)
@@ -214,10 +247,12 @@ class World:
 
     def aim(self, joint: int, target: float) -> None:
         """Set the target of a drive."""
+        self.stir()
         self.targets[joint] = target
 
     def hold(self, body: int, at: Any = None) -> None:
         """Reset a dynamic body to its start or to `at`; a free one becomes as heavy as a kinematic one."""
+        self.stir()
         if body in self.trees:
             made = {limb.body: self.ids[limb.body] for limb in self.trees[body]}
             reset_tree(self.trees[body], made, self.bodies, self.client, moving=False)
@@ -231,12 +266,14 @@ class World:
 
     def free(self, body: int) -> None:
         """Release a held body."""
+        self.stir()
         if body not in self.trees:
             self.held.remove(body)
             self.weigh(body, self.bodies[body].mass, self.bodies[body].moments)
 
     def grip(self, number: int, grip: Grip, anchors: Any) -> None:
         """Tie points of a hand to anchors in the frame of a body."""
+        self.stir()
         ends = [(self.ids[grip.hand], grip.points), (self.ids[grip.body], anchors)]
         if grip.body in self.trees:  # constraints go from link to free body only
             ends.reverse()
@@ -257,6 +294,7 @@ class World:
 
     def loose(self, number: int, _grip: Grip) -> None:
         """Release a grip."""
+        self.stir()
         for tie in self.loop_closures.pop(number):
             pybullet.removeConstraint(tie, physicsClientId=self.client)
 
@@ -268,8 +306,10 @@ class World:
     def step(self) -> None:
         """Advance one step with the forces of drives, which PyBullet's motors lack.
 
-        Half of them in the first step makes the motion exact, as with gravity.
+        Half of them in the first step makes the motion exact, as with gravity. A step that changes nothing is left out.
         """
+        if self.skipped is not None:
+            return
         for joint, limb in self.drives.items():
             stiffness, damping, _, velocity, most = limb.drive
             place, speed = pybullet.getJointState(*self.ids[limb.body], physicsClientId=self.client)[:2]
@@ -283,9 +323,17 @@ class World:
             )
         self.fresh.clear()
         pybullet.stepSimulation(physicsClientId=self.client)
+        self.states.clear()
+        self.rest.check(self.state, bool(self.loop_closures or self.held))
 
     def state(self, body: int) -> Any:
         """Return position, quaternion, linear and angular velocity of a body in world axes (13,)."""
+        if body not in self.states:
+            self.states[body] = self.read_state(body)
+        return self.states[body]
+
+    def read_state(self, body: int) -> Any:
+        """Return the same from PyBullet."""
         handle, link = self.ids[body]
         if link < 0:
             position, turn = pybullet.getBasePositionAndOrientation(handle, physicsClientId=self.client)
@@ -297,14 +345,20 @@ class World:
 
     def touching(self) -> set[tuple[int, int]]:
         """Return the pairs that touched in the last step."""
-        met = set()
+        if self.skipped is not None:
+            return self.met
+        met, pairs, last = set(), self.pairs, self.met
         for point in pybullet.getContactPoints(physicsClientId=self.client):
-            one, other = self.index[point[1], point[3]], self.index[point[2], point[4]]
-            pair = (min(one, other), max(one, other))
-            if point[8] < (TOUCH_END if pair in self.met else TOUCH_BEGIN):
+            key = point[1:5]
+            pair = pairs.get(key)
+            if pair is None:
+                one, other = self.index[point[1], point[3]], self.index[point[2], point[4]]
+                pair = pairs[key] = (min(one, other), max(one, other))
+            if pair not in met and point[8] < (TOUCH_END if pair in last else TOUCH_BEGIN):
                 met.add(pair)
-        self.met = met
-        return met
+        if met != last:
+            self.met = met
+        return self.met
 
     def close(self) -> None:
         """Free the client; there are only 1024."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from wmspec.sim.scene.joints.articulations import Link, LoopClosure, MimicConstraint, ancestors
 from wmspec.sim.scene.model import Scene
+from wmspec.sim.scene.physics import rest
 from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 from wmspec.sim.scene.script import episode_script
 
@@ -19,11 +20,13 @@ CONSTANTS = {
         "LANDING_ITERATIONS",
         "JUMP_DISTANCE",
     ),
+    rest: ("REST_SPEED", "REST_SPIN", "REST_CHECKS", "CHECK_STEPS", "REACH", "WINDOW", "FASTEST_FALL"),
     shapes: ("CONTACT_OFFSET", "ALONG_X"),
     joints: ("JOINTS", "MIMIC_FREQUENCY", "MIMIC_DAMPING", "MAX_JOINT_SPEED"),
 }
 PARTS = (
     *(CollisionShape, Rigid, Link, LoopClosure, MimicConstraint, Assembly),
+    *(rest.Rest, rest.is_moving, rest.bounding_box, rest.box_corners, rest.box_distance),
     *(
         joints.split_at_ball_joints,
         joints.connect,

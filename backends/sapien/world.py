@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.joints.articulations import Link, LoopClosure
 from wmspec.sim.scene.physics.episode import Grip
+from wmspec.sim.scene.physics.rest import Rest
 from wmspec.sim.scene.physics.rigid import Assembly, Rigid
 
 from .joints import ball, collision_words, connect, couple, frame, split_at_ball_joints
@@ -49,7 +50,14 @@ class World:
         self.scene.set_timestep(assembly.step)
         self.bodies, self.landing = assembly.bodies, landing
         self.targets: dict[int, Any] = {}
+        self.moves: dict[int, tuple[Any, ...]] = {}
+        self.moved: dict[int, int] = {}
         self.loop_closures: dict[int, list[Any]] = {}
+        self.rest_detector = Rest(assembly.bodies, assembly.step, allowed=not assembly.trees)
+        self.states: dict[int, Any] = {}
+        self.met: set[tuple[int, int]] = set()
+        self.held: set[int] = set()
+        self.skipped: int | None = None
         self.lanes = lanes(assembly.bodies)
         self.ignored = collision_words(assembly.non_colliding_pairs, len(self.bodies))
         self.mimic_constraints, self.seconds = assembly.mimic_constraints, assembly.step
@@ -63,6 +71,7 @@ class World:
                 for branch in split_at_ball_joints(self.trees[i]):
                     made |= self.grow(branch, made)
         self.parts = [made[i] for i in range(len(self.bodies))]
+        self.numbers = {part: i for i, part in enumerate(self.parts)}
         for tie in assembly.loop_closures:
             self.tie(tie)
 
@@ -169,17 +178,60 @@ class World:
 
     def kick(self, body: int, linear: Any, angular: Any) -> None:
         """Set the velocities of a free body."""
+        self.stir()
         self.parts[body].set_linear_velocity(np.array(linear, np.float32))
         self.parts[body].set_angular_velocity(np.array(angular, np.float32))
 
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
-        """Return a function that sets targets of kinematic bodies before step i."""
+        """Return a function that sets targets of kinematic bodies before step i.
+
+        Distant ones are placed on their paths at times only, and nothing is while all steps are left out.
+        """
+        self.rest_detector.follow(paths)
+        for body, (here, there, _) in paths.items():
+            jumps = np.abs(there[:-1] - here[1:]).max(axis=1, initial=0.0) > JUMP_DISTANCE
+            ends = there.astype(np.float32)
+            self.moves[body] = here, there, ends[:, :3], ends[:, 3:], [True, *jumps.tolist()]
 
         def drive(i: int) -> None:
-            for body, (here, there, _) in paths.items():
-                self.drive(body, here[i], there[i])
+            rest = self.rest_detector
+            if rest.skips(i, self.state):
+                self.skipped = i
+                return
+            self.skipped = None
+            if not paths or not rest.allowed or self.loop_closures:
+                self.move(i, paths)
+                return
+            if rest.neighbours(i, self.state) is None:
+                for body in paths.keys() - rest.near:
+                    self.place(body, paths[body][0][i])
+            self.move(i, rest.near)
 
         return drive
+
+    def move(self, i: int, bodies: Iterable[int]) -> None:
+        """Set the targets of kinematic bodies for step `i`."""
+        for body in bodies:
+            here, there, places, turns, jumps = self.moves[body]
+            if jumps[i] or self.moved.get(body) != i - 1:
+                self.drive(body, here[i], there[i])
+            else:
+                self.parts[body].set_kinematic_target(sapien.Pose(places[i], turns[i]))
+                self.targets[body] = there[i]
+            self.moved[body] = i
+
+    def place(self, body: int, here: Any) -> None:
+        """Place a kinematic body, which stays there."""
+        self.targets.pop(body, None)
+        self.parts[body].entity.set_pose(frame(here))
+
+    def stir(self) -> None:
+        """Leave out no step until everything rests again."""
+        self.states.clear()
+        self.rest_detector.wake()
+        if self.skipped is not None:
+            self.move(self.skipped, self.moves)
+            self.skipped = None
 
     def drive(self, body: int, here: Any, there: Any) -> None:
         """Set the target of a kinematic body for the next step; teleport it first if it is off its path."""
@@ -190,15 +242,19 @@ class World:
 
     def push(self, body: int, force: Any, torque: Any) -> None:
         """Apply a force and a torque at the centre of mass of a dynamic body during the next step."""
+        self.stir()
         self.parts[body].add_force_torque(np.array(force, np.float32), np.array(torque, np.float32))
 
     def aim(self, joint: int, target: float) -> None:
         """Set the target of a drive."""
+        self.stir()
         self.joints[joint].set_drive_target(target)
 
     def hold(self, body: int, at: Any = None) -> None:
         """Reset a dynamic body to its start or to `at`, and make a free one kinematic."""
+        self.stir()
         if body not in self.trees:
+            self.held.add(body)
             self.parts[body].set_kinematic(True)
             place = np.array(self.bodies[body].start if at is None else at)
             if at is not None:
@@ -215,38 +271,57 @@ class World:
 
     def free(self, body: int) -> None:
         """Release a held body."""
+        self.stir()
         if body not in self.trees:
+            self.held.discard(body)
             self.parts[body].set_kinematic(False)
 
     def grip(self, number: int, grip: Grip, anchors: Any) -> None:
         """Tie points of a hand to anchors in the frame of a body."""
+        self.stir()
         self.loop_closures[number] = [
             self.point(grip.body, grip.hand, anchor, point) for point, anchor in zip(grip.points, anchors, strict=True)
         ]
 
     def loose(self, number: int, grip: Grip) -> None:
         """Release a grip."""
+        self.stir()
         for tie in self.loop_closures.pop(number):
             self.parts[grip.body].entity.remove_component(tie)
 
     def step(self) -> None:
-        """Advance one step."""
+        """Advance one step. A step that changes nothing is left out."""
+        if self.skipped is not None:
+            return
         self.scene.step()
+        self.states.clear()
+        self.rest_detector.check(self.state, bool(self.loop_closures or self.held))
 
     def state(self, body: int) -> Any:
         """Return position, quaternion, linear and angular velocity of a body in world axes (13,)."""
+        if body not in self.states:
+            self.states[body] = self.read_state(body)
+        return self.states[body]
+
+    def read_state(self, body: int) -> Any:
+        """Return the same from SAPIEN."""
         part = self.parts[body]
         place = part.entity_pose
         return np.concatenate([place.p, place.q, part.linear_velocity, part.angular_velocity])
 
     def touching(self) -> set[tuple[int, int]]:
         """Return the pairs that touched in the last step; PhysX reports none beyond `TOUCH_BEGIN`."""
-        pairs = set()
+        if self.skipped is not None:
+            return self.met
+        met, numbers = set(), self.numbers
         for contact in self.system.get_contacts():
             if contact.points:
-                first, second = (int(part.entity.name) for part in contact.bodies)
-                pairs.add((min(first, second), max(first, second)))
-        return pairs
+                one, other = contact.bodies
+                first, second = numbers[one], numbers[other]
+                met.add((first, second) if first < second else (second, first))
+        if met != self.met:
+            self.met = met
+        return self.met
 
 
 def entity(part: Any, number: int, place: Any) -> Any:

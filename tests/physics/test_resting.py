@@ -1,6 +1,8 @@
-"""What rests sleeps in MuJoCo, and whatever moves it wakes it: all ends where it would have without sleeping."""
+"""What rests is not stepped, and whatever moves it wakes it: all ends where it would have with every step."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +12,8 @@ from tests.language.specs import task_from
 from wmspec.compile.design.design import Design
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
+from wmspec.sim.scene.model.transform import rotate
+from wmspec.sim.scene.physics import rest
 from wmspec.sim.scene.physics.episode import play
 from wmspec.sim.usd import read
 
@@ -54,3 +58,60 @@ def test_what_moves_wakes_what_slept(happens: str) -> None:
     assert slept > 0, "at least the other one sleeps"
     assert np.abs(asleep.states[..., :3] - awake.states[..., :3]).max() < 2e-4
     assert asleep.touching == awake.touching
+
+
+@pytest.mark.parametrize("engine", ["pybullet", "sapien"])
+@pytest.mark.parametrize("happens", WAKES.values(), ids=WAKES)
+def test_engines_without_sleep_leave_out_the_steps_that_change_nothing(
+    engine: str, happens: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    backend = installed(engine)
+    scene = read(compose(document(spec := task_from(SCENE.format(happens=happens)), Design(spec)[0])))
+    skips, skipped = rest.Rest.skips, list[bool]()
+
+    def counted(self: rest.Rest, *step: Any) -> bool:
+        skipped.append(skips(self, *step))
+        return skipped[-1]
+
+    with monkeypatch.context() as patched:
+        patched.setattr(rest, "REST_CHECKS", 10**9)
+        every = backend.execute(scene)
+    monkeypatch.setattr(rest.Rest, "skips", counted)
+    some = backend.execute(scene)
+    assert sum(skipped) > 0.2 * len(skipped), "the first second, at least"
+    assert np.abs(every.position - every.position[0]).max() > 0.01
+    assert np.abs(some.position - every.position).max() < 2e-4
+    assert {(c.first, c.second) for c in some.contacts} == {(c.first, c.second) for c in every.contacts}
+
+
+@pytest.mark.parametrize("engine", ["pybullet", "sapien"])
+def test_what_is_about_to_fall_is_stepped(engine: str) -> None:
+    """A board that lies 0.3 mm beyond its balance starts slower than anything that is seen to move."""
+    backend = installed(engine)
+    tilting = """task still : custom {
+      object block { shape: cube  size: 40 cm  at: (0, 0, 20 cm)  fixed: true }
+      object board { shape: box  size: (60 cm, 40 cm, 4 cm)  at: (20.03 cm, 0, 42 cm) }
+      horizon 4 s
+      camera front { at: (0, -3 m, 1 m) }
+      observe front at [0 s]
+    }"""
+    scene = read(compose(document(spec := task_from(tilting), Design(spec)[0])))
+    trace = backend.execute(scene)
+    assert trace.position[-1, trace.bodies.index("board"), 2] < 0.3
+
+
+def test_the_gap_of_boxes_is_never_overestimated() -> None:
+    generator = np.random.default_rng(7)
+    grid = np.stack(np.meshgrid(*[np.linspace(0, 1, 5)] * 3), axis=-1).reshape(-1, 3)
+    for _ in range(200):
+        low = generator.uniform(-0.2, 0, (2, 3))
+        boxes = [np.stack([a, a + generator.uniform(0.02, 0.4, 3)]) for a in low]
+        poses = np.concatenate([generator.uniform(-0.5, 0.5, (2, 3)), generator.normal(size=(2, 4))], axis=1)
+        poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
+        one, other = (
+            pose[:3] + rotate(pose[3:], box[0] + grid * (box[1] - box[0]))
+            for box, pose in zip(boxes, poses, strict=True)
+        )
+        sampled = np.linalg.norm(one[:, None] - other[None], axis=2).min()
+        bound = rest.box_distance(boxes[0], poses[:1], boxes[1], poses[1])
+        assert bound[0] <= sampled + 1e-9

@@ -21,6 +21,9 @@ MAX_GRASP_OFFSET = 0.01  # m: largest distance of the fingertips from the box of
 CHECK_RATE = 30  # Hz
 MIN_ARM_LINKS = 3  # an action that moves at least this number of bodies belongs to an arm
 
+#: The numbers of a sample and of two bodies.
+_Place = tuple[int, int, int]
+
 
 def penetration(scene: Scene, trace: Trace) -> tuple[float, str, str, float] | None:
     """Return time (s), two bodies and depth (m) of the first penetration above `MAX_PENETRATION` caused by an arm."""
@@ -32,7 +35,8 @@ def penetration(scene: Scene, trace: Trace) -> tuple[float, str, str, float] | N
         for one, other in ((contact.first, contact.second), (contact.second, contact.first)):
             if one in arms:
                 led.append((other, contact.start, contact.stop))
-    found = [press for one in led for press in _presses(scene, trace, *one)]
+    known: dict[_Place, float] = {}
+    found = [press for one in led for press in _presses(scene, trace, known, *one)]
     return min(found, default=None)
 
 
@@ -51,7 +55,7 @@ def missed_grasp(scene: Scene, trace: Trace) -> tuple[float, str, str] | None:
 
 
 def _presses(
-    scene: Scene, trace: Trace, body: str, since: float, until: float
+    scene: Scene, trace: Trace, known: dict[_Place, float], body: str, since: float, until: float
 ) -> Iterator[tuple[float, str, str, float]]:
     """Yield the first penetration of each contact of a guided body, and of bodies that it pushes in turn."""
     free = {b.name for b in scene.bodies if b.motion == "dynamic"}
@@ -60,14 +64,17 @@ def _presses(
         left = [c for c in left if c not in near]
         led |= {name for c in near for name in (c.first, c.second) if name in free}
         for contact in near:
-            if press := _first(scene, trace, contact, max(contact.start, since), min(contact.stop, until)):
+            if press := _first(scene, trace, known, contact, max(contact.start, since), min(contact.stop, until)):
                 yield press
 
 
 def _first(
-    scene: Scene, trace: Trace, contact: Contact, start: float, stop: float
+    scene: Scene, trace: Trace, known: dict[_Place, float], contact: Contact, start: float, stop: float
 ) -> tuple[float, str, str, float] | None:
-    """Return time (s), bodies and depth (m) of the first penetration between two times (s)."""
+    """Return time (s), bodies and depth (m) of the first penetration between two times (s).
+
+    `known` holds the depths that were computed for other guided bodies.
+    """
     numbers, before = [trace.bodies.index(name) for name in (contact.first, contact.second)], b""
     for time in np.linspace(start, stop, max(2, round((stop - start) * CHECK_RATE))).tolist():
         i = trace.sample(time)
@@ -75,14 +82,21 @@ def _first(
         if here == before:  # unchanged poses have unchanged depth
             continue
         before = here
-        one, other = (
-            [
-                (g.shape, compose(Pose(trace.position[i, n], trace.orientation[i, n]), g.pose))
-                for g in colliders(scene.bodies[n])
-            ]
-            for n in numbers
-        )
-        depth = max((overlap(*a, *b, MAX_PENETRATION) for a in one for b in other), default=0.0)
-        if depth > 0:
-            return float(trace.time[i]), contact.first, contact.second, depth
+        place = (i, numbers[0], numbers[1])
+        if place not in known:
+            known[place] = _depth(scene, trace, *place)
+        if known[place] > 0:
+            return float(trace.time[i]), contact.first, contact.second, known[place]
     return None
+
+
+def _depth(scene: Scene, trace: Trace, i: int, first: int, second: int) -> float:
+    """Return the depth (m) of the penetration of two bodies at sample `i`."""
+    one, other = (
+        [
+            (g.shape, compose(Pose(trace.position[i, n], trace.orientation[i, n]), g.pose))
+            for g in colliders(scene.bodies[n])
+        ]
+        for n in (first, second)
+    )
+    return max((overlap(*a, *b, MAX_PENETRATION) for a in one for b in other), default=0.0)
