@@ -67,9 +67,10 @@ class World:
         self.targets = {joint: limb.drive[2] for joint, limb in self.drives.items()}
         self.fresh = set(self.drives)
         self.held: set[int] = set()
+        self.places: dict[int, tuple[float, ...]] = {}
         self.loop_closures: dict[int, list[int]] = {}
         self.met: set[tuple[int, int]] = set()
-        self.rest = Rest(self.bodies, assembly.step, allowed=not assembly.trees)
+        self.rest = Rest(self.bodies, assembly.step)
         self.states: dict[int, Any] = {}
         self.skipped: int | None = None
         for a, b in assembly.non_colliding_pairs:
@@ -210,9 +211,10 @@ class World:
             if self.rest.skips(i, self.state):
                 self.skipped = i
                 return
-            self.skipped = None
+            if self.skipped is not None:
+                self.resume()
             if moves:
-                move(i, self.rest.neighbours(i, self.state) if self.rest.allowed and not self.loop_closures else None)
+                move(i, self.rest.neighbours(i, self.state) if not self.loop_closures else None)
 
         self.move = move
         return drive
@@ -223,7 +225,13 @@ class World:
         self.rest.wake()
         if self.skipped is not None:
             self.move(self.skipped)
-            self.skipped = None
+            self.resume()
+
+    def resume(self) -> None:
+        """Reset held bodies, which were not reset while steps were left out."""
+        self.skipped = None
+        for body in self.places:
+            self.keep(body)
 
     def drive(self, body: int, here: Any, speeds: Any) -> None:
         """Reset a kinematic body to its path and hold it against gravity."""
@@ -252,7 +260,16 @@ class World:
 
     def hold(self, body: int, at: Any = None) -> None:
         """Reset a dynamic body to its start or to `at`; a free one becomes as heavy as a kinematic one."""
-        self.stir()
+        place = tuple(self.bodies[body].start if at is None else at)
+        if self.places.get(body) != place:
+            self.stir()
+            self.places[body] = place
+        if not self.rest.idle:
+            self.keep(body)
+
+    def keep(self, body: int) -> None:
+        """Reset a held body to its place."""
+        self.states.clear()
         if body in self.trees:
             made = {limb.body: self.ids[limb.body] for limb in self.trees[body]}
             reset_tree(self.trees[body], made, self.bodies, self.client, moving=False)
@@ -261,12 +278,12 @@ class World:
         if body not in self.held:
             self.held.add(body)
             self.weigh(body, HEAVY_MASS, [HEAVY_INERTIA] * 3)
-        place = self.bodies[body].start if at is None else at
-        self.drive(body, place, (0.0,) * 6)
+        self.drive(body, self.places[body], (0.0,) * 6)
 
     def free(self, body: int) -> None:
         """Release a held body."""
         self.stir()
+        self.places.pop(body, None)
         if body not in self.trees:
             self.held.remove(body)
             self.weigh(body, self.bodies[body].mass, self.bodies[body].moments)
@@ -324,7 +341,7 @@ class World:
         self.fresh.clear()
         pybullet.stepSimulation(physicsClientId=self.client)
         self.states.clear()
-        self.rest.check(self.state, bool(self.loop_closures or self.held))
+        self.rest.check(self.state, bool(self.loop_closures))
 
     def state(self, body: int) -> Any:
         """Return position, quaternion, linear and angular velocity of a body in world axes (13,)."""

@@ -53,10 +53,10 @@ class World:
         self.moves: dict[int, tuple[Any, ...]] = {}
         self.moved: dict[int, int] = {}
         self.loop_closures: dict[int, list[Any]] = {}
-        self.rest_detector = Rest(assembly.bodies, assembly.step, allowed=not assembly.trees)
+        self.rest_detector = Rest(assembly.bodies, assembly.step)
         self.states: dict[int, Any] = {}
         self.met: set[tuple[int, int]] = set()
-        self.held: set[int] = set()
+        self.places: dict[int, tuple[float, ...]] = {}
         self.skipped: int | None = None
         self.lanes = lanes(assembly.bodies)
         self.ignored = collision_words(assembly.non_colliding_pairs, len(self.bodies))
@@ -198,8 +198,9 @@ class World:
             if rest.skips(i, self.state):
                 self.skipped = i
                 return
-            self.skipped = None
-            if not paths or not rest.allowed or self.loop_closures:
+            if self.skipped is not None:
+                self.resume()
+            if not paths or self.loop_closures:
                 self.move(i, paths)
                 return
             if rest.neighbours(i, self.state) is None:
@@ -231,7 +232,13 @@ class World:
         self.rest_detector.wake()
         if self.skipped is not None:
             self.move(self.skipped, self.moves)
-            self.skipped = None
+            self.resume()
+
+    def resume(self) -> None:
+        """Reset held bodies, which were not reset while steps were left out."""
+        self.skipped = None
+        for body in self.places:
+            self.keep(body)
 
     def drive(self, body: int, here: Any, there: Any) -> None:
         """Set the target of a kinematic body for the next step; teleport it first if it is off its path."""
@@ -252,13 +259,22 @@ class World:
 
     def hold(self, body: int, at: Any = None) -> None:
         """Reset a dynamic body to its start or to `at`, and make a free one kinematic."""
-        self.stir()
+        place = tuple(self.bodies[body].start if at is None else at)
+        if self.places.get(body) != place:
+            self.stir()
+            self.places[body] = place
+            if body not in self.trees:
+                self.parts[body].set_kinematic(True)
+                if at is not None:
+                    self.parts[body].entity.set_pose(frame(place))
+        if not self.rest_detector.idle:
+            self.keep(body)
+
+    def keep(self, body: int) -> None:
+        """Reset a held body to its place."""
+        self.states.clear()
         if body not in self.trees:
-            self.held.add(body)
-            self.parts[body].set_kinematic(True)
-            place = np.array(self.bodies[body].start if at is None else at)
-            if at is not None:
-                self.parts[body].entity.set_pose(frame(place))
+            place = np.array(self.places[body])
             self.drive(body, place, place)
             return
         for branch in split_at_ball_joints(self.trees[body]):
@@ -272,8 +288,8 @@ class World:
     def free(self, body: int) -> None:
         """Release a held body."""
         self.stir()
+        self.places.pop(body, None)
         if body not in self.trees:
-            self.held.discard(body)
             self.parts[body].set_kinematic(False)
 
     def grip(self, number: int, grip: Grip, anchors: Any) -> None:
@@ -295,7 +311,7 @@ class World:
             return
         self.scene.step()
         self.states.clear()
-        self.rest_detector.check(self.state, bool(self.loop_closures or self.held))
+        self.rest_detector.check(self.state, bool(self.loop_closures))
 
     def state(self, body: int) -> Any:
         """Return position, quaternion, linear and angular velocity of a body in world axes (13,)."""

@@ -23,14 +23,14 @@ FASTEST_FALL = 0.1  # m/s: speed gained in a window
 class Rest:
     """Whether the dynamic `bodies` rest, and which kinematic bodies are near them.
 
-    `step` is the time step (s). Without `allowed`, nothing is left out: jointed bodies may swing slowly.
+    `step` is the time step (s).
     """
 
-    def __init__(self, bodies: Sequence[Rigid], step: float, allowed: bool) -> None:
+    def __init__(self, bodies: Sequence[Rigid], step: float) -> None:
         self.dynamic = [i for i, body in enumerate(bodies) if body.motion == "dynamic"]
         self.boxes = np.array([bounding_box(body) for body in bodies])
         self.radii = np.linalg.norm(np.abs(self.boxes).max(axis=1), axis=1)
-        self.allowed, self.window = allowed and bool(self.dynamic), WINDOW * step
+        self.window = WINDOW * step
         self.led: list[int] = []
         self.idle, self.checks, self.steps, self.until = False, 0, 0, 0
         self.clear: Any = None
@@ -64,7 +64,7 @@ class Rest:
     def check(self, state: Callable[[int], Any], held: bool) -> None:
         """Examine the bodies after a step. Nothing rests while a body is `held`."""
         self.steps += 1
-        if self.steps % CHECK_STEPS or not self.allowed:
+        if self.steps % CHECK_STEPS or not self.dynamic:
             return
         self.checks = 0 if held or any(map(is_moving, map(state, self.dynamic))) else self.checks + 1
         self.idle = self.checks >= REST_CHECKS
@@ -86,7 +86,7 @@ class Rest:
 
     def neighbours(self, i: int, state: Callable[[int], Any]) -> set[int] | None:
         """Return the kinematic bodies near dynamic ones in step `i`; None at the start of a window, when all move."""
-        if not self.allowed or i < self.until:
+        if i < self.until:
             return self.near
         self.until = i + WINDOW
         states = np.array([state(body) for body in self.dynamic])
