@@ -14,7 +14,7 @@ from wmspec.sim.scene.model.transform import rotate
 from wmspec.sim.scene.physics.rigid import Rigid
 
 REST_SPEED, REST_SPIN = 5e-5, 5e-4  # m/s and rad/s: resting bodies creep by up to 1.2e-5 m/s
-REST_CHECKS, CHECK_STEPS = 24, 8  # a body rests after so many checks, each after so many steps: 0.1 s
+REST_CHECKS, CHECK_STEPS = 24, 8  # a body rests after 24 checks in a row, one every 8 steps: 0.1 s
 REACH = 0.01  # m: at larger distances no engine pushes
 WINDOW = 16  # steps for which distant kinematic bodies stay where they are
 FASTEST_FALL = 0.1  # m/s: speed gained in a window
