@@ -74,7 +74,7 @@ def _title(manifest: dict[str, Any]) -> Picture:
     engines = ", ".join(manifest["engines"])
     agreed = CONSENSUS_TEXT[manifest["consensus"]]
     tasks = f"{len(manifest['tasks'])} {'task' if len(manifest['tasks']) == 1 else 'tasks'}"
-    counted = f"{manifest['rows']:,} questions in {tasks}, executed and drawn in {engines}{agreed}"
+    counted = f"{manifest['rows']:,} questions in {tasks}, executed in {engines}{agreed}"
     return typeset.vstack(
         [typeset.paragraph("wmspec", TITLE, _inner_width()), typeset.paragraph(counted, SMALL, _inner_width())], 4
     )
