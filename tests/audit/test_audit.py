@@ -23,6 +23,7 @@ from wmspec.dataset.audit.cases import FullSizePictures, units
 from wmspec.dataset.audit.duplicates import duplicate_findings, duplicates, mark_faint
 from wmspec.dataset.audit.model import Audit, Finding
 from wmspec.dataset.build.files import digest
+from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.runtime.questions.model import Number, Picture, QuestionRow, Strength
 
@@ -240,7 +241,7 @@ def copied(contrary: bool, noise: int = 0, darker: int = 0) -> Ask:
 def test_the_same_question_with_another_answer_fails(noise: int, tmp_path: Path) -> None:
     (finding,) = doubled(make(tmp_path / "made", "race", copied(True, noise), 320))
     assert finding.verdict == "fails"
-    assert "race/000040/q0/mujoco and race/000041/q0/mujoco" in finding.what
+    assert " and ".join(identity(3, "race", index, 0, "mujoco") for index in (40, 41)) in finding.what
     assert "different answers" in finding.what
 
 

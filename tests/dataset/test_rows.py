@@ -16,6 +16,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.dataset.made import ENGINES, asked, make, plan, spec
+from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.images import as_png, decode_image, encode_webp, image_format
 from wmspec.dataset.build.rows import COLUMNS, encode, schema, table
 
@@ -49,7 +50,7 @@ def test_datasets_decodes_every_pixel(loaded: datasets.Dataset) -> None:
 def test_datasets_reads_every_value(loaded: datasets.Dataset) -> None:
     row = loaded[0]
     question = asked("collide", row["index"], row["engine"])
-    assert row["id"] == f"collide/{question.index:06d}/q0/{question.engine}"
+    assert row["id"] == identity(question.seed, "collide", question.index, 0, question.engine)
     assert row["text"] == question.text
     assert row["answer"] == question.answer
     assert row["option_kind"][row["answer"]] == "truth"

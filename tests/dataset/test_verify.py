@@ -22,7 +22,9 @@ from wmspec.api import generate
 from wmspec.api.verifying import verify
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.images import encode_png
+from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.shards import parquet
+from wmspec.eval.models.question import Selection, questions
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +52,29 @@ def altered(made: Path, folder: Path, change: Callable[[dict[str, Any]], object]
 def noisy(row: dict[str, Any]) -> None:
     pixels = np.asarray(Image.open(io.BytesIO(row["context"][0]["bytes"])))
     row["context"][0]["bytes"] = encode_png((pixels ^ (np.arange(64) == 0)[:, None, None]).astype(np.uint8))
+
+
+def former(made: Path, folder: Path) -> Path:
+    """The dataset as format 2 had it: ids that name the instance and the engine."""
+
+    def named(row: dict[str, Any]) -> None:
+        row["id"] = f"{row['task']}/{row['index']:06d}/q{row['question']}/{row['engine']}"
+
+    altered(made, folder, named)
+    manifest = json.loads((folder / "manifest.json").read_bytes())
+    (folder / "manifest.json").write_text(json.dumps(manifest | {"format": 2}))
+    (folder / "plan.json").unlink()
+    return folder
+
+
+def test_a_former_format_is_read_and_not_made_again(made: Path, tmp_path: Path) -> None:
+    folder = former(made, tmp_path / "former")
+    dataset = DatasetReader.open(folder)
+    ids = Selection().ids(dataset)
+    assert [q.id for q in questions(dataset, ids)] == ids
+    assert ids[0].count("/") == 3
+    with pytest.raises(WmsError, match=r"has format 2; this version makes format \d.*pip install wmspec=="):
+        verify(folder, workers=0)
 
 
 def test_the_same_comes_out_again(made: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from functools import cache
 from itertools import product
@@ -132,9 +133,17 @@ def test_the_laps_of_a_design_are_its_groups_each_once_with_the_same_crossed() -
     assert sorted(block for lap in laps for block in lap) == list(range(20))
     assert all(len({task.blocks.crossed(block) for block in lap}) == 1 for lap in laps)
     two = design(plan="turn: [tone, wood]  balance: far", count=20)
-    assert two.balance_batch(0) == (0, 2, 4)
-    assert two.balance_batch(3) == (1, 3, 5)
-    assert two.balance_batch(19) == (19,)
+    for block in range(18):
+        assert two.blocks.crossed(block) in (("tone",), ("wood",))
+        # One group of each turn in a round of two, and three rounds to a lap.
+        assert sorted(other // 2 for other in two.balance_batch(block)) == [block // 6 * 3 + n for n in range(3)]
+    assert [two.balance_batch(block) for block in (18, 19)] == [(18,), (19,)]
+
+
+def test_no_place_in_a_lap_is_that_of_the_first_choice() -> None:
+    """The first groups of a lap have the answers that come, the later ones those that are left."""
+    firsts = [design(plan="turn: [tone, wood]  balance: far", count=18, seed=s).balance_batch(0)[0] for s in range(60)]
+    assert min(Counter(first // 2 for first in firsts).values()) > 8
 
 
 @settings(max_examples=30, deadline=None)

@@ -50,8 +50,6 @@ def test_counting_finds_what_trying_finds(spec: TaskSpec) -> None:
     found = [i.factors for i in design]
     assert sorted(found, key=str) == sorted(expected * spec.repeat, key=str)
     assert [design.index(i.factors, i.block) for i in design] == list(range(len(design)))
-    if not spec.requires:
-        assert found == expected * spec.repeat
 
 
 @settings(max_examples=30, deadline=None)
@@ -71,7 +69,10 @@ def test_what_is_excluded_has_no_index() -> None:
 def test_a_huge_design_is_built_at_once() -> None:
     design = Design(design_of({f"f{i:02}": 10 for i in range(12)}))
     assert len(design) == 10**12
-    assert list(design[123_456_789_012].factors.values()) == [float(d) for d in "123456789012"]
+    values = [float(d) for d in "123456789012"]
+    index = design.index({f.name: value for f, value in zip(design.factors, values, strict=True)})
+    assert index is not None
+    assert list(design[index].factors.values()) == values
     assert len(set(design.sample(100))) == 100
 
 

@@ -31,15 +31,23 @@ def test_a_group_crosses_what_it_says_and_nothing_else(
     instances = list(design)
     assert [design.index(i.factors, i.block) for i in instances] == list(range(len(design)))
     assert design.draws == count
+    turned: list[set[str]] = []
     for block in range(count):
         members = [instances[i] for i in design.blocks.members(block)]
-        crossed = {*cross, *([turn[block % len(turn)]] if turn else [])}
-        assert {*members[0].crossed} == crossed
+        crossed = {*members[0].crossed}
+        assert crossed >= {*cross}
+        turned.append(crossed - {*cross})
         fixed = {name: value for name, value in members[0].factors.items() if name not in crossed}
         wanted = [c for c in everything if fixed.items() <= c.items()]
         assert sorted(map(repr, (dict(sorted(m.factors.items())) for m in members))) == sorted(map(repr, wanted))
         assert len({m.nuisances["n"] for m in members}) == 1
         assert all(m.block == block and m.key == members[0].key for m in members)
+    for first in range(0, count, max(1, len(turn))):  # in a round each takes its turn once
+        lap = [name for names in turned[first : first + max(1, len(turn))] for name in names]
+        assert len(set(lap)) == len(lap) == (min(len(turn), count - first) if turn else 0)
+        assert {*lap} <= {*turn}
+    sizes = design.sample_sizes
+    assert all(sizes[name] == sum(name in names for names in turned) for name in turn)
     drawn = [instances[design.blocks.members(block)[0]].nuisances["n"] for block in range(count)]
     assert len(set(drawn)) == count
 
@@ -61,11 +69,12 @@ def test_neighbours_are_in_the_group_and_differ_in_one_factor(spec: TaskSpec, co
 
 def test_over_the_groups_of_a_turn_each_value_comes_equally_often() -> None:
     design = Design(design_of({"a": 2, "b": 3, "c": 4, "d": 5}, compare("!=", "c", "d"), plan=groups(240, "a", "bc")))
-    firsts = [design[design.blocks.members(block)[0]].factors for block in range(240)]
+    firsts = [design[design.blocks.members(block)[0]] for block in range(240)]
+    b, c = ([i.factors for i in firsts if name in i.crossed] for name in "bc")
     counts: tuple[Counter[Any], ...] = (
-        Counter(i["b"] for i in firsts[1::2]),
-        Counter(i["d"] for i in firsts[1::2]),  # while c is crossed
-        Counter((i["c"], i["d"]) for i in firsts[::2]),  # the allowed pairs
+        Counter(i["b"] for i in c),
+        Counter(i["d"] for i in c),
+        Counter((i["c"], i["d"]) for i in b),  # the allowed pairs
     )
     for often, levels in zip(counts, (3, 5, 16), strict=True):
         assert len(often) == levels

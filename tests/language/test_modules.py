@@ -60,8 +60,8 @@ def test_a_parameter_is_the_first_of_its_list_or_what_is_said(tmp_path: Path, gi
     when = 'factor when in ["night", "day"]'
     found, errors = tasks(tmp_path, f"use shop{given}\ntask a : custom {{ {when} {TASK.format('')} }}")
     assert not errors
-    design = Design(found["a"])
-    assert Evaluator(design.spec, design[0].values, None, design[0].key).property("crate", "color") == wanted
+    night = next(i for i in Design(found["a"]) if i.factors["when"] == "night")
+    assert Evaluator(found["a"], night.values, None, night.key).property("crate", "color") == wanted
 
 
 def test_a_value_stands_for_no_name(tmp_path: Path) -> None:

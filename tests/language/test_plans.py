@@ -139,13 +139,14 @@ def test_one_factor_at_a_time_around_a_baseline() -> None:
     spec = design_of({"a": 3, "b": 4, "c": 1}, compare("!=", "a", "b"), plan=plan, repeat=2)
     design = Design(spec)
     baseline = {"a": 0.0, "b": 2.0, "c": 0.0}
-    assert design[0].factors == baseline
     changed = [
         {k: v for k, v in i.factors.items() if v != baseline[k]} for i in design[: len(design.blocks.members(0))]
     ]
-    assert changed == [{}, {"a": 1.0}, {"b": 1.0}, {"b": 3.0}]  # a = 2 and b = 0 are excluded
+    wanted = [{}, {"a": 1.0}, {"b": 1.0}, {"b": 3.0}]  # a = 2 and b = 0 are excluded
+    assert sorted(changed, key=str) == sorted(wanted, key=str)
     assert len(design) == 8
-    assert design.neighbours(0, "b") == (2, 3)
-    assert design.neighbours(1, "b") == ()
+    at = [next(i for i, other in enumerate(changed) if other == change) for change in wanted]
+    assert set(design.neighbours(at[0], "b")) == {at[2], at[3]}
+    assert design.neighbours(at[1], "b") == ()
     with pytest.raises(SpecError, match="a = 0, b = 0, is excluded"):
         Design(replace(spec, plan=Plan(kind="one_at_a_time")))

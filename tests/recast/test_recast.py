@@ -17,6 +17,7 @@ from click.testing import CliRunner, Result
 from PIL import Image, ImageCms
 
 from wmspec.cli import main
+from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.image_import.table import COLUMNS
 
@@ -207,9 +208,8 @@ def test_episodes_groups_factors_and_differences(folder: Path) -> None:
     )
     assert done.exit_code == 0, done.output
     first, second, third = rows(folder / "out")
-    assert [r["id"] for r in (first, second, third)] == [
-        "table/000000/q0/camera", "table/000000/q1/camera", "table/000001/q0/camera",
-    ]  # fmt: skip
+    places = [(0, 0), (0, 1), (1, 0)]
+    assert [r["id"] for r in (first, second, third)] == [identity(0, "table", *place, "camera") for place in places]
     assert {r["block"] for r in (first, second, third)} == {0}
     assert first["group.color"] == third["group.color"] != first["group.size"]
     assert (first["factor.color"], first["factor.size"]) == ("red", 1.0)

@@ -16,10 +16,11 @@ import pyarrow.parquet as pq
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
 from wmspec.dataset.build.dataset import Dataset
+from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.dataset.build.rows import COLUMNS, Row, identity, schema
+from wmspec.dataset.build.rows import COLUMNS, Row, schema
 from wmspec.eval.report.intervals import seeded_generator
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.statements.task import check
@@ -86,7 +87,8 @@ def asked(design: Design, index: int, engine: str) -> Iterable[Row]:
         options = [options[i] for i in seeded_generator("place", spec.name, index, number).permutation(len(options))]
         pictured = any(kind == "counterfactual" for kind, *_ in options)
         known = dict.fromkeys(COLUMNS) | {
-            "id": identity(spec.name, index, number, engine), "task": spec.name, "dimension": spec.dimension,
+            "id": identity(design.seed, spec.name, index, number, engine), "task": spec.name,
+            "dimension": spec.dimension,
             "index": index, "block": instance.block, "question": number, "question_name": question.name,
             "engine": engine, "renderer": engine, "text": f"What of {question.name or spec.name}?",
             "context": [picture], "context_camera": ["front"], "context_time": [0.0],

@@ -15,7 +15,7 @@ from wmspec.api.task import Task
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.safe_io import is_file_name
 from wmspec.dataset.build import files
-from wmspec.dataset.build.plan import Plan
+from wmspec.dataset.build.plan import FORMAT, Plan
 from wmspec.dataset.build.plan import Task as PlannedTask
 from wmspec.dataset.build.reader import DatasetReader, read_plan
 from wmspec.dataset.verify import Verification
@@ -46,10 +46,11 @@ def verify(
         tell: receives warnings of the specs.
 
     Raises:
-        WmsError: the dataset is unfinished or damaged, or its specs cannot be read.
+        WmsError: the dataset is unfinished or damaged, has another format, or its specs cannot be read.
     """
     dataset = DatasetReader.open(Path(folder))
     dataset.intact()
+    _check_format(dataset)
     with TemporaryDirectory() as scratch:
         tasks = collect_tasks(write_specs(dataset, Path(scratch)), dataset.manifest["seed"], tell)
     tasks = with_profile(tasks, check_profile(dataset.manifest.get("profile", "")))
@@ -59,6 +60,17 @@ def verify(
     plan = _plan(dataset, [known[name] for name in dataset.tasks], sample)
     with progress(sum(len(task.indices) for task in plan.tasks), "verifying") as advance:
         return compare(dataset, plan, worker_settings(workers, timeout, plan.engines), advance)
+
+
+def _check_format(dataset: DatasetReader) -> None:
+    """Raise WmsError if another version ordered the instances and named the questions in its own way."""
+    there, made_by = dataset.manifest.get("format"), dataset.manifest["versions"].get("wmspec", "")
+    if there != FORMAT and dataset.manifest.get("specs"):
+        raise WmsError(
+            f"{dataset.folder} has format {there}; this version makes format {FORMAT}, in which the order of instances "
+            "and the ids differ, so that the same question cannot be made again",
+            help=f"verify it with the version that made it{f': pip install wmspec=={made_by}' if made_by else ''}",
+        )
 
 
 def write_specs(dataset: DatasetReader, scratch: Path) -> list[Path]:

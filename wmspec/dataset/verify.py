@@ -18,9 +18,10 @@ from PIL import Image
 
 from wmspec.dataset.build.batching import batches, weight
 from wmspec.dataset.build.generate import job_of
+from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.reader import CHANNELS, PICTURES, DatasetReader
-from wmspec.dataset.build.rows import Row, identity
+from wmspec.dataset.build.rows import Row
 from wmspec.dataset.build.worker import make_instances
 from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_batches
 
@@ -87,14 +88,14 @@ def verify(
                     if isinstance(made, JobFailure)
                     else {
                         identity(
-                            r.task, r.index, r.question, r.engine if per_engine else None
+                            plan.seed, r.task, r.index, r.question, r.engine if per_engine else None
                         ): f"{r.reason}: {r.detail}"
                         for r in made.outcomes[at].rejected
                     }
                 )
                 for engine in plan.row_engines:
                     for q in range(len(tasks[name].spec.questions)):
-                        id_ = identity(name, index, q, engine)
+                        id_ = identity(plan.seed, name, index, q, engine)
                         differences += _compare(id_, there.get(id_), here, rejected)
                         questions += 1
                 progress(name, 1)

@@ -11,6 +11,7 @@ from wmspec.compile.design.constrain import Constraint
 from wmspec.compile.design.constraint_chain import MAX_COUNTED, Chain, TooManyCombinations
 from wmspec.compile.design.describe import format_levels
 from wmspec.compile.design.levels import Level
+from wmspec.compile.design.order import MemberOrder
 from wmspec.compile.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sample
 from wmspec.core.diagnostics import Note, SpecError
 from wmspec.lang.check.ir.ir import Choices, TaskSpec
@@ -25,7 +26,8 @@ def blocks(spec: TaskSpec, conditions: Sequence[Constraint], seed: int) -> Block
     columns: tuple[Column, ...] = (*_chains(spec, conditions), *_strata(spec, seed))
     key = (seed, spec.name, spec.plan.kind)
     if spec.plan.kind != "groups":
-        return RepeatedPlan(columns, _arrangement(spec, conditions, columns, key), spec.repeat)
+        order = MemberOrder(*key, "order")
+        return RepeatedPlan(columns, _arrangement(spec, conditions, columns, key), spec.repeat, order)
     try:
         groups = Groups(columns, spec.plan.cross, spec.plan.turn, spec.plan.count or 1, key)
     except TooManyTied as tied:

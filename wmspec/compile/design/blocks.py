@@ -16,6 +16,7 @@ from typing import Protocol
 
 from wmspec.compile.design.columns import MAX_LISTED, Column, balanced_order
 from wmspec.compile.design.levels import Level
+from wmspec.compile.design.order import MemberOrder
 from wmspec.compile.design.plans import Arrangement
 from wmspec.core.rng import Permutation
 
@@ -49,14 +50,21 @@ class Blocks(Protocol):
     def crossed(self, block: int) -> tuple[str, ...]:
         """Return the factors that vary within a block."""
 
+    def locate_turn(self, block: int) -> tuple[int, int]:
+        """Return the turn of a block, and the number of earlier blocks of this turn."""
+
+    def in_turn(self, turn: int, number: int) -> int:
+        """Return the block of a turn that has `number` earlier ones."""
+
 
 @dataclass(frozen=True)
 class RepeatedPlan:
-    """One plan, repeated `count` times."""
+    """One plan, repeated `count` times, each time in its own order."""
 
     columns: tuple[Column, ...]
     plan: Arrangement
     count: int
+    order: MemberOrder
 
     @property
     def size(self) -> int:
@@ -67,10 +75,11 @@ class RepeatedPlan:
         """Return the repetition of an instance and its position in the plan."""
         return divmod(index, self.plan.size)
 
-    def values(self, block: int, place: int) -> dict[str, Level]:  # noqa: ARG002  the same in every repetition
-        """Return the values of all factors at a position of the plan."""
+    def values(self, block: int, place: int) -> dict[str, Level]:
+        """Return the values of all factors at a position of a repetition."""
         picked: dict[str, Level] = {}
-        for column, rank in zip(self.columns, self.plan.ranks(place), strict=True):
+        ranks = self.plan.ranks(self.order.place(block, self.plan.size, place))
+        for column, rank in zip(self.columns, ranks, strict=True):
             picked.update(zip(column.names, column.values(rank), strict=True))
         return picked
 
@@ -83,7 +92,9 @@ class RepeatedPlan:
                 return None
             ranks.append(rank)
         place = self.plan.position(tuple(ranks))
-        return None if place is None else block * self.plan.size + place
+        if place is None:
+            return None
+        return block * self.plan.size + self.order.position(block, self.plan.size, place)
 
     def members(self, block: int) -> range:
         """Return the indices of the instances of a repetition."""
@@ -93,13 +104,22 @@ class RepeatedPlan:
         """Return all factors."""
         return tuple(sorted(name for column in self.columns for name in column.names))
 
+    def locate_turn(self, block: int) -> tuple[int, int]:
+        """Return turn 0, the only one, and the number of the repetition."""
+        return 0, block
+
+    def in_turn(self, turn: int, number: int) -> int:  # noqa: ARG002
+        """Return the number of the repetition."""
+        return number
+
 
 class Groups:
-    """`count` groups, each of which crosses the factors `cross` and one of `turns`, in rotation.
+    """`count` groups, each of which crosses the factors `cross` and one of `turns`.
 
-    Every other factor has one value per group. Over the groups of a turn, its values occur equally often, to within
-    one; for factors tied by conditions, this holds for their allowed combinations. A draw depends on the group's
-    number, the turn and the factor only: adding groups or factors leaves existing draws unchanged.
+    A round has one group of each turn, in random order. Every other factor has one value per group. Over the groups of
+    a turn, its values occur equally often, to within one; for factors tied by conditions, this holds for their allowed
+    combinations. A draw depends on the group's number, the turn and the factor only: adding groups or factors leaves
+    existing draws unchanged. Members of a group are in random order.
 
     Raises TooManyTied if conditions tie the crossed factors to too many others.
     """
@@ -108,6 +128,7 @@ class Groups:
         self, columns: Sequence[Column], cross: Sequence[str], turns: Sequence[str], count: int, key: tuple[object, ...]
     ) -> None:
         self.count = count
+        self._order, self._rounds = MemberOrder(*key, "order"), MemberOrder(*key, "turns")
         self._turns = tuple(
             _Turn(columns, (*cross, *([turn] if turn else [])), (*key, turn)) for turn in turns or ("",)
         )
@@ -129,20 +150,21 @@ class Groups:
         if self._starts is not None:
             block = bisect_right(self._starts, index) - 1
             return block, index - self._starts[block]
-        whole, rest = divmod(index, self._round[-1])
-        turn = bisect_right(self._round, rest) - 1
-        return whole * len(self._turns) + turn, rest - self._round[turn]
+        whole, rest = divmod(index, self._round_size)
+        starts = self._round_starts(whole, len(self._turns))
+        at = bisect_right(starts, rest) - 1
+        return whole * len(self._turns) + at, rest - starts[at]
 
     def values(self, block: int, place: int) -> dict[str, Level]:
         """Return the values of all factors at a position of a group."""
         turn, number = self._turn(block)
-        return turn.values(number, place)
+        return turn.values(number, self._order.place(block, turn.size(number), place))
 
     def index(self, values: Mapping[str, Level], block: int) -> int | None:
         """Return the index of the member of a group with these values, or None."""
         turn, number = self._turn(block)
         place = turn.place(values, number)
-        return None if place is None else self._before(block) + place
+        return None if place is None else self._before(block) + self._order.position(block, turn.size(number), place)
 
     def members(self, block: int) -> range:
         """Return the indices of the instances of a group."""
@@ -154,9 +176,18 @@ class Groups:
         """Return the factors that vary within a group."""
         return self._turn(block)[0].crossed
 
+    def locate_turn(self, block: int) -> tuple[int, int]:
+        """Return the turn of a group, and the number of earlier groups of this turn: one in each earlier round."""
+        round_, at = divmod(block, len(self._turns))
+        return self._rounds.place(round_, len(self._turns), at), round_
+
+    def in_turn(self, turn: int, number: int) -> int:
+        """Return the group of a turn in a round; it may lie beyond the last group."""
+        return number * len(self._turns) + self._rounds.position(number, len(self._turns), turn)
+
     def _turn(self, block: int) -> tuple[_Turn, int]:
         """Return the turn of a group, and the number of earlier groups with the same turn."""
-        number, turn = divmod(block, len(self._turns))
+        turn, number = self.locate_turn(block)
         return self._turns[turn], number
 
     def _before(self, block: int) -> int:
@@ -164,12 +195,17 @@ class Groups:
         if self._starts is not None:
             return self._starts[block]
         whole, rest = divmod(block, len(self._turns))
-        return whole * self._round[-1] + self._round[rest]
+        return whole * self._round_size + self._round_starts(whole, rest)[rest]
 
     @cached_property
-    def _round(self) -> tuple[int, ...]:
-        """Start of each turn within a round of all turns, and the end of the round; only for even sizes."""
-        return (0, *accumulate(turn.even or 0 for turn in self._turns))
+    def _round_size(self) -> int:
+        """Number of instances in a round; only for even sizes."""
+        return sum(turn.even or 0 for turn in self._turns)
+
+    def _round_starts(self, round_: int, groups: int) -> tuple[int, ...]:
+        """Start of each of the first groups within a round, and the end of the last; only for even sizes."""
+        turns = (self._turns[self._rounds.place(round_, len(self._turns), at)] for at in range(groups))
+        return (0, *accumulate(turn.even or 0 for turn in turns))
 
     @cached_property
     def _starts(self) -> tuple[int, ...] | None:

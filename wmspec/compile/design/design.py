@@ -45,9 +45,9 @@ class Design:
 
     A block is either the whole selection, repeated `repeat` times, or one of many small groups. Nuisances are drawn
     once per block, so that instances of a block differ in factors only. In a Latin hypercube, whose instances differ in
-    every factor, they are drawn once per instance. Indices count blocks first, then combinations. Combinations of a
-    factorial design follow the order of the spec, the last factor fastest. Factors tied by `require`s count at the
-    position of the first one.
+    every factor, they are drawn once per instance. Indices count blocks first, then combinations. The order of the
+    combinations in a block and of the turns of groups is a permutation of seed and task: without the seed, an index
+    tells nothing about the level of a factor.
 
     Raises SpecError if the design is empty or infeasible.
     """
@@ -84,7 +84,8 @@ class Design:
         """
         turns = self.spec.plan.turn
         rounds, rest = divmod(self.draws, max(1, len(turns)))
-        crossed = {name: rounds + (number < rest) for number, name in enumerate(turns)}
+        last = {self.blocks.locate_turn(self.draws - 1 - at)[0] for at in range(rest)}
+        crossed = {name: rounds + (number in last) for number, name in enumerate(turns)}
         return {f.name: crossed.get(f.name, self.draws) for f in (*self.factors, *self.nuisances)}
 
     @overload
@@ -137,14 +138,15 @@ class Design:
     def balance_batch(self, block: int) -> tuple[int, ...]:
         """Return the blocks that are generated together with this one: itself, or its balance batch.
 
-        A balance batch has one block per answer, all of which cross the same factors.
+        A balance batch has one block per answer, all of which cross the same factors. They are in random order: the
+        later ones compensate for the answers of the earlier ones, so that the order of indices would tell the answer.
         """
         if not self.spec.plan.balance:
             return (block,)
-        turns = max(1, len(self.spec.plan.turn))
-        round_, turn = divmod(block, turns)
-        first = round_ - round_ % self.answers
-        every = (number * turns + turn for number in range(first, first + self.answers))
+        turn, number = self.blocks.locate_turn(block)
+        first = number - number % self.answers
+        order = map(Permutation(self.answers, self.seed, self.spec.name, "batch", turn, first), range(self.answers))
+        every = (self.blocks.in_turn(turn, first + other) for other in order)
         return tuple(other for other in every if other < self.blocks.count)
 
     @cached_property

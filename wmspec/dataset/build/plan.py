@@ -14,7 +14,7 @@ from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.runtime.questions.consensus import Consensus, RowsOf
 from wmspec.sim.scene.model import Look
 
-#: The version of the folder's layout and columns.
+#: The version of the folder's layout and columns, of the order of instances, and of the ids of questions.
 FORMAT = 3
 #: The name of the count of rows, if there is one row a question.
 QUESTIONS: Final = "questions"

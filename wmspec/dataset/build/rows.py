@@ -12,6 +12,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from wmspec.compile.design.dimension import dimension
+from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.images import encode_png, encode_webp
 from wmspec.lang.check.ir.ir import Choices, Factor, TaskSpec
 from wmspec.runtime.questions.consensus import RowsOf
@@ -43,7 +44,7 @@ _OBJECTS = pa.list_(
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "id": (
         pa.string(),
-        "task/index/question, and the engine if there is one row for each: the same in every dataset of this seed",
+        "the task, and a hash of seed, instance and question, and of the engine if there is one row for each",
     ),
     "task": (pa.string(), "the task"),
     "dimension": (pa.string(), "what is tested, from broad to narrow"),
@@ -205,18 +206,11 @@ def _type(factor: Factor) -> pa.DataType:
     return pa.string() if any(isinstance(v, str) for v in values) else pa.float64()
 
 
-def identity(task: str, index: int, question: int, engine: str | None = None) -> str:
-    """Return the stable id of a question: `collide/000123/q0`, or `collide/000123/q0/ENGINE` in one of several
-    engines.
-    """
-    return f"{task}/{index:06d}/q{question}" + (f"/{engine}" if engine else "")
-
-
 def encode(question: QuestionRow, rows_of: RowsOf) -> Row:
     """Return the row of a question. Encoding pictures takes a few milliseconds each, so call it in the worker."""
     engine = question.engine if rows_of == "engines" else None
     return {
-        "id": identity(question.task, question.index, question.question, engine),
+        "id": identity(question.seed, question.task, question.index, question.question, engine),
         "task": question.task,
         "dimension": question.dimension,
         "index": question.index,

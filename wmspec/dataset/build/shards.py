@@ -16,8 +16,9 @@ import pyarrow.parquet as pq
 
 from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
+from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.plan import Plan, Shard
-from wmspec.dataset.build.rows import Row, identity, schema, table
+from wmspec.dataset.build.rows import Row, schema, table
 from wmspec.dataset.build.worker import Outcome
 from wmspec.runtime.questions.model import Rejected
 
@@ -50,8 +51,8 @@ def write_shard(folder: Path, plan: Plan, shard: Shard, *, rows: Iterable[Row], 
     kept = sorted(rows, key=lambda r: order(r["index"], r["engine"], r["question"]))
     lost = sorted(rejected, key=lambda r: order(r.index, r.engine, r.question))
     ids = [r["id"] for r in kept]
-    ids += [identity(r.task, r.index, r.question, r.engine if per_engine else None) for r in lost]
-    _check_complete(shard, place.keys(), ids)
+    ids += [identity(plan.seed, r.task, r.index, r.question, r.engine if per_engine else None) for r in lost]
+    _check_complete(plan.seed, shard, place.keys(), ids)
     content = parquet(table(kept, schema(shard.task.spec)))
     files.write(folder, shard.path, content)
     record = Record(plan.fingerprint, hashlib.sha256(content).hexdigest(), len(kept), tuple(lost))
@@ -59,11 +60,11 @@ def write_shard(folder: Path, plan: Plan, shard: Shard, *, rows: Iterable[Row], 
     return record
 
 
-def _check_complete(shard: Shard, expected: Iterable[tuple[int, str | None]], ids: list[str]) -> None:
+def _check_complete(seed: int, shard: Shard, expected: Iterable[tuple[int, str | None]], ids: list[str]) -> None:
     """Raise ValueError unless every expected question occurs exactly once in `ids`."""
     task = shard.task.spec.name
     questions = range(len(shard.task.spec.questions))
-    due = {identity(task, i, q, e) for i, e in expected for q in questions}
+    due = {identity(seed, task, i, q, e) for i, e in expected for q in questions}
     if len(ids) != len(set(ids)) or set(ids) != due:
         wrong = sorted(due ^ set(ids)) or sorted(i for i in ids if ids.count(i) > 1)
         raise ValueError(f"{shard.path}: missing, foreign or given twice: {', '.join(wrong[:5])}")

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 import pyarrow as pa
 
-from wmspec.dataset.build.rows import COLUMNS, Row, encode_picture, identity, table_schema
+from wmspec.dataset.build.identity import identity
+from wmspec.dataset.build.rows import COLUMNS, Row, encode_picture, table_schema
 from wmspec.eval.image_import.decode import PictureFolder
 from wmspec.eval.image_import.table import Entry
 
@@ -67,7 +68,7 @@ def _row(entry: Entry, place: tuple[int, int, int], factors: list[str], pictures
     levels = {n: float(v) if _is_number(v) else v for n, v in entry.factors.items()}
     return {
         **dict.fromkeys(COLUMNS),
-        "id": identity(entry.task, index, question, CAMERA_ENGINE),
+        "id": identity(0, entry.task, index, question, CAMERA_ENGINE),
         "task": entry.task,
         "dimension": entry.dimension,
         "index": index,

@@ -103,13 +103,11 @@ def questions(dataset: DatasetReader, ids: Collection[str], pictures: bool = Tru
     """
     expected = set(ids)
     columns = (*_COLUMNS, *PICTURES) if pictures else _COLUMNS
-    indices: dict[str, set[int]] = {}
-    for id in expected:
-        task, index, *_ = id.split("/")
-        indices.setdefault(task, set()).add(int(index))
+    tasks = {id.partition("/")[0] for id in expected}
     for task in dataset.tasks:
-        if task in indices:
-            for row in dataset.rows(task, ("index", *(c for c in columns if c != "index")), indices[task]):
+        if task in tasks:
+            indices = {row["index"] for row in dataset.rows(task, ("id", "index")) if row["id"] in expected}
+            for row in dataset.rows(task, columns, indices):
                 if row["id"] in expected:
                     yield question(row)
 

@@ -121,8 +121,9 @@ def _member(design: Design, instance: Instance, q: int) -> str:
 
 def groups(instance: Instance) -> dict[str, str]:
     """Return, for every factor, the key shared by instances that differ in that factor only."""
+    own = (*instance.key[:2], instance.block)  # with the seed, or else trying all levels would recover them
     return {
-        factor: f"{bits(instance.block, *(f'{k}={v}' for k, v in instance.factors.items() if k != factor)):016x}"
+        factor: f"{bits(*own, *(f'{k}={v}' for k, v in instance.factors.items() if k != factor)):016x}"
         for factor in instance.factors
     }
 
