@@ -24,7 +24,7 @@ from wmspec.runtime.questions.ask import groups
 ALPHA = 1e-3
 #: Numbers of which a remainder of the index could tell a level.
 PERIODS = (2, 3, 4, 5, 6, 8, 12, 16)
-NAMES = ("collide", "direction", "count", "majority", "support", "trajectory", "speed", "relation", "drop")
+NAMES = ("collide", "direction", "count", "support", "trajectory", "speed", "relation", "drop")
 TASKS = [path for path in SPECS if path.stem in NAMES]
 #: A guess of a level from the index and the block, which the attacker sees.
 Guess = Callable[[str, Instance], object]
