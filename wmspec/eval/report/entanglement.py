@@ -7,7 +7,6 @@ shuffled levels is reported as well.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -18,69 +17,23 @@ from numpy.typing import NDArray
 from wmspec.eval.report.intervals import Floats, ratio, seeded_generator
 from wmspec.eval.report.questions import Questions
 from wmspec.eval.report.replies import Replies
-from wmspec.lang.check.tables.vocabulary import WORDS
+from wmspec.lang.check.tables.vocabulary import FACTOR_DIMENSIONS, WORDS
 
 #: Number of shuffles; maximum number of levels of a factor; minimum number of questions at each level.
 SHUFFLES, MAX_LEVELS, MIN_QUESTIONS = 300, 12, 5
 #: Relative difference from which stimulus differences are distinct; Cramér's V from which answers depend on a factor.
 MIN_STEP, MIN_ASSOCIATION = 0.1, 0.3
 
-#: The paper's five dimensions, with the words in factor names that identify them if values do not.
-DIMENSIONS: dict[str, frozenset[str]] = {
-    "colour": frozenset(["color", "colors", "colour", "colours", "tone", "shade", "hue", "warm", "cold"]),
-    "shape": frozenset(["shape", "shapes", "form", "forms", "kind"]),
-    "size": frozenset(
-        [
-            "size",
-            "small",
-            "large",
-            "ratio",
-            "share",
-            "edge",
-            "height",
-            "tall",
-            "radius",
-            "width",
-            "length",
-            "hollow",
-            "scale",
-            "volume",
-        ]
-    ),
-    "position": frozenset(
-        [
-            "position",
-            "at",
-            "where",
-            "spot",
-            "start",
-            "place",
-            "lane",
-            "way",
-            "hand",
-            "side",
-            "far",
-            "near",
-            "swapped",
-            "deal",
-            "corner",
-            "up",
-            "ahead",
-            "x",
-            "y",
-            "shift",
-            "low",
-        ]
-    ),
-    "material": frozenset(["material", "stuff", "texture", "surface"]),
-}
+#: The dimensions of factors: the paper's five, then surroundings and all else.
+DIMENSIONS = tuple(FACTOR_DIMENSIONS)
 
 
 @dataclass(frozen=True)
 class Entanglement:
     """s-RE of a task by one factor: `value`, and with shuffled levels its `mean` and 95 % quantile `bound`.
 
-    `p` is the share of shuffles with at least this value. `dimension` is one of the paper's five, or ''. If `probed`,
+    `p` is the share of shuffles with at least this value. `dimension` is the one that the dataset records, or one that
+    follows from the values, or ''. If `probed`,
     the answer or the stimulus difference depends on the factor; then accuracy may depend on it too.
     """
 
@@ -114,7 +67,7 @@ def _question(replies: Replies, task: str, name: str, questions: pd.DataFrame) -
     for factor in varied.columns:
         codes, levels = pd.factorize(varied[factor].astype(str), sort=True)
         if 2 <= len(levels) <= MAX_LEVELS and np.bincount(codes).min() >= MIN_QUESTIONS:
-            facet = paper_dimension(factor, varied[factor])
+            facet = replies.questions.about.get(task, {}).get(factor) or dimension_of_values(varied[factor])
             about = _depends_on_factor(replies.questions, task, factor, questions.index)
             yield from _factor(
                 replies, (task, name, factor, facet, about), codes, scores, questions["index"].to_numpy()
@@ -189,11 +142,7 @@ def _shuffled_entanglement(codes: NDArray[np.intp], scores: Floats, instance: ND
     )
 
 
-def paper_dimension(factor: str, values: pd.Series[str]) -> str:
-    """Return the paper's dimension of a factor, by its values or else by the words of its name; '' if none."""
+def dimension_of_values(values: pd.Series[str]) -> str:
+    """Return the dimension of a factor whose values are words for colors, shapes or materials; '' for others."""
     levels = {str(v) for v in values.unique()}
-    for name, words in (("colour", "color"), ("shape", "shape"), ("material", "material")):
-        if levels <= set(WORDS[words]):
-            return name
-    parts = re.split(r"[_\d]+", factor.lower())
-    return next((d for word in reversed(parts) for d, words in DIMENSIONS.items() if word in words), "")
+    return next((name for name in ("color", "shape", "material") if levels <= set(WORDS[name])), "")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -29,12 +29,14 @@ class Questions:
     unknown. A `query` is a companion question of a prediction task, about visible facts.
 
     `varied` has the factor and nuisance values of a task's questions, `groups` the keys of their control groups: tables
-    by id, with a column for each factor.
+    by id, with a column for each factor. `about` has the dimension of each factor and nuisance of a task, as the
+    dataset records it.
     """
 
     table: pd.DataFrame
     varied: dict[str, pd.DataFrame]
     groups: dict[str, pd.DataFrame]
+    about: dict[str, dict[str, str]] = field(default_factory=dict)
 
     @classmethod
     def read(cls, folder: Path) -> Questions:
@@ -45,7 +47,13 @@ class Questions:
             _table([row for of_task in rows.values() for row in of_task]),
             {task: _columns_with_prefix(of_task, "factor", "nuisance") for task, of_task in rows.items() if of_task},
             {task: _columns_with_prefix(of_task, "group") for task, of_task in rows.items() if of_task},
+            {task: _dimensions(dataset, task) for task in dataset.tasks},
         )
+
+
+def _dimensions(dataset: DatasetReader, task: str) -> dict[str, str]:
+    """Return the dimension of every factor and nuisance of a task by name; empty for datasets that record none."""
+    return {column.split(".", 1)[1]: about for column, about in dataset.dimensions(task).items()}
 
 
 def _rows(dataset: DatasetReader, task: str) -> list[Row]:
