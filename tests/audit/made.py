@@ -66,7 +66,7 @@ def make_all(
     with Dataset.open(folder, plan, force=True) as dataset:
         for shard in dataset.pending():
             name = next(name for name, design in designs.items() if design.spec.name == shard.task.spec.name)
-            order = _shuffled(designs[name], shard.task.indices)
+            order = shuffled(designs[name], shard.task.indices)
             every = [(i, blank(designs[name], order[i], e)) for i in shard.indices for e in engines]
             rows = [
                 encode(replace(asks[name](question, np.random.default_rng(question.index)), index=i), "engines")
@@ -77,7 +77,7 @@ def make_all(
     return folder
 
 
-def _shuffled(design: Design, indices: Sequence[int]) -> dict[int, int]:
+def shuffled(design: Design, indices: Sequence[int]) -> dict[int, int]:
     """The instance behind each index: another of its group, at random, so that an index tells no level."""
     blocks: dict[int, list[int]] = {}
     for index in indices:
