@@ -182,7 +182,7 @@ def _licence(tasks: Sequence[Task], chosen: str) -> str:
     """Return the data licence; empty if each spec states its own. Raises WmsError if it is no SPDX identifier."""
     if chosen and not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9.+-]{0,60}", chosen):
         raise WmsError(
-            f"`{select_backends}` is not a licence identifier",
+            f"`{chosen}` is not a licence identifier",
             help="give its SPDX identifier, such as CC-BY-4.0 or CC0-1.0",
         )
     ours = resource("specs").resolve()

@@ -6,10 +6,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal, get_args
 
+import numpy as np
+
 from wmspec.api.task import Task
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.wm_abench import COLUMNS, Column
-from wmspec.lang.check.ir.ir import Items, Observation, TaskSpec
+from wmspec.lang.check.ir.ir import Items, Observation, TaskSpec, Value
 
 Profile = Literal["", "wm-abench"]
 
@@ -25,9 +27,9 @@ def with_profile(tasks: Sequence[Task], profile: Profile) -> tuple[Task, ...]:
     """Return the tasks of a profile among `tasks`, in its order; all of them without a profile.
 
     `wm-abench` has the columns of the paper. Each task asks one kind of question, with as many pictures as the paper
-    shows: the first, the last, and others at even distances.
+    shows: the first, the last, and others at even distances, at the spec's own times where it shows enough.
 
-    Raises WmsError if no task belongs to the profile, or a task shows fewer pictures than the paper.
+    Raises WmsError if no task belongs to the profile.
     """
     if not profile:
         return tuple(tasks)
@@ -43,15 +45,19 @@ def _faithful(spec: TaskSpec, column: Column) -> TaskSpec:
     lengths = [len(times.items) for times in shown if isinstance(times, Items)]
     observations = spec.observations
     if len(lengths) == len(shown) == 1:
-        observations = (_thinned(spec.observations[0], column.images, spec.name),)
+        observations = (_with_count(spec.observations[0], column.images),)
     return replace(spec, questions=(question,), observations=observations)
 
 
-def _thinned(observation: Observation, count: int, task: str) -> Observation:
-    """Return an observation with `count` of its times, evenly spaced."""
+def _with_count(observation: Observation, count: int) -> Observation:
+    """Return an observation with `count` times from its first to its last, evenly spaced."""
     assert isinstance(observation.times, Items)
     items = observation.times.items
-    if len(items) < count:
-        raise WmsError(f"`{task}` shows {len(items)} pictures, and the paper {count}")
-    chosen = tuple(items[round(n * (len(items) - 1) / max(1, count - 1))] for n in range(count))
-    return replace(observation, times=replace(observation.times, items=chosen))
+    places = [n * (len(items) - 1) / max(1, count - 1) for n in range(count)]
+    chosen = [items[round(place)] for place in places]
+    if len(items) < count and all(isinstance(item, Value) for item in items):
+        moments = np.interp(
+            places, np.arange(len(items)), [float(item.value) for item in items if isinstance(item, Value)]
+        )
+        chosen = [Value(value=float(moment)) for moment in moments]
+    return replace(observation, times=replace(observation.times, items=tuple(chosen)))
