@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 from tests.engines import installed
 from tests.language.specs import task_from
 from wmspec.compile.design.design import Design
+from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.questions.ask import ask
@@ -21,6 +23,12 @@ task t : custom {{
 """
 
 
+def spec_of(body: str) -> TaskSpec:
+    """A task with this body, on a table. Its scenes are small, so its questions may be illegible."""
+    spec = task_from(SCENE.format(body=body))
+    return replace(spec, questions=tuple(replace(question, legible=False) for question in spec.questions))
+
+
 @cache
 def pair(engine: str = "pybullet", side: int = 128) -> EnginePair:
     """One for all tests: what it remembers is found by what it shows."""
@@ -30,7 +38,7 @@ def pair(engine: str = "pybullet", side: int = 128) -> EnginePair:
 
 def asked(body: str, index: int = 0, engine: str = "pybullet") -> list[QuestionRow | Rejected]:
     """The questions of an instance of a task with this body, on a table."""
-    return ask(Design(task_from(SCENE.format(body=body))), index, pair(engine))
+    return ask(Design(spec_of(body)), index, pair(engine))
 
 
 def one(body: str, index: int = 0, engine: str = "pybullet") -> QuestionRow:
@@ -49,5 +57,5 @@ def refused(body: str, index: int = 0, engine: str = "pybullet") -> str:
 
 def run(body: str, index: int = 0) -> Run:
     """The executed instance."""
-    design = Design(task_from(SCENE.format(body=body)))
+    design = Design(spec_of(body))
     return execute(design, design[index], None, pair())

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.ask.asking import SCENE
+from tests.ask.asking import spec_of
 from tests.engines import installed
-from tests.language.specs import task_from
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.caches.render_cache import RenderCache
@@ -72,7 +71,7 @@ def drifting_engines() -> Iterator[None]:
 def validation(engines: tuple[str, ...], required: Consensus, body: str = GLIDE) -> CrossValidation:
     renders = RenderCache("pybullet", 96, 96)
     pairs = {engine: EnginePair(TraceCache(engine), renders) for engine in engines}
-    return CrossValidation(Design(task_from(SCENE.format(body=body))), 0, pairs, required)
+    return CrossValidation(Design(spec_of(body)), 0, pairs, required)
 
 
 def row(engines: tuple[str, ...], required: Consensus, q: int = 0) -> QuestionRow | Rejected:
@@ -146,7 +145,7 @@ def test_what_the_reference_rejects_is_executed_nowhere_else() -> None:
     renders = RenderCache("pybullet", 96, 96)
     pairs = {engine: EnginePair(TraceCache(engine), renders) for engine in ("pybullet", "near")}
     impossible = GLIDE.replace("within 1 cm", "within 1 cm  ensure displacement(ball) > 1 m")
-    design = Design(task_from(SCENE.format(body=impossible)))
+    design = Design(spec_of(impossible))
     answers = CrossValidation(design, 0, pairs, "all").questions()
     assert [getattr(answer, "reason", "") for answer in answers] == ["ensure", ""]
     assert pairs["near"].traces.requests == 1, "for the other question"

@@ -9,8 +9,7 @@ from typing import get_args
 import pytest
 
 import wmspec
-from tests.ask.asking import SCENE, asked, one, pair, refused
-from tests.language.specs import task_from
+from tests.ask.asking import asked, one, pair, refused, spec_of
 from wmspec.compile.design.design import Design
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
@@ -81,7 +80,7 @@ DARKER = "sun.ambient: 0.2"
 @pytest.mark.parametrize("change", ["ball.color: blue", "front.at: (10 cm, -105 cm, 92 cm)"])
 def test_what_differs_in_looks_alone_is_an_option_wherever_the_truth_stands(change: str) -> None:
     """In a dataset of several engines, and in a crosscheck."""
-    design = Design(task_from(SCENE.format(body=LOOKS % (change, "distinct by 5 cm"))))
+    design = Design(spec_of(LOOKS % (change, "distinct by 5 cm")))
     slots = set()
     for index in range(len(design)):
         answers = {engine: ask(design, index, pair(engine))[0] for engine in ("mujoco", "pybullet")}

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.ask.asking import SCENE, pair, run
+from tests.ask.asking import SCENE, pair, run, spec_of
 from tests.language.specs import task_from
 from wmspec.compile.design.design import Design
 from wmspec.runtime.questions.ask import ask
@@ -16,7 +16,7 @@ from wmspec.runtime.questions.legibility.color_vision import dichromat_differenc
 from wmspec.runtime.questions.legibility.motion import drawn_path
 from wmspec.runtime.questions.legibility.picture_places import pixels_per_metre
 from wmspec.runtime.questions.legibility.texture import texture_difference
-from wmspec.runtime.questions.model import QuestionRow
+from wmspec.runtime.questions.model import QuestionRow, Rejected
 
 GLIDE = """
 object ball {{ shape: cube  size: 8 cm  color: red  on: table at (-20 cm, 0) }}
@@ -30,7 +30,7 @@ question "Which is faster?" {{ options [ball, other]  answer fastest([ball, othe
 
 def measures(body: str, side: int = 128) -> dict[str, float]:
     """The measures of the only question, which is kept."""
-    (row,) = ask(Design(task_from(SCENE.format(body=body))), 0, pair(side=side))
+    (row,) = ask(Design(spec_of(body)), 0, pair(side=side))
     assert isinstance(row, QuestionRow), row
     return {each.name: each.value for each in row.legibility}
 
@@ -136,3 +136,22 @@ def test_texture_differs_by_spread_and_grain_not_by_lightness() -> None:
     assert texture(fine, fine) == pytest.approx(0, abs=1e-9)
     assert texture(flat, fine) > BOUNDS["texture"].value
     assert texture(coarse, fine) > BOUNDS["texture"].value
+
+
+def test_an_illegible_question_is_rejected_unless_it_says_off() -> None:
+    body = GLIDE.format(speed=3, other=1, color="blue")
+    (rejected,) = ask(Design(task_from(SCENE.format(body=body))), 0, pair())
+    assert isinstance(rejected, Rejected)
+    assert rejected.reason == "illegible"
+    assert "`step` is" in rejected.detail
+    assert "must be at least 12 px" in rejected.detail
+    assert rejected.answer == "the red cube"
+    (kept,) = ask(Design(task_from(SCENE.format(body=body.replace("options", "legibility off  options")))), 0, pair())
+    assert isinstance(kept, QuestionRow)
+    assert any(ratio(each) < 1 for each in kept.legibility)
+
+
+def test_a_legible_question_is_kept() -> None:
+    (row,) = ask(Design(task_from(SCENE.format(body=GLIDE.format(speed=12, other=6, color="blue")))), 0, pair())
+    assert isinstance(row, QuestionRow), row
+    assert all(ratio(each) >= 1 for each in row.legibility)

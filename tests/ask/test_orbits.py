@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.ask.asking import SCENE, pair
-from tests.language.specs import task_from
+from tests.ask.asking import pair, spec_of
 from wmspec.compile.design.design import Design
 from wmspec.runtime.questions.ask import ask, closed_slot
 from wmspec.runtime.questions.closed_sets import ask_complete, drop_incomplete_groups
@@ -39,7 +38,7 @@ PUSHED = """
 
 def design(more: str = "distinct by 0.3 cm or 20 deg", groups: int = 8) -> Design:
     body = PUSHED.format(more=more).replace("groups of 8", f"groups of {groups}")
-    return Design(task_from(SCENE.format(body=body)))
+    return Design(spec_of(body))
 
 
 def rows(of: Design, block: int = 0) -> list[QuestionRow]:
@@ -187,7 +186,7 @@ TIPPED = """
 @pytest.mark.engine
 @pytest.mark.parametrize(("by", "kept"), [("5 cm", False), ("5 cm or 20 deg", True), ("5 cm or 80 deg", False)])
 def test_options_are_told_apart_by_a_turn_that_is_large_enough(by: str, kept: bool) -> None:
-    (found,) = ask(Design(task_from(SCENE.format(body=TIPPED.format(by=by)))), 0, pair())
+    (found,) = ask(Design(spec_of(TIPPED.format(by=by))), 0, pair())
     assert isinstance(found, QuestionRow) == kept, found
     if isinstance(found, Rejected):
         assert found.reason == "alike"
@@ -208,7 +207,7 @@ EACH = """
 
 
 def names(change: str) -> list[list[tuple[str, str]]]:
-    of = Design(task_from(SCENE.format(body=EACH.format(change=change))))
+    of = Design(spec_of(EACH.format(change=change)))
     found = [ask(of, index, pair())[0] for index in range(3)]
     answered = sorted((row for row in found if isinstance(row, QuestionRow)), key=lambda row: str(row.factors["pace"]))
     return [sorted((o.kind, o.name) for o in row.options) for row in answered]
@@ -228,7 +227,7 @@ def test_each_other_level_is_a_counterfactual_named_after_it(change: str) -> Non
 @pytest.mark.engine
 def test_an_added_action_comes_in_the_midst_of_the_episode() -> None:
     back = "counterfactual back {{ add launch(ball, direction: left, speed: 0.9 m/s) at 0.5 s }}"
-    of = Design(task_from(SCENE.format(body=EACH.format(change=back.replace("{{", "{").replace("}}", "}")))))
+    of = Design(spec_of(EACH.format(change=back.replace("{{", "{").replace("}}", "}"))))
     (found,) = ask(of, next(i.index for i in of if i.factors["pace"] == 0.9), pair())
     assert isinstance(found, QuestionRow), found
     evidence = found.evidence

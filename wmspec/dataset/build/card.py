@@ -22,6 +22,7 @@ REASONS = {
     "margin": "the answer is nearer to turning than the spec allows",
     "alike": "two options look the same",
     "unseen": "something that moves or that is asked about cannot be seen well",
+    "illegible": "a person can hardly see what decides the answer",
     "overlap": "two bodies are inside one another at the start",
     "disagreement": "the engines do not agree on the answer, or one of them rejects the question",
     "invalid": "the combination of factors is impossible",

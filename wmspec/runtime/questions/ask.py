@@ -17,7 +17,7 @@ from wmspec.lang.check.ir.ir import Channel, Level, TaskSpec
 from wmspec.runtime.questions.answer_label import answer_label, member_label
 from wmspec.runtime.questions.gates import smallest_margin
 from wmspec.runtime.questions.kinds import KINDS
-from wmspec.runtime.questions.legibility import legibility
+from wmspec.runtime.questions.legibility import legibility, require_legible
 from wmspec.runtime.questions.model import (
     Answer,
     Measurement,
@@ -175,6 +175,9 @@ class _Row:
         difference = self.difference()
         channels = channels_of(spec)
         objects = tuple(self.objects(view, names) for view in asking.views)
+        legible = legibility(asking, answer, options, objects)
+        if question.legible:
+            require_legible(legible)
         return QuestionRow(
             task=spec.name,
             dimension=spec.dimension,
@@ -204,7 +207,7 @@ class _Row:
             sorted_outcomes=any(question.kinds for question in spec.questions),
             levels=names_of(spec, instance.values),
             measured=dict(sorted(measured.readings.items())),
-            legibility=legibility(asking, answer, options, objects),
+            legibility=legible,
             label=_member(self.design, instance, self.q) or answer_label(asking),
             evidence=answer,
         )

@@ -208,8 +208,8 @@ class QuestionRow:
 
 #: Reasons of rejections. The word before a colon is counted.
 Reason = Literal[
-    "ensure", "margin", "alike", "unseen", "overlap", "unstable", "disagreement", "invalid", "error", "group",
-    "balance", "crashed", "timeout",
+    "ensure", "margin", "alike", "unseen", "illegible", "overlap", "unstable", "disagreement", "invalid", "error",
+    "group", "balance", "crashed", "timeout",
 ]  # fmt: skip
 
 #: Reasons that depend on the machine: the instance may succeed another time.

@@ -9,11 +9,12 @@ import numpy as np
 from wmspec.lang.check.expressions.measured import is_measured, moments
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.kinds.pictures import PictureAnswer
+from wmspec.runtime.questions.legibility.bounds import BOUNDS, ratio
 from wmspec.runtime.questions.legibility.labels import DecisiveMeasures, least_by_name
 from wmspec.runtime.questions.legibility.motion import motion_measures, moves
 from wmspec.runtime.questions.legibility.names import color_name_measures
 from wmspec.runtime.questions.legibility.options import option_measures
-from wmspec.runtime.questions.model import Answer, Legibility, Option, VisibleObject
+from wmspec.runtime.questions.model import Answer, Legibility, Option, Reject, VisibleObject
 from wmspec.runtime.questions.observed import MIN_MOTION
 from wmspec.runtime.questions.question_context import QuestionContext
 
@@ -32,6 +33,19 @@ def legibility(
     `pictures` are the visible objects of every shown picture.
     """
     return least_by_name(_measures(asking, answer, options, pictures))
+
+
+def require_legible(measured: Sequence[Legibility]) -> None:
+    """Raise Reject if a measure is not within its bound."""
+    faults = [each for each in measured if ratio(each) < 1]
+    if faults:
+        raise Reject("illegible", "; ".join(map(_sentence, faults)))
+
+
+def _sentence(fault: Legibility) -> str:
+    limit = "most" if BOUNDS[fault.name].at_most else "least"
+    required = f"{fault.bound:g} {fault.unit}".strip()
+    return f"`{fault.name}` is {fault.value:.3g} and must be at {limit} {required} ({BOUNDS[fault.name].meaning})"
 
 
 def _measures(
