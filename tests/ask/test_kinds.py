@@ -126,7 +126,7 @@ def test_texts_among_options_say_values() -> None:
 
 def test_lights_are_as_strong_as_a_spec_says() -> None:
     """Also if sun and sky do not sum to 1."""
-    task = task_from(SCENE.format(body=LOOKS % (DARKER, "")))
+    task = spec_of(LOOKS % (DARKER, ""))
     (question,) = task.questions
     drawn = Design(task)[0]
     lights = [read(compose(document(task, drawn, change))).light for change in (None, question.counterfactuals[0])]

@@ -16,7 +16,11 @@ task far : custom {
   object block { shape: cube  size: 8 cm  color: blue  on: table at (-35 cm, 0) }
   action go = glide(ball, direction: away, speed: 10 cm/s) for 1 s
   observe front at [0 s, 1 s] as [rgb, depth, ids]
-  question way "How far does the ball go?" { answer displacement(ball)  within 1 cm  difference speed(ball) }
+  question way "How far does the ball go?" {
+    legibility off
+    answer displacement(ball)  within 1 cm
+    difference speed(ball)
+  }
   question "Where is it?" { answer relation(ball, block)  options [right_of, left_of, behind, in_front_of] }
 }
 """
