@@ -27,7 +27,8 @@ def with_profile(tasks: Sequence[Task], profile: Profile) -> tuple[Task, ...]:
     """Return the tasks of a profile among `tasks`, in its order; all of them without a profile.
 
     `wm-abench` has the columns of the paper. Each task asks one kind of question, with as many pictures as the paper
-    shows: the first, the last, and others at even distances, at the spec's own times where it shows enough.
+    shows: the first, the last, and others at even distances, at the spec's own times where it shows enough. A text that
+    speaks of its pictures keeps them all.
 
     Raises WmsError if no task belongs to the profile.
     """
@@ -44,7 +45,8 @@ def _faithful(spec: TaskSpec, column: Column) -> TaskSpec:
     shown = [observation.times for observation in spec.observations]
     lengths = [len(times.items) for times in shown if isinstance(times, Items)]
     observations = spec.observations
-    if len(lengths) == len(shown) == 1:
+    speaks = any("picture" in part for part in question.text if isinstance(part, str))
+    if len(lengths) == len(shown) == 1 and not speaks:
         observations = (_with_count(spec.observations[0], column.images),)
     return replace(spec, questions=(question,), observations=observations)
 
