@@ -19,7 +19,7 @@ ENGINE = "mujoco"
 WIDTH, MARGIN, GAP = 1600, 40, 16  # px
 INK, PALE = (25, 25, 25), (110, 116, 128)
 #: The vertical part of a picture of `collide` that shows the motion.
-BAND = 0.27, 0.65
+BAND = 0.27, 0.66
 FONTS = Path(get_data_path()) / "fonts/ttf"
 
 
@@ -76,7 +76,7 @@ def collide(page: Page) -> None:
     question = task[9].ask(ENGINE, size=(1040, 1040))[0]
     page.text(question.text, 32, bold=True)
     page.y += GAP
-    shown = [f"{picture.time - question.context[0].time:.1f} s" for picture in question.context]
+    shown = [f"{picture.time - question.context[0].time:.2g} s" for picture in question.context]
     page.row([_band(p.rgb) for p in question.context], shown)
     page.row([_band(o.picture.rgb) for o in question.options], list("ABCD"))
 
