@@ -27,6 +27,7 @@ def long_tables(report: Report) -> dict[str, pd.DataFrame]:
         "mistakes": report.mistaken,
         "entanglement": report.entanglement,
         "curves": report.curves,
+        "detections": report.detections,
         "filtered": report.filtered,
         "missed": report.missed,
         "items": report.items.items if report.items else (),
@@ -71,6 +72,16 @@ def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
         made["pairs"] = (
             "Pair accuracy (%): of two instances that differ in one factor and in their answers, both are right.",
             _pivot(((p.task, p.system, format_percent(p.both.value)) for p in report.pairs), report.systems),
+        )
+    if report.detections:
+        rows = (
+            (f"{d.task} {d.question}", d.system, f"{d.sensitivity.value:.2f} ({d.criterion.value:+.2f})")
+            for d in report.detections
+            if d.difference is None
+        )
+        made["detections"] = (
+            'd′ in same/different questions, in brackets the criterion (positive: a bias to "same").',
+            _pivot(rows, report.systems),
         )
     if report.filtered:
         rows = ((f"{f.task}, perceived by {f.by}", f.system, _signed_points(f.gain.value)) for f in report.filtered)

@@ -10,6 +10,7 @@ from typing import TypeVar
 from wmspec.eval.report.choices import Flips, Mistakes, Position, flips, mistakes, positions
 from wmspec.eval.report.compare import Comparison, comparisons
 from wmspec.eval.report.curves import Curve, curves
+from wmspec.eval.report.detection import Detection, detections
 from wmspec.eval.report.entanglement import Entanglement, entanglement
 from wmspec.eval.report.filtered import FilteredAccuracy, MissedAccuracy, filtered_accuracies, missed_accuracies
 from wmspec.eval.report.items import Items, items
@@ -58,6 +59,7 @@ class Report:
     mistaken: tuple[Mistakes, ...]
     entanglement: tuple[Entanglement, ...]
     curves: tuple[Curve, ...]
+    detections: tuple[Detection, ...]
     filtered: tuple[FilteredAccuracy, ...]
     missed: tuple[MissedAccuracy, ...]
     items: Items | None
@@ -101,6 +103,7 @@ def analyse(replies: Replies, dataset: str, progress: Callable[[str, int], None]
         mistaken=step("mistakes", mistakes),
         entanglement=step("entanglement", entanglement),
         curves=step("curves", curves),
+        detections=step("detections", detections),
         filtered=step("filtered", filtered_accuracies),
         missed=step("missed", missed_accuracies),
         items=step("items", items),
@@ -108,7 +111,7 @@ def analyse(replies: Replies, dataset: str, progress: Callable[[str, int], None]
 
 
 #: Number of calls of `progress`.
-STEPS = 12
+STEPS = 13
 
 
 def accounts(replies: Replies) -> tuple[Account, ...]:
