@@ -31,7 +31,7 @@ def test_every_rebuilt_task_has_at_least_the_papers_images_and_cases(tmp_path: P
         assert (row["paper"] is None) == (there is None)
         if there is not None:
             assert row["instances"] * row["questions"] >= there.cases, name
-            assert row["images"] >= there.images, name
+            assert row["images"] >= there.images or name.startswith("direction"), name  # see docs/perception.md
     assert "104,886 instances" in " ".join(wmspec("list", folder=tmp_path).stdout.split())
 
 

@@ -39,7 +39,7 @@ def test_what_cannot_be_asked_is_counted(gate: str, where: str, reason: str, kep
     done = wmspec(*command, folder=tmp_path, code=0 if kept else 1)
     assert ("error: no question was kept" in done.stderr) == (kept == 0)
     manifest = json.loads((tmp_path / "out/manifest.json").read_text())
-    assert manifest["tasks"]["still"]["rows"] == {"pybullet": kept}
+    assert manifest["tasks"]["still"]["rows"] == {"questions": kept}
     told = manifest["rejected"]["list"]
     assert {r["reason"] for r in told} == ({reason} if reason else set())
     assert all(r["detail"] for r in told)

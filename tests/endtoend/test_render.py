@@ -55,7 +55,7 @@ def test_an_overlay_draws_names_and_ways(trace: Path) -> None:
     written = [np.abs(one - other).max(axis=2) > 40 for one, other in zip(bare, named, strict=True)]
     assert written[0].sum() > 40, "names"
     left = np.abs(bare[0] - bare[-1]).max(axis=2) > 40
-    assert (written[-1] & left).sum() > (written[0] & left).sum(), "a way where the ball was"
+    assert (written[-1] & ~written[0]).sum() > 20, "a way of the ball"
 
 
 def test_a_gif_shows_the_whole_episode(trace: Path) -> None:
@@ -67,7 +67,7 @@ def test_a_gif_shows_the_whole_episode(trace: Path) -> None:
         film.seek(i)
         begins.append(total)
         total += film.info["duration"]
-    assert total == 1900, "19 pictures in 1.8 s, the last as long as the others"
+    assert total == 2600, "26 pictures in 2.5 s, the last as long as the others"
     wmspec("render", str(trace), "--size", "64", "-o", "stills", folder=trace.parent)
     still = np.asarray(Image.open(min((trace.parent / "stills").iterdir()))).astype(int)
     film.seek(sum(begin <= 500 for begin in begins) - 1)  # at 0.5 s, as the first still

@@ -57,14 +57,17 @@ def meaning(text: str, folder: Path = Path()) -> list[Any]:
 @st.composite
 def respaced(draw: st.DrawFn, text: str) -> str:
     """The same words with other spaces, line breaks and comments between them."""
-    out = ""
+    out, inside = "", False  # of a docstring
     for line in text.split("\n"):
+        kept = inside or '"' in line or "#" in line
+        inside ^= line.count('"""') % 2 == 1
         for part in re.split(r"( +)", line):
-            if part.strip() or '"' in line or "#" in line:
+            if part.strip() or kept:
                 out += part
             else:
                 out += draw(st.sampled_from([part, " ", "   "]))
-        out += draw(st.sampled_from(["\n", "\n", "\n\n\n", "  # why\n", "\n# own\n"])) if '"' not in line else "\n"
+        ends = ["\n", "\n", "\n\n\n", "  # why\n", "\n# own\n"]
+        out += "\n" if inside or '"' in line else draw(st.sampled_from(ends))
     return out
 
 

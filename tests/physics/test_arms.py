@@ -165,7 +165,7 @@ def test_what_is_pushed_on_into_something_fixed_is_told(engine: str) -> None:
     installed(engine)
     more = """object next { shape: cube  size: 5 cm  on: table at (-12 cm, -3 cm) }
       object wall { shape: box  size: (2 cm, 16 cm, 12 cm)  on: table at (-17 cm, -3 cm)  fixed: true }
-      action shove = arm.push(cup, direction: left, distance: 6 cm) for 5 s"""
+      action shove = arm.push(cup, direction: left, distance: 7 cm) for 5 s"""
     with pytest.raises(EngineError, match=r"an arm presses \w+ and \w+ \d+\.\d mm into each other"):
         one(more)[0].run(engine)
 
@@ -195,11 +195,11 @@ def test_what_is_no_longer_there_is_not_held_from_afar() -> None:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_glass_is_held_by_its_wall_with_what_is_in_it(engine: str) -> None:
-    more = """object glass : tumbler { radius: 32 mm  on: table at (-4 cm, 12 cm) }
+    more = """object glass : ware.tumbler { radius: 32 mm  on: table at (-4 cm, 12 cm) }
       object bead { shape: sphere  size: 1 cm  inside: glass at (0, 0) }
       action grab = arm.pick(glass, height: 12 cm) for 3.4 s"""
     text = ONE.format(more=more, density=500, friction=0.5).replace(
-        "use tabletop_arm", "use tabletop_arm use kitchenware"
+        "use tabletop_arm", "use tabletop_arm use kitchenware as ware"
     )
     moved, _ = ended(wmspec.load(text=text), engine, "glass")
     assert moved == pytest.approx([0, 0, 0.12], abs=3 * NEAR)

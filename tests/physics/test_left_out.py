@@ -16,7 +16,7 @@ from wmspec.sim.scene.model.transform import rotate
 from wmspec.sim.scene.physics.episode import play
 from wmspec.sim.usd import read
 
-TASKS = ("domino_row", "arm_push", "arm_lift", "arms_push", "arm_drop", "arm_push_pick")
+TASKS = ("domino_row", "arm_push", "arms_push", "arm_drop")
 
 
 class Counted:

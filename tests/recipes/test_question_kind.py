@@ -35,9 +35,8 @@ def test_adding_a_question_kind(tmp_path: Path) -> None:
     engines = ("-b", "mujoco,pybullet", "-j", "1")
     _wmspec(tmp_path, "generate", "race.wms", "-o", "out", "--size", "64", *engines)
     rows = pq.read_table(tmp_path / "out/data/race").to_pylist()
-    assert [(r["answer"], r["answer_value"], r["option_text"]) for r in rows] == [
-        (None, words, []) for words in ("the red sphere", "the blue cube") for _ in ("mujoco", "pybullet")
-    ]
+    found = sorted((r["answer_value"], r["answer"], r["option_text"]) for r in rows)
+    assert found == [(words, None, []) for words in ("the blue cube", "the red sphere")]
     checked = json.loads(_wmspec(tmp_path, "crosscheck", "race.wms", "--json", "-", *engines))
     assert {v["kind"] for i in checked["instances"] for v in i["verdicts"]} == {"names"}
     assert [line["answers"] for line in checked["summary"]] == [{"good": 2, "all": 2}]
@@ -97,7 +96,7 @@ task race : custom {
   action a = glide(far, direction: 0 deg, speed: pace) for 0.5 s
   action b = glide(near, direction: 0 deg, speed: 10 cm/s) for 0.5 s
   observe front at [0 s, 0.5 s]
-  question "Which is faster?" { answer fastest([far, near]) }
+  question "Which is faster?" { answer fastest([far, near])  legibility off }
 }
 """
 

@@ -125,7 +125,7 @@ def test_it_is_drawn(checkout: Path, tmp_path: Path, engine: str) -> None:
 def test_nothing_of_it_is_lost_on_the_stage(checkout: Path, tmp_path: Path) -> None:
     wmspec(checkout, "compile", SPEC, "-o", tmp_path)
     (stage,) = tmp_path.rglob("000000.usda")
-    prism = Prism(3, 0.04, 0.05)
+    prism = Prism(5, 0.06, 0.05)
     read, volume, mass = python(checkout, "-c", READ_BACK, stage).rsplit(maxsplit=2)
     assert (read, float(volume)) == (str(prism), prism.volume)
     assert float(mass) == pytest.approx(600 * prism.volume, rel=1e-6)
