@@ -54,7 +54,6 @@ def test_an_overlay_draws_names_and_ways(trace: Path) -> None:
     )
     written = [np.abs(one - other).max(axis=2) > 40 for one, other in zip(bare, named, strict=True)]
     assert written[0].sum() > 40, "names"
-    left = np.abs(bare[0] - bare[-1]).max(axis=2) > 40
     assert (written[-1] & ~written[0]).sum() > 20, "a way of the ball"
 
 
