@@ -44,9 +44,8 @@ def card(task: Task) -> Iterator[str]:
     yield f"{task.spec.description or task.title}\n"
     picture = PICTURES / f"{task.name}.webp"
     if picture.exists():
-        answer = json.loads(ANSWERS.read_text())[task.name]
-        yield f"![A question of {task.name}: {answer['text']}](../images/tasks/{picture.name})\n"
-        yield f'??? question "Answer"\n    {answer["answer"]}. {answer["value"]}\n'
+        yield f"![A question of {task.name}](../images/tasks/{picture.name})\n"
+        yield f'??? question "Answer"\n    {json.loads(ANSWERS.read_text())[task.name]}\n'
     yield "| | |\n|---|---|"
     yield f"| dimension | {task.dimension} |"
     yield f"| instances | {len(task):,} in {task.groups:,} control groups |"
@@ -108,10 +107,9 @@ def draw(names: list[str]) -> None:
                 if row is None:
                     raise SystemExit(f"{task} keeps no question")
                 sheet(row).save(PICTURES / f"{task}.webp", quality=QUALITY, method=6)
-                right = LETTERS[row["answer"]]
-                answers[task] = {"text": row["text"], "answer": right, "value": row["answer_value"], "id": row["id"]}
-                print(task, right)
-    ANSWERS.write_text(json.dumps(dict(sorted(answers.items())), indent=1, ensure_ascii=False) + "\n")
+                answers[task] = LETTERS[row["answer"]]
+                ANSWERS.write_text(json.dumps(dict(sorted(answers.items())), indent=1) + "\n")
+                print(task, answers[task])
 
 
 if __name__ == "__main__":
