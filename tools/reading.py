@@ -67,8 +67,8 @@ def sheet(row: dict[str, Any]) -> Picture:
         )
         parts += _grid(list(lettered))
     else:
-        text = "     ".join(f"{n}: {words}" for n, words in zip(LETTERS, row["option_text"], strict=False))
-        parts.append(typeset.paragraph(text, TEXT, WIDTH))
+        offered = zip(LETTERS, row["option_text"], strict=False)
+        parts += [typeset.paragraph(f"{letter}: {words}", TEXT, WIDTH) for letter, words in offered]
     return typeset.vstack(parts, GAP)
 
 
