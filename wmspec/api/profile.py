@@ -11,7 +11,7 @@ import numpy as np
 from wmspec.api.task import Task
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.wm_abench import COLUMNS, Column
-from wmspec.lang.check.ir.ir import Items, Observation, TaskSpec, Value
+from wmspec.lang.check.ir.ir import Items, TaskSpec, Value
 
 Profile = Literal["", "wm-abench"]
 
@@ -42,24 +42,19 @@ def with_profile(tasks: Sequence[Task], profile: Profile) -> tuple[Task, ...]:
 
 def _faithful(spec: TaskSpec, column: Column) -> TaskSpec:
     question = next((q for q in spec.questions if q.name == column.question), spec.questions[0])
-    shown = [observation.times for observation in spec.observations]
-    lengths = [len(times.items) for times in shown if isinstance(times, Items)]
-    observations = spec.observations
-    speaks = any("picture" in part for part in question.text if isinstance(part, str))
-    if len(lengths) == len(shown) == 1 and not speaks:
-        observations = (_with_count(spec.observations[0], column.images),)
-    return replace(spec, questions=(question,), observations=observations)
+    speaks_of_pictures = any("picture" in part for part in question.text if isinstance(part, str))
+    first, *others = spec.observations
+    if not others and isinstance(first.times, Items) and not speaks_of_pictures:
+        times = _evenly(first.times, column.images)
+        return replace(spec, questions=(question,), observations=(replace(first, times=times),))
+    return replace(spec, questions=(question,))
 
 
-def _with_count(observation: Observation, count: int) -> Observation:
-    """Return an observation with `count` times from its first to its last, evenly spaced."""
-    assert isinstance(observation.times, Items)
-    items = observation.times.items
-    places = [n * (len(items) - 1) / max(1, count - 1) for n in range(count)]
-    chosen = [items[round(place)] for place in places]
-    if len(items) < count and all(isinstance(item, Value) for item in items):
-        moments = np.interp(
-            places, np.arange(len(items)), [float(item.value) for item in items if isinstance(item, Value)]
-        )
-        chosen = [Value(value=float(moment)) for moment in moments]
-    return replace(observation, times=replace(observation.times, items=tuple(chosen)))
+def _evenly(times: Items, count: int) -> Items:
+    """Return `count` of the times at even distances, from the first to the last; between them if there are fewer."""
+    places = np.linspace(0, len(times.items) - 1, count)
+    known = [float(item.value) for item in times.items if isinstance(item, Value)]
+    if len(known) == len(times.items) < count:
+        moments = np.interp(places, np.arange(len(known)), known)
+        return replace(times, items=tuple(Value(value=float(moment)) for moment in moments))
+    return replace(times, items=tuple(times.items[round(place)] for place in places))
