@@ -53,7 +53,7 @@ check: setup
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
 	cd conformance && ../$(BIN)/deptry .
-	$(BIN)/python -m tools.prose README.md docs wmspec backends conformance tools benchmarks
+	$(BIN)/python -m tools.prose README.md docs wmspec backends conformance tests tools benchmarks
 
 QUICK := -n auto --dist loadgroup --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
 

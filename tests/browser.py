@@ -33,14 +33,17 @@ def opened(browser: Any, path: Path, **how: Any) -> Iterator[Any]:
     complaints: list[str] = []
     tab.on("pageerror", lambda error: complaints.append(str(error)))
     tab.on("console", lambda said: complaints.append(said.text))
-    tab.on("request", lambda asked: None if asked.url.startswith(("file:", "data:")) else complaints.append(asked.url))
-    tab.on("requestfailed", lambda asked: complaints.extend(_missed(asked)))
+    tab.on(
+        "request",
+        lambda outgoing: None if outgoing.url.startswith(("file:", "data:")) else complaints.append(outgoing.url),
+    )
+    tab.on("requestfailed", lambda outgoing: complaints.extend(_missed(outgoing)))
     tab.goto(path.as_uri())
     yield tab
     context.close()
     assert not complaints, complaints
 
 
-def _missed(asked: Any) -> list[str]:
-    """What could not be had; a page that is left or loaded anew takes back what it has asked for."""
-    return [] if asked.failure == "net::ERR_ABORTED" else [f"{asked.url} cannot be had: {asked.failure}"]
+def _missed(outgoing: Any) -> list[str]:
+    """The resource that failed to load; a page that is left or reloaded cancels its requests."""
+    return [] if outgoing.failure == "net::ERR_ABORTED" else [f"{outgoing.url} cannot be had: {outgoing.failure}"]

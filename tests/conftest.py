@@ -48,8 +48,8 @@ NEEDS = {
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    told = "Of the tests that run in one engine after another, those in the first that is installed."
-    parser.addoption("--one-engine", action="store_true", help=told)
+    reported = "Of the tests that run in one engine after another, those in the first that is installed."
+    parser.addoption("--one-engine", action="store_true", help=reported)
     parser.addoption(
         "--installed", action="store_true", help="Fail unless the wmspec under test is an installed wheel."
     )

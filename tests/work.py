@@ -10,7 +10,7 @@ T = TypeVar("T")
 
 
 def calls(work: Callable[[], T]) -> tuple[T, int]:
-    """What comes of it, and how many functions it called."""
+    """The result, and the number of functions that were called."""
     count = 0
 
     def counted(_frame: object, event: str, _argument: object) -> None:

@@ -229,9 +229,9 @@ def test_asking_gives_questions_and_tells_what_was_rejected() -> None:
     assert question.answer is not None
     assert question.options[question.answer].kind == "truth"
     impossible = COLLIDE.read_text().replace("    kinds {", "    ensure height(crate) < 14 cm\n    kinds {")
-    asked = wmspec.load(text=impossible)[7].ask("mujoco", size=128)
-    assert len(asked) == 2
-    assert [r.reason for r in asked.rejected] in (["ensure"], ["group"])
+    questions = wmspec.load(text=impossible)[7].ask("mujoco", size=128)
+    assert len(questions) == 2
+    assert [r.reason for r in questions.rejected] in (["ensure"], ["group"])
 
 
 # ---------------------------------------------------------------- many instances
@@ -292,8 +292,8 @@ def test_the_example_runs_as_it_stands(tmp_path: Path) -> None:
 
 
 def test_a_seed_that_its_tasks_were_not_loaded_with_is_refused(tmp_path: Path) -> None:
-    task, told = wmspec.load(COLLIDE, seed=3), "were loaded with the seed 3, not 4; load them with `seed=4`"
-    with pytest.raises(wmspec.WmsError, match=told):
+    task, reported = wmspec.load(COLLIDE, seed=3), "were loaded with the seed 3, not 4; load them with `seed=4`"
+    with pytest.raises(wmspec.WmsError, match=reported):
         wmspec.generate(task, tmp_path / "out", backend="mujoco", per_task=4, seed=4)
-    with pytest.raises(wmspec.WmsError, match=told):
+    with pytest.raises(wmspec.WmsError, match=reported):
         wmspec.crosscheck(task, seed=4)

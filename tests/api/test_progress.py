@@ -1,4 +1,4 @@
-"""What is told of something long where there is no terminal."""
+"""Progress output where there is no terminal."""
 
 import pytest
 

@@ -36,21 +36,21 @@ def pair(engine: str = "pybullet", side: int = 128) -> EnginePair:
     return EnginePair(TraceCache(engine), RenderCache(engine, side, side))
 
 
-def asked(body: str, index: int = 0, engine: str = "pybullet") -> list[QuestionRow | Rejected]:
+def ask_all(body: str, index: int = 0, engine: str = "pybullet") -> list[QuestionRow | Rejected]:
     """The questions of an instance of a task with this body, on a table."""
     return ask(Design(spec_of(body)), index, pair(engine))
 
 
 def one(body: str, index: int = 0, engine: str = "pybullet") -> QuestionRow:
     """The only question, which is asked."""
-    (found,) = asked(body, index, engine)
+    (found,) = ask_all(body, index, engine)
     assert isinstance(found, QuestionRow), found
     return found
 
 
 def refused(body: str, index: int = 0, engine: str = "pybullet") -> str:
     """Why the only question is not asked."""
-    (found,) = asked(body, index, engine)
+    (found,) = ask_all(body, index, engine)
     assert isinstance(found, Rejected), found.text
     return f"{found.reason}: {found.detail}"
 

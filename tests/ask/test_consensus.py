@@ -1,4 +1,4 @@
-"""Engines that agree, a majority of them, and one that rejects: what is kept and what is told."""
+"""Engines that agree, a majority of them, and one that rejects: what is kept and what is reported."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.dataset.made import asked, pictures
+from tests.dataset.made import pictures, question_row
 from wmspec.runtime.questions.consensus import Consensus, agree, consensus, picked_option
 from wmspec.runtime.questions.kinds.labels import LabelAnswer
 from wmspec.runtime.questions.kinds.numbers import NumberAnswer
@@ -23,7 +23,7 @@ def label(engine: str, answer: int) -> QuestionRow:
     order = np.roll(np.arange(3), len(engine))
     options = tuple(Option("truth" if i == answer else "label", names[i], text=names[i]) for i in order)
     return replace(
-        asked("motion_speed", 1, engine),
+        question_row("motion_speed", 1, engine),
         options=options,
         answer=[*map(int, order)].index(answer),
         value=names[answer],
@@ -38,12 +38,12 @@ def picture(engine: str, *places: float, looks: tuple[str, ...] = (), slot: int 
     names = list(evidence.names[1:])
     names.insert(slot, evidence.names[0])
     options = tuple(Option("truth" if n == "truth" else "counterfactual", n) for n in names)
-    return replace(asked("collide", 1, engine), options=options, answer=slot, evidence=evidence, agreement=())
+    return replace(question_row("collide", 1, engine), options=options, answer=slot, evidence=evidence, agreement=())
 
 
 def number(engine: str, value: float) -> QuestionRow:
     return replace(
-        asked("motion_speed", 1, engine),
+        question_row("motion_speed", 1, engine),
         options=(),
         answer=None,
         value=f"{value}",
@@ -54,12 +54,12 @@ def number(engine: str, value: float) -> QuestionRow:
 
 
 def lost(engine: str) -> Rejected:
-    return Rejected("motion_speed", 1, 0, engine, "margin", "1.1 where 1.2 apart was asked for")
+    return Rejected("motion_speed", 1, 0, engine, "margin", "1.1 where 1.2 apart was required")
 
 
-def kept(wanted: Consensus, *answers: QuestionRow | Rejected) -> str:
+def kept(expected: Consensus, *answers: QuestionRow | Rejected) -> str:
     """The first letters of the engines that keep the question."""
-    found = consensus({a.engine: a for a in answers}, wanted)
+    found = consensus({a.engine: a for a in answers}, expected)
     assert list(found) == [a.engine for a in answers]
     return "".join(e[0] for e, a in found.items() if isinstance(a, QuestionRow))
 
@@ -76,7 +76,7 @@ def kept(wanted: Consensus, *answers: QuestionRow | Rejected) -> str:
 )
 def test_labels(answers: tuple[int | None, ...], kept_of: tuple[str, str, str]) -> None:
     made = [label(e, a) if a is not None else lost(e) for e, a in zip(ENGINES, answers, strict=True)]
-    assert tuple(kept(wanted, *made) for wanted in ("all", "majority", "none")) == kept_of
+    assert tuple(kept(expected, *made) for expected in ("all", "majority", "none")) == kept_of
 
 
 def test_pictures_agree_where_each_picks_the_others_truth() -> None:
@@ -130,14 +130,14 @@ def test_every_row_tells_what_every_engine_says() -> None:
     assert votes["pybullet"].answer is not None
     assert mine.options[votes["pybullet"].answer].name == "right"
     assert votes["sapien"].answer is None
-    assert votes["sapien"].rejected == "margin: 1.1 where 1.2 apart was asked for"
+    assert votes["sapien"].rejected == "margin: 1.1 where 1.2 apart was required"
     assert votes["pybullet"].value == "right"
 
 
 def test_a_disagreement_tells_what_every_engine_says() -> None:
     found = consensus({a.engine: a for a in (label("mujoco", 0), label("pybullet", 1), lost("sapien"))}, "all")
-    told = found["mujoco"]
-    assert isinstance(told, Rejected)
-    assert told.reason == "disagreement"
-    assert "sapien rejects it: margin" in told.detail
+    reported = found["mujoco"]
+    assert isinstance(reported, Rejected)
+    assert reported.reason == "disagreement"
+    assert "sapien rejects it: margin" in reported.detail
     assert found["sapien"].reason == "margin"  # type: ignore[union-attr]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.ask.asking import asked, one, refused
+from tests.ask.asking import ask_all, one, refused
 from wmspec.runtime.questions.model import QuestionRow
 
 RACE = """
@@ -39,7 +39,7 @@ def test_what_is_neither_a_tie_nor_clear_is_too_close() -> None:
 
 
 def test_open_numbers_and_named_questions_and_truths() -> None:
-    questions = asked(
+    questions = ask_all(
         RACE.replace("{paces}", "20")
         + 'question far "How far does the sphere go?" { answer displacement(far)  within 2 cm }'
         + 'question "Does the cube move?" { answer moved(near) }'
@@ -78,7 +78,7 @@ def test_a_ball_on_the_tip_of_a_post_has_no_answer() -> None:
 
 
 def test_a_ball_beside_the_tip_has_one() -> None:
-    (question,) = asked(BALANCE % ("12 mm", "stable by 1 mm"), engine="mujoco")
+    (question,) = ask_all(BALANCE % ("12 mm", "stable by 1 mm"), engine="mujoco")
     assert isinstance(question, QuestionRow), question
     assert question.value == "to the right of it"
 

@@ -9,7 +9,7 @@ from typing import get_args
 import pytest
 
 import wmspec
-from tests.ask.asking import asked, one, pair, refused, spec_of
+from tests.ask.asking import ask_all, one, pair, refused, spec_of
 from wmspec.compile.design.design import Design
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import compose
@@ -25,7 +25,7 @@ from wmspec.runtime.questions.model import TRUTH, QuestionRow
 from wmspec.sim.usd import read
 
 SOURCES = Path(wmspec.__file__).parent
-#: Where a kind may be named: in its own module, where kinds are told apart, and in the type that names them all.
+#: Where a kind may be named: in its own module, where kinds are distinguished, and in the type that names them all.
 KNOWING = ("runtime/questions/kinds/", "lang/check/statements/question_kinds.py", "lang/check/ir/ir.py")
 
 
@@ -56,7 +56,7 @@ QUESTIONS = """
 
 
 def test_every_kind_is_told_by_its_answer_and_clauses() -> None:
-    questions = asked(QUESTIONS)
+    questions = ask_all(QUESTIONS)
     assert [q.kind for q in questions if isinstance(q, QuestionRow)] == ["labels", "labels", "numbers", "pictures"]
     assert [q.answer is None for q in questions if isinstance(q, QuestionRow)] == [False, False, True, False]
 
@@ -117,7 +117,7 @@ def test_texts_among_options_say_values() -> None:
         options ["left of {dice}", "{tone} and \\{right\\}"]
         answer  if position(ball).x < 0 then "left of {dice}" else "{tone} and \\{right\\}"
       }"""
-    (question,) = asked(body)
+    (question,) = ask_all(body)
     assert isinstance(question, QuestionRow)
     assert question.text == "Where is the red marble, 8 cm from nothing?"
     assert {option.text for option in question.options} == {"left of the green cube", "red and {right}"}

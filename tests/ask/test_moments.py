@@ -16,7 +16,7 @@ from wmspec.runtime.questions.question_context import QuestionContext
 from wmspec.runtime.questions.runs import execute
 
 G = 9.81
-#: A rod of 30 cm that hangs by its end falls from level; what is asked are plain quantities, so nothing is drawn.
+#: A rod of 30 cm, fixed at one end, falls from level; the questions are about plain quantities, so nothing is drawn.
 SPEC = """
 use floor
 task moments : custom {
@@ -95,14 +95,14 @@ SAID = {
 @cache
 def answers(engine: str) -> dict[str, object]:
     """What is measured in an engine of every question."""
-    asked = [*ORACLES, *SAID]
+    probed = [*ORACLES, *SAID]
     lines = [f'  question "?" {{ answer {a} }}' for a in SAID]
     lines = [f'  question "?" {{ answer {a}  within {_unit(a)} }}' for a in ORACLES] + lines
     design = Design(task_from(SPEC.replace("QUESTIONS", "\n".join(lines))))
     engines = pair(engine)
     run = execute(design, design[1], None, engines)
     found = {}
-    for text, question in zip(asked, design.spec.questions, strict=True):
+    for text, question in zip(probed, design.spec.questions, strict=True):
         asking = QuestionContext(question, run, partial(execute, design, design[1], pair=engines), engines)
         found[text] = evaluate(question.answer, asking.measured)
     return found

@@ -67,9 +67,9 @@ def test_an_option_is_what_it_differs_in_from_the_truth() -> None:
         for option in row.options:
             if option.change is not None:
                 made = [option.change, *([option.change.beside] if option.change.beside else [])]
-                wanted = [("state", "load"), ("action", "pace")]
+                expected = [("state", "load"), ("action", "pace")]
                 at = {"state": slice(0, 1), "action": slice(1, 2), "both": slice(0, 2)}[option.kind]
-                assert [(change.kind, change.target) for change in made] == wanted[at]
+                assert [(change.kind, change.target) for change in made] == expected[at]
         load, pace = row.levels["load"], row.levels["pace"]
         assert load in row.text
         (state,) = (o.change for o in row.options if o.kind == "state")
@@ -217,11 +217,11 @@ def names(change: str) -> list[list[tuple[str, str]]]:
 @pytest.mark.parametrize("change", ["counterfactual each other pace", "counterfactual each other push.speed"])
 def test_each_other_level_is_a_counterfactual_named_after_it(change: str) -> None:
     levels = ["pace_20_cm_s", "pace_50_cm_s", "pace_90_cm_s"]
-    wanted = [
+    expected = [
         sorted([("truth", "truth"), *(("counterfactual", other) for other in levels if other != level)])
         for level in levels
     ]
-    assert names(change) == wanted
+    assert names(change) == expected
 
 
 @pytest.mark.engine

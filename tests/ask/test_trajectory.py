@@ -35,7 +35,7 @@ def test_the_paths_of_follow_are_told_with_a_millimetre_of_noise(
 
 @pytest.mark.parametrize("name", sorted({*FORMS} - {"triangle"}))  # of which two corners lie between nine places
 def test_a_few_relocations_are_enough(name: str) -> None:
-    """What is put from place to place between pictures is told by where it was."""
+    """The trajectory of an object that teleports between pictures consists of its places."""
     assert path_form(np.repeat(path(name, 0.4, 0.12, 0.3, 9), 60, axis=0)) == name
 
 

@@ -136,14 +136,14 @@ SCREEN = "object wall { shape: box  size: (80 cm, 4 cm, 40 cm)  color: gray  on:
 
 
 @pytest.mark.parametrize(
-    "answer", ["ball.color", "told", "if ball.color == red then red else blue", "tone"], ids=lambda a: a.split()[0]
+    "answer", ["ball.color", "shade", "if ball.color == red then red else blue", "tone"], ids=lambda a: a.split()[0]
 )
 @pytest.mark.parametrize("wall", ["", SCREEN], ids=["open", "hidden"])
 def test_what_the_answer_rests_on_is_seen_however_it_is_named(answer: str, wall: str) -> None:
     """A text that says `the ball` without braces, and an answer by a `let` or by the factor that decides the colour."""
     body = f"""
       factor tone in [red, blue]
-      let told = ball.color
+      let shade = ball.color
       object ball {{ shape: sphere  size: 8 cm  color: tone  on: table at (0, 10 cm) }}
       {wall}
       observe front at [0 s]

@@ -18,7 +18,7 @@ FILES = {"urdf": URDF, "xml": MJCF}
 TEXTURED, TRANSPARENT = "textures of an asset are not supported", "what is transparent is not supported"
 
 
-def told(folder: Path, ending: str, said: str) -> set[str]:
+def reported(folder: Path, ending: str, said: str) -> set[str]:
     """What is wrong with a spec that says this of an asset, without where in the file."""
     (folder / f"a.{ending}").write_text(FILES[ending])
     text = f'task t : custom {{ object o {{ file: "a.{ending}"  at: (0, 0, 0)  {said} }} }}'
@@ -41,4 +41,4 @@ def told(folder: Path, ending: str, said: str) -> set[str]:
 def test_looks_that_a_spec_says_go_before_those_of_the_file(
     tmp_path: Path, ending: str, said: str, left: set[str]
 ) -> None:
-    assert told(tmp_path, ending, said) == left
+    assert reported(tmp_path, ending, said) == left

@@ -43,9 +43,9 @@ def track(trace: Trace, found: Scene, name: str) -> Array:
 @pytest.mark.parametrize("gravity", [9.81, 1.62])
 def test_a_pendulum_keeps_its_period(engine: str, tmp_path: Path, gravity: float) -> None:
     """T = 2π √(I / m g d), I about the pivot; at 5° of amplitude it is 0.05 % longer."""
-    wanted = 2 * pi * sqrt((MOMENT + MASS * ARM**2) / (MASS * gravity * ARM)) * (1 + radians(5) ** 2 / 16)
+    expected = 2 * pi * sqrt((MOMENT + MASS * ARM**2) / (MASS * gravity * ARM)) * (1 + radians(5) ** 2 / 16)
     swings = f'world {{ gravity: {gravity} m/s^2 }}\nobject pendulum {{ file: "pendulum.urdf"  at: (0, 0, 0)\n'
-    found = scene(spec(f"{swings}part pivot {{ start: 5 deg }} }}", here(tmp_path), 3.2 * wanted))
+    found = scene(spec(f"{swings}part pivot {{ start: 5 deg }} }}", here(tmp_path), 3.2 * expected))
     trace = executed(engine, found)
     i = [b.name for b in found.bodies].index("pendulum")
     angle = 2 * np.arctan2(trace.orientation[:, i, 2], trace.orientation[:, i, 0])
@@ -53,7 +53,7 @@ def test_a_pendulum_keeps_its_period(engine: str, tmp_path: Path, gravity: float
     up = np.flatnonzero((angle[:-1] < 0) & (angle[1:] >= 0))
     crossings = trace.time[up] - angle[up] / np.diff(angle)[up] * np.diff(trace.time)[up]
     assert len(crossings) == 3
-    assert np.diff(crossings) == pytest.approx(wanted, rel=2e-3)
+    assert np.diff(crossings) == pytest.approx(expected, rel=2e-3)
 
 
 def test_a_cabinet_is_opened(engine: str, tmp_path: Path) -> None:

@@ -48,8 +48,8 @@ def test_masses_are_those_of_mujoco(tmp_path: Path, name: str) -> None:
     own, axes = rotation(body.pose.orientation), data.body(name).ximat.reshape(3, 3)
     middle = body.pose.position + own @ body.inertia.center
     np.testing.assert_allclose(middle, data.body(name).xipos, atol=1e-7)
-    wanted = axes @ np.diag(theirs.inertia) @ axes.T
-    np.testing.assert_allclose(own @ tensor(body) @ own.T, wanted, rtol=1e-5, atol=1e-8)
+    expected = axes @ np.diag(theirs.inertia) @ axes.T
+    np.testing.assert_allclose(own @ tensor(body) @ own.T, expected, rtol=1e-5, atol=1e-8)
 
 
 def test_joints_are_those_of_mujoco(tmp_path: Path) -> None:

@@ -44,7 +44,7 @@ FRAGMENTS = st.sampled_from(
 SPEC = 'task t : custom {\nobject a { file: "NAME" }\ncamera front { at: (0, -3 m, 1 m) }\nobserve front at [0 s]\n}'
 
 
-def told(folder: Path, content: bytes, name: str = "a.urdf") -> list[str]:
+def reported(folder: Path, content: bytes, name: str = "a.urdf") -> list[str]:
     """The codes of all diagnostics of a spec that names this asset; each can be formatted."""
     (folder / name).write_bytes(content)
     report = Report()
@@ -66,7 +66,7 @@ def test_mutated_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataO
         i = data.draw(st.integers(0, len(text)))
         j = min(len(text), i + data.draw(st.integers(0, 30)))
         text = text[:i] + data.draw(st.one_of(FRAGMENTS, st.text(max_size=5))) + text[j:]
-    told(tmp_path_factory.getbasetemp(), text.encode(errors="replace"))
+    reported(tmp_path_factory.getbasetemp(), text.encode(errors="replace"))
 
 
 @examples(60, 600)
@@ -77,13 +77,13 @@ def test_mutated_words_of_assets(tmp_path_factory: pytest.TempPathFactory, data:
     for _ in range(data.draw(st.integers(1, 4))):
         i = 1 + 2 * data.draw(st.integers(0, len(words) // 2 - 1))
         words[i] = data.draw(st.one_of(st.sampled_from(words[1::2]), st.sampled_from(["", "0", "-1", "1e9", "0 0 0"])))
-    told(tmp_path_factory.getbasetemp(), '"'.join(words).encode())
+    reported(tmp_path_factory.getbasetemp(), '"'.join(words).encode())
 
 
 @examples(50, 500)
 @given(content=st.binary(max_size=200))
 def test_bytes(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
-    assert "WMS210" in told(tmp_path_factory.getbasetemp(), content)
+    assert "WMS210" in reported(tmp_path_factory.getbasetemp(), content)
 
 
 LINK = '<link name="l{0}"><visual><geometry><sphere radius="0.1"/></geometry></visual></link>'
@@ -103,7 +103,7 @@ LARGE = {
 
 @pytest.mark.parametrize("what", LARGE)
 def test_what_is_too_large_is_refused_soon(tmp_path: Path, what: str) -> None:
-    said, work = calls(lambda: told(tmp_path, LARGE[what].encode()))
+    said, work = calls(lambda: reported(tmp_path, LARGE[what].encode()))
     assert "WMS210" in said
     assert work < 2_000_000
 
@@ -115,7 +115,7 @@ def test_a_long_chain_is_no_problem(tmp_path: Path) -> None:
         robot += [LINK.format(i), JOINT.format(i, i - 1).replace("<child", '<origin xyz="0.3 0 0"/><child')]
     text = "\n".join([*robot, "</robot>"]).replace("visual>", "collision>")
     assert sys.getrecursionlimit() <= 1000
-    assert told(tmp_path, text.encode()) == []
+    assert reported(tmp_path, text.encode()) == []
 
 
 def test_other_specs_do_not_wait_for_what_reads_assets() -> None:
@@ -146,4 +146,4 @@ def test_mutated_stages(tmp_path_factory: pytest.TempPathFactory, data: st.DataO
         name, equals, _ = lines[i].partition(" = ")
         lines[i] = f"{name} = {data.draw(values)}" if equals else data.draw(st.sampled_from([lines[i], "", "}"]))
     folder = tmp_path_factory.mktemp("stage")
-    told(folder, "\n".join(lines).encode(), "a.usda")
+    reported(folder, "\n".join(lines).encode(), "a.usda")

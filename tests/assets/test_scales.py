@@ -65,8 +65,8 @@ def test_meshes_of_a_urdf_are_scaled(folder: Path, scale: tuple[float, float, fl
     (folder / "a.urdf").write_text(URDF.format(*scale))
     turns = "yaw: 0.5 rad  roll: 0.3 rad  at: (0, 0, 20 cm)  fixed: true"
     found = named(scene(spec('object a { file: "a.urdf"  at: (0, 0, 0) }', folder)), "a")
-    wanted = named(scene(spec(f'object a {{ file: "w.obj"  scale: {scale}  {turns} }}', folder)), "a")
-    np.testing.assert_allclose(corners(found), corners(wanted), atol=1e-6)
+    expected = named(scene(spec(f'object a {{ file: "w.obj"  scale: {scale}  {turns} }}', folder)), "a")
+    np.testing.assert_allclose(corners(found), corners(expected), atol=1e-6)
 
 
 @pytest.mark.parametrize("scale", SCALES)

@@ -46,7 +46,7 @@ def test_masses_are_those_of_mujoco(tmp_path: Path) -> None:
 
 
 def in_mujoco(path: Path, joints: tuple[float, float]) -> tuple[Any, Any]:
-    """The model that MuJoCo reads, with its joints at these places; its meshes are not asked for."""
+    """The model that MuJoCo reads, with its joints at these places; its meshes are not needed."""
     mujoco = pytest.importorskip("mujoco")
     text = path.read_text()
     begin, end = text.index('<visual><origin xyz="0.1'), text.index("</visual>") + len("</visual>")
@@ -118,21 +118,23 @@ def test_what_hangs_lowest_is_what_rests(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "link", "wanted"),
+    ("said", "link", "expected"),
     [
         ("part door { mass: 6 kg }", "cabinet_door", (6, 3 * 0.019)),
         ("part door { density: 500 kg/m^3 }", "cabinet_door", (500 * 0.45 * 0.02 * 0.31, None)),
         ("density: 100 kg/m^3", "cabinet_drawer", (100 * 0.44 * 0.34 * 0.18, None)),
     ],
 )
-def test_a_spec_may_say_another_mass(tmp_path: Path, said: str, link: str, wanted: tuple[float, float | None]) -> None:
+def test_a_spec_may_say_another_mass(
+    tmp_path: Path, said: str, link: str, expected: tuple[float, float | None]
+) -> None:
     """The moments of a file go with its mass; by density they are those of the form."""
     found = scene(spec(f'object cabinet {{ file: "cabinet.urdf"  at: (0, 0, 0)  {said} }}', here(tmp_path)))
     inertia = named(found, link).inertia
     assert inertia is not None
-    assert inertia.mass == pytest.approx(wanted[0], rel=1e-6)
-    if wanted[1] is not None:
-        assert tensor(named(found, link))[0, 0] == pytest.approx(wanted[1], rel=1e-5)
+    assert inertia.mass == pytest.approx(expected[0], rel=1e-6)
+    if expected[1] is not None:
+        assert tensor(named(found, link))[0, 0] == pytest.approx(expected[1], rel=1e-5)
 
 
 def test_looks_of_the_file_of_the_whole_and_of_a_link(tmp_path: Path) -> None:
@@ -160,7 +162,7 @@ def test_a_name_that_is_taken_and_one_that_is_not_there(tmp_path: Path) -> None:
       object cabinet_door { at: (0, 0, 0) }
       let mass = cabinet.drawr.mass
     }""")
-    told = {(d.code, getattr(d.place, "text", ""), d.help) for d in checked(path)[1].diagnostics}
-    assert ("WMS201", "dor", "did you mean `door`?") in told
-    assert ("WMS203", "drawr", "did you mean `drawer`?") in told
-    assert {(code, text) for code, text, _ in told} >= {("WMS203", "at"), ("WMS202", "cabinet")}
+    reported = {(d.code, getattr(d.place, "text", ""), d.help) for d in checked(path)[1].diagnostics}
+    assert ("WMS201", "dor", "did you mean `door`?") in reported
+    assert ("WMS203", "drawr", "did you mean `drawer`?") in reported
+    assert {(code, text) for code, text, _ in reported} >= {("WMS203", "at"), ("WMS202", "cabinet")}

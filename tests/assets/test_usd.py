@@ -37,15 +37,15 @@ def both(tmp_path: Path) -> tuple[Scene, Scene]:
 
 @pytest.mark.parametrize("name", BODIES)
 def test_bodies_are_those_of_the_stage(tmp_path: Path, name: str) -> None:
-    found, wanted = (named(s, n) for s, n in zip(both(tmp_path), (BODIES[name], name), strict=True))
-    np.testing.assert_allclose(found.pose.position, wanted.pose.position, atol=1e-6)
-    np.testing.assert_allclose(rotation(found.pose.orientation), rotation(wanted.pose.orientation), atol=1e-6)
+    found, expected = (named(s, n) for s, n in zip(both(tmp_path), (BODIES[name], name), strict=True))
+    np.testing.assert_allclose(found.pose.position, expected.pose.position, atol=1e-6)
+    np.testing.assert_allclose(rotation(found.pose.orientation), rotation(expected.pose.orientation), atol=1e-6)
     assert found.inertia is not None
-    assert wanted.inertia is not None
-    assert found.inertia.mass == pytest.approx(wanted.inertia.mass, rel=1e-6)
-    np.testing.assert_allclose(found.inertia.center, wanted.inertia.center, atol=1e-6)
-    np.testing.assert_allclose(tensor(found), tensor(wanted), rtol=1e-5, atol=1e-9)
-    np.testing.assert_allclose(corners(found), corners(wanted), atol=1e-6)
+    assert expected.inertia is not None
+    assert found.inertia.mass == pytest.approx(expected.inertia.mass, rel=1e-6)
+    np.testing.assert_allclose(found.inertia.center, expected.inertia.center, atol=1e-6)
+    np.testing.assert_allclose(tensor(found), tensor(expected), rtol=1e-5, atol=1e-9)
+    np.testing.assert_allclose(corners(found), corners(expected), atol=1e-6)
 
 
 def corners(body: Body) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
@@ -55,9 +55,9 @@ def corners(body: Body) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
 @pytest.mark.parametrize("name", ["pivot", "string", "hook"])
 def test_joints_are_those_of_the_stage(tmp_path: Path, name: str) -> None:
     """The same frames in the world, but for which of its two ends comes first, which turns its coordinate round."""
-    found, wanted = both(tmp_path)
+    found, expected = both(tmp_path)
     one = next(j for j in found.joints if j.name == f"balance_{name}")
-    other = next(j for j in wanted.joints if j.name == name)
+    other = next(j for j in expected.joints if j.name == name)
     assert one.kind == other.kind
     turned = one.second != BODIES.get(other.second, "balance")
     if other.limits is not None:
@@ -66,8 +66,8 @@ def test_joints_are_those_of_the_stage(tmp_path: Path, name: str) -> None:
         assert one.drive is not None
         assert (one.drive.stiffness, one.drive.damping) == pytest.approx((other.drive.stiffness, other.drive.damping))
         assert one.drive.target == pytest.approx(other.drive.target)
-    here_, there = place(found, one.second, one.second_frame), place(wanted, other.second, other.second_frame)
-    beyond = place(wanted, other.first, other.first_frame)
+    here_, there = place(found, one.second, one.second_frame), place(expected, other.second, other.second_frame)
+    beyond = place(expected, other.first, other.first_frame)
     np.testing.assert_allclose(here_, beyond if turned else there, atol=1e-6)
 
 
@@ -81,8 +81,8 @@ def test_it_moves_as_the_stage_does(tmp_path: Path, engine: str) -> None:
     from dataclasses import replace
 
     installed(engine)
-    found, wanted = (replace(s, duration=1.0, rate=60) for s in both(tmp_path))
-    one, other = (installed(engine).execute(s) for s in (found, wanted))
+    found, expected = (replace(s, duration=1.0, rate=60) for s in both(tmp_path))
+    one, other = (installed(engine).execute(s) for s in (found, expected))
     for name in ("left", "right"):  # the frame of the beam is where it turns
         ours = BODIES[name]
         i, j = one.bodies.index(ours), other.bodies.index(name)

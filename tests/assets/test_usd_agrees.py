@@ -212,18 +212,18 @@ def written(folder: Path, text: str, **header: object) -> Path:
 
 def both(file: Path, folder: Path, said: str = "") -> tuple[Scene, Scene, dict[str, str]]:
     """The scene of a spec that names a stage, that of the stage itself, and the bodies of this as those of that."""
-    wanted = replace(read(Usd.Stage.Open(str(file))), actions=(), observations=())
+    expected = replace(read(Usd.Stage.Open(str(file))), actions=(), observations=())
     if file.parent != folder:
         (folder / file.name).write_bytes(file.read_bytes())
-    world = f"world {{ gravity: {max(0.0, -wanted.gravity[2])} m/s^2 }}\n"
+    world = f"world {{ gravity: {max(0.0, -expected.gravity[2])} m/s^2 }}\n"
     found = scene(spec(f'{world}object a {{ file: "{file.name}"  at: (0, 0, 0)  {said} }}', folder))
-    return found, wanted, dict(pairs(found, wanted))
+    return found, expected, dict(pairs(found, expected))
 
 
-def pairs(found: Scene, wanted: Scene) -> Iterator[tuple[str, str]]:
+def pairs(found: Scene, expected: Scene) -> Iterator[tuple[str, str]]:
     """Bodies that can move or stand for themselves are where they are in the file, each in its place."""
     left = {body.name: body for body in found.bodies}
-    for body in wanted.bodies:
+    for body in expected.bodies:
         if body.motion == "static":
             continue
         near = min(left.values(), key=lambda other: (frame(other, body), other.name))
@@ -258,10 +258,10 @@ def touched(body: Body, geom: Geom) -> Array:
     return np.concatenate([*world_box((geom,), body.pose), (geom.friction.dynamic, geom.friction.restitution)])
 
 
-def agree(found: Scene, wanted: Scene, names: dict[str, str]) -> None:
+def agree(found: Scene, expected: Scene, names: dict[str, str]) -> None:
     """The same bodies, joints and filters, but for how they are called and in which order they come."""
     ours = {body.name: body for body in found.bodies}
-    theirs = {body.name: body for body in wanted.bodies}
+    theirs = {body.name: body for body in expected.bodies}
     for name, our in names.items():
         a, b = ours[our], theirs[name]
         assert (a.motion == "dynamic") == (b.motion == "dynamic")
@@ -274,30 +274,32 @@ def agree(found: Scene, wanted: Scene, names: dict[str, str]) -> None:
         np.testing.assert_allclose(apply(a.pose, a.inertia.center), apply(b.pose, b.inertia.center), atol=1e-5)
         spread = [rotation(x.pose.orientation) @ tensor(x) @ rotation(x.pose.orientation).T for x in (a, b)]
         np.testing.assert_allclose(spread[0], spread[1], atol=1e-5 * np.trace(spread[1]))
-    still = [[b for b in of.bodies if b.name not in known] for of, known in ((found, names.values()), (wanted, names))]
+    still = [
+        [b for b in of.bodies if b.name not in known] for of, known in ((found, names.values()), (expected, names))
+    ]
     np.testing.assert_allclose(surfaces(still[0]), surfaces(still[1]), atol=2e-5)
-    assert len(found.joints) == len(wanted.joints)
-    for theirs_ in wanted.joints:
-        _alike(theirs_, found, wanted, names)
-    assert len(found.filtered) == len(wanted.filtered)
-    for pair in wanted.filtered:
+    assert len(found.joints) == len(expected.joints)
+    for theirs_ in expected.joints:
+        _alike(theirs_, found, expected, names)
+    assert len(found.filtered) == len(expected.filtered)
+    for pair in expected.filtered:
         known = {names[name] for name in pair if name in names}
         assert any(known <= set(other) for other in found.filtered)
 
 
-def _alike(wanted: Joint, found: Scene, of: Scene, names: dict[str, str]) -> None:
+def _alike(expected: Joint, found: Scene, of: Scene, names: dict[str, str]) -> None:
     """A joint of the same kind in the same place, whichever of its bodies comes first."""
-    ends = {names[end] for end in (wanted.first, wanted.second) if end in names}
-    joint = next(j for j in found.joints if ends <= {j.first, j.second} and j.kind == wanted.kind)
-    assert joint.collides == wanted.collides
-    assert (joint.limits is None) == (wanted.limits is None)
-    np.testing.assert_allclose(joint.limits or (), wanted.limits or (), atol=1e-6)
-    assert (joint.drive is None) == (wanted.drive is None)
-    if joint.drive is not None and wanted.drive is not None:
+    ends = {names[end] for end in (expected.first, expected.second) if end in names}
+    joint = next(j for j in found.joints if ends <= {j.first, j.second} and j.kind == expected.kind)
+    assert joint.collides == expected.collides
+    assert (joint.limits is None) == (expected.limits is None)
+    np.testing.assert_allclose(joint.limits or (), expected.limits or (), atol=1e-6)
+    assert (joint.drive is None) == (expected.drive is None)
+    if joint.drive is not None and expected.drive is not None:
         for kind in ("stiffness", "damping", "target", "velocity", "max_force"):
-            assert getattr(joint.drive, kind) == pytest.approx(getattr(wanted.drive, kind), rel=1e-5)
+            assert getattr(joint.drive, kind) == pytest.approx(getattr(expected.drive, kind), rel=1e-5)
     places = []
-    for one, scene_ in ((joint, found), (wanted, of)):
+    for one, scene_ in ((joint, found), (expected, of)):
         bodies = {body.name: body for body in scene_.bodies}
         start = relative_frame(bodies, one.first, one.second, one.first_frame, one.second_frame)
         at = compose(bodies[one.second].pose, one.second_frame)
@@ -307,17 +309,17 @@ def _alike(wanted: Joint, found: Scene, of: Scene, names: dict[str, str]) -> Non
         np.testing.assert_allclose(places[0][1], places[1][1], atol=1e-5)
         assert places[0][0] == pytest.approx(places[1][0], abs=1e-5)
     if joint.kind in ("hinge", "slider"):  # turned round with its ends
-        way = 1 if names.get(wanted.second) == joint.second else -1
+        way = 1 if names.get(expected.second) == joint.second else -1
         np.testing.assert_allclose(places[0][2], way * places[1][2], atol=1e-5)
 
 
-def run(engine: str, found: Scene, wanted: Scene, names: dict[str, str], seconds: float, hit: float) -> None:
+def run(engine: str, found: Scene, expected: Scene, names: dict[str, str], seconds: float, hit: float) -> None:
     """They move the same within 0.1 mm; after the first impact, which multiplies the least difference, within `hit`.
 
     What an engine lacks of one it lacks of the other.
     """
     execute = installed(engine).execute
-    ours_, theirs_ = (replace(of, duration=seconds, rate=240) for of in (found, wanted))
+    ours_, theirs_ = (replace(of, duration=seconds, rate=240) for of in (found, expected))
     try:
         other = execute(theirs_)
     except WmsError:
@@ -325,7 +327,7 @@ def run(engine: str, found: Scene, wanted: Scene, names: dict[str, str], seconds
             execute(ours_)
         return
     one = execute(ours_)
-    ours, theirs = ({body.name: body for body in of.bodies} for of in (found, wanted))
+    ours, theirs = ({body.name: body for body in of.bodies} for of in (found, expected))
     first = np.searchsorted(one.time, min((contact.start for contact in one.contacts), default=np.inf)) - 1
     for name, our in names.items():
         a, b = (moved(trace, body) for trace, body in ((one, ours[our]), (other, theirs[name])))
@@ -396,10 +398,10 @@ def test_shapes_of_ours_that_usd_does_not_have(tmp_path: Path) -> None:
     file = tmp_path / "made" / "stage.usda"
     file.parent.mkdir()
     composed(document(made, Design(made)[0])).Export(str(file))
-    found, wanted, names = both(file, tmp_path, "color: red")
-    agree(found, wanted, names)
+    found, expected, names = both(file, tmp_path, "color: red")
+    agree(found, expected, names)
     for name, our in names.items():
-        ours, theirs = (next(b for b in of.bodies if b.name == n) for of, n in ((found, our), (wanted, name)))
+        ours, theirs = (next(b for b in of.bodies if b.name == n) for of, n in ((found, our), (expected, name)))
         assert [type(g.shape) for g in ours.geoms] == [type(g.shape) for g in theirs.geoms]
 
 
@@ -416,8 +418,8 @@ BEYOND = {
 def test_what_a_spec_may_not_have_of_a_stage_is_told(tmp_path: Path, message: str) -> None:
     read(Usd.Stage.Open(str(written(tmp_path, BEYOND[message]))))
     (tmp_path / "spec.wms").write_text('task t : custom { object a { file: "stage.usda"  at: (0, 0, 0) } }')
-    told = checked(tmp_path / "spec.wms")[1].diagnostics
-    assert any(message in d.message for d in told), told
+    reported = checked(tmp_path / "spec.wms")[1].diagnostics
+    assert any(message in d.message for d in reported), reported
 
 
 # ---------------------------------------------------------------- any tree of bodies

@@ -90,8 +90,8 @@ def test_layers_elsewhere_are_refused(tmp_path: Path) -> None:
     (tmp_path / "specs").mkdir()
     (tmp_path / "specs/two.usda").write_text("#usda 1.0\n(\nsubLayers = [@../one.usda@]\n)")
     (tmp_path / "specs/spec.wms").write_text('task t : custom { object a { file: "two.usda#/World/thing/form" } }')
-    (told,) = (d for d in checked(tmp_path / "specs/spec.wms")[1].diagnostics if d.code == "WMS210")
-    assert told.message == "two.usda: uses `one.usda`, which is not below the spec's folder"
+    (reported,) = (d for d in checked(tmp_path / "specs/spec.wms")[1].diagnostics if d.code == "WMS210")
+    assert reported.message == "two.usda: uses `one.usda`, which is not below the spec's folder"
 
 
 def test_a_file_that_changes_is_read_again(tmp_path: Path) -> None:
@@ -111,6 +111,6 @@ def test_what_is_too_large_is_refused_soon(tmp_path: Path) -> None:
     stage.Save()
     (tmp_path / "spec.wms").write_text('task t : custom { object a { file: "large.usdc" } }')
     (_, report), work = calls(lambda: checked(tmp_path / "spec.wms"))
-    (told,) = (d for d in report.diagnostics if d.code == "WMS210")
-    assert told.message == "large.usdc: `/large`: it has more than 1,000,000 points or corners"
+    (reported,) = (d for d in report.diagnostics if d.code == "WMS210")
+    assert reported.message == "large.usdc: `/large`: it has more than 1,000,000 points or corners"
     assert work < 200_000

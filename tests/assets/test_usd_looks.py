@@ -146,8 +146,8 @@ def test_a_package_is_read_but_for_its_pictures(tmp_path: Path) -> None:
     (found,) = (g for g in named(scene(spec(text.format("color: blue"), where)), "a").geoms if g.visible)
     assert isinstance(found.shape, Mesh)
     (where / "spec.wms").write_text(f"task t : custom {{ {text.format('')} }}")
-    (told,) = (d for d in checked(where / "spec.wms")[1].diagnostics if d.code == "WMS210")
-    assert "there is no picture" in told.message
+    (reported,) = (d for d in checked(where / "spec.wms")[1].diagnostics if d.code == "WMS210")
+    assert "there is no picture" in reported.message
 
 
 #: What is changed of a material: the shader, its input, the value, and what is said about it.
@@ -165,9 +165,9 @@ ODD = [
 TYPES = {"sourceColorSpace": "Token", "varname": "String", "file": "Asset", "opacity": "Float"}
 
 
-@pytest.mark.parametrize(("shader", "name", "value", "told"), ODD)
+@pytest.mark.parametrize(("shader", "name", "value", "reported"), ODD)
 def test_what_cannot_be_drawn_is_refused_unless_the_spec_paints_it(
-    tmp_path: Path, shader: str, name: str, value: object, told: str
+    tmp_path: Path, shader: str, name: str, value: object, reported: str
 ) -> None:
     where = folder(tmp_path)
     stage = Usd.Stage.Open(str(where / "box.usda"))
@@ -178,7 +178,7 @@ def test_what_cannot_be_drawn_is_refused_unless_the_spec_paints_it(
     stage.Export(str(where / "box.usda"))
     (where / "spec.wms").write_text('task t : custom { object a { file: "box.usda"  at: (0, 0, 0) } }')
     (found,) = (d for d in checked(where / "spec.wms")[1].diagnostics if d.code == "WMS210")
-    assert told in found.message
+    assert reported in found.message
     assert drawn(where, "color: red")
 
 

@@ -119,16 +119,16 @@ def race(favoured: float = 0.5, level: bool = False, telling: bool = False) -> A
     The first option is true with the share `favoured`. If `telling`, the true option is the longer text.
     """
 
-    def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
-        truth, place = str(asked.factors["faster"]), int(asked_in_turn(asked, 320) >= favoured)
-        far = {b: 0.15 * float(str(asked.factors["ratio"])) if b == truth else 0.15 for b in ROWS}
+    def ask(source: QuestionRow, random: np.random.Generator) -> QuestionRow:
+        truth, place = str(source.factors["faster"]), int(asking_order(source, 320) >= favoured)
+        far = {b: 0.15 * float(str(source.factors["ratio"])) if b == truth else 0.15 for b in ROWS}
         starts = {b: 0.15 if level else random.random() for b in ROWS}
-        tones = {"upper": TONES[str(asked.factors["tone"])], "lower": (20, 20, 20)}
+        tones = {"upper": TONES[str(source.factors["tone"])], "lower": (20, 20, 20)}
         views = ([(starts[b] + late * far[b], y, tones[b]) for b, y in ROWS.items()] for late in (0, 1))
         order = [truth, other(truth)] if place == 0 else [other(truth), truth]
         texts = {b: f"the {b} ball{', surely' * (telling and b == truth)}" for b in ROWS}
         return replace(
-            asked,
+            source,
             text="Which ball is faster?",
             context=tuple(Picture("front", 2.0 * late, picture(balls)) for late, balls in enumerate(views)),
             options=tuple(Option("truth" if b == truth else "label", b, text=texts[b]) for b in order),
@@ -140,9 +140,9 @@ def race(favoured: float = 0.5, level: bool = False, telling: bool = False) -> A
     return ask
 
 
-def asked_in_turn(asked: QuestionRow, count: int) -> float:
+def asking_order(source: QuestionRow, count: int) -> float:
     """A share from 0 to 1, evenly spread over the design, as wmspec spreads the places of true options."""
-    return permuted(asked.index, count, "place") / count
+    return permuted(source.index, count, "place") / count
 
 
 ROWS = {"upper": 0.3, "lower": 0.7}
@@ -157,8 +157,8 @@ def roll(betrayed: str = "", alike: bool = False) -> Ask:
     is `betrayed`: by its colour, or because it lies in the middle. If `alike`, two of them are the same.
     """
 
-    def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
-        tone, place = TONES[str(asked.factors["tone"])], int(4 * asked_in_turn(asked, 336))
+    def ask(source: QuestionRow, random: np.random.Generator) -> QuestionRow:
+        tone, place = TONES[str(source.factors["tone"])], int(4 * asking_order(source, 336))
         ends = _apart(random)
         if betrayed == "middle":  # each of the others differs from it in one thing
             x = ends[0][0]
@@ -176,7 +176,7 @@ def roll(betrayed: str = "", alike: bool = False) -> Ask:
         )
         shown = tuple(Picture("front", t, picture([(x, 0.5, tone)])) for t, x in context)
         return replace(
-            asked,
+            source,
             text="Where next?",
             context=shown,
             options=options,
@@ -225,16 +225,16 @@ def slide(revealing: bool = False, in_words: bool = True) -> Ask:
     the nearest option shows the way. The weight is in the text if it is `in_words`.
     """
 
-    def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
-        weight, way = asked.levels["weight"], asked.levels["way"]
-        tone, sign = TONES[str(asked.factors["tone"])], 1 if way == "right" else -1
+    def ask(source: QuestionRow, random: np.random.Generator) -> QuestionRow:
+        weight, way = source.levels["weight"], source.levels["way"]
+        tone, sign = TONES[str(source.factors["tone"])], 1 if way == "right" else -1
         middle = 0.5 if revealing else random.random()
         seen = (middle, middle + sign * 0.17) if revealing else (middle - sign * 0.05, middle + sign * 0.05)
         order = list(ENDS)
         random.shuffle(order)
         options = tuple(_closed(each, (weight, way), tone) for each in order)
         return replace(
-            asked,
+            source,
             text=f"The ball is {weight}. Where does it come to rest?" if in_words else "Where does it come to rest?",
             context=tuple(Picture("front", 0.1 * i, picture([(x, 0.5, tone)])) for i, x in enumerate(seen)),
             objects=tuple((_ball(x),) for x in seen),

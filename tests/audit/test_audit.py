@@ -88,11 +88,11 @@ def share(found: Audit, sees: str) -> float:
 
 @pytest.mark.slow
 def test_any_number_of_workers_finds_the_same(tmp_path: Path) -> None:
-    folder, told = make_all(tmp_path / "two", {"race": race(), "roll": roll()}, 40), list[str]()
-    alone, shared = (audit(folder, 24, lambda task, count: told.append(task), workers) for workers in (0, 2))
+    folder, message = make_all(tmp_path / "two", {"race": race(), "roll": roll()}, 40), list[str]()
+    alone, shared = (audit(folder, 24, lambda task, count: message.append(task), workers) for workers in (0, 2))
     assert asdict(shared) == asdict(alone)
     assert {p.task for p in alone.probes} == {"race", "roll"}
-    assert told == ["race", "roll"] * 2
+    assert message == ["race", "roll"] * 2
 
 
 @pytest.mark.parametrize("name", ["race", pytest.param("roll", marks=pytest.mark.slow)])
@@ -137,14 +137,14 @@ def test_a_shortcut_is_found(name: str, sees: str, least: float, audited: Audite
 def test_the_other_probes_see_nothing_of_a_last_picture_that_tells(audited: Audited) -> None:
     found = audited("race level")
     assert all("from the best single picture (picture 2: pixels)" in f.what for f in failing(found))
-    (told,) = [f for f in found.findings if "from picture 2: pixels alone" in f.what]
-    assert told.verdict == "reported"
-    assert "only the best of these probes is judged" in told.what
+    (message,) = [f for f in found.findings if "from picture 2: pixels alone" in f.what]
+    assert message.verdict == "reported"
+    assert "only the best of these probes is judged" in message.what
 
 
-def still(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
+def still(question: QuestionRow, random: np.random.Generator) -> QuestionRow:
     """The same question with one picture: who is ahead?"""
-    moving = race(level=True)(asked, random)
+    moving = race(level=True)(question, random)
     return replace(moving, text="Which ball is ahead?", context=moving.context[1:])
 
 
@@ -152,14 +152,14 @@ def test_a_question_about_one_moment_may_be_answered_from_its_picture(tmp_path: 
     found = look(make(tmp_path / "made", "race", still, 160))
     assert share(found, "picture 1: pixels") > 0.7
     assert found.passed
-    (told,) = [f for f in found.findings if "from picture 1: pixels alone" in f.what]
-    assert told.verdict == "reported"
-    assert "as many moments as the answer requires" in told.what
+    (message,) = [f for f in found.findings if "from picture 1: pixels alone" in f.what]
+    assert message.verdict == "reported"
+    assert "as many moments as the answer requires" in message.what
 
 
 def test_what_holds_from_the_start_may_be_seen_at_any_moment(tmp_path: Path) -> None:
-    def standing(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
-        return replace(race(level=True)(asked, random), standing=True)
+    def standing(question: QuestionRow, random: np.random.Generator) -> QuestionRow:
+        return replace(race(level=True)(question, random), standing=True)
 
     found = look(make(tmp_path / "made", "race", standing, 160))
     assert share(found, "picture 2: pixels") > 0.7
@@ -185,10 +185,10 @@ def test_engines_are_not_counted_as_questions(tmp_path: Path) -> None:
 # ---------------------------------------------------------------- balance
 
 
-def leaning(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
+def leaning(question: QuestionRow, random: np.random.Generator) -> QuestionRow:
     """Red questions have the truth in the first place."""
-    made = race()(asked, random)
-    first = asked.factors["tone"] == "red"
+    made = race()(question, random)
+    first = question.factors["tone"] == "red"
     options = tuple(sorted(made.options, key=lambda o: (o.kind != "truth") == first))
     return replace(made, options=options, answer=[o.kind for o in options].index("truth"))
 
@@ -209,13 +209,13 @@ def test_a_favoured_place_fails_and_the_deciding_factor_is_told(audited: Audited
 
 
 def copied(contrary: bool, noise: int = 0, darker: int = 0) -> Ask:
-    """The question of instance 40 is asked again as one other instance, two rows of its pixels so much `darker`."""
+    """The question of instance 40 is repeated as one other instance, with two rows of its pixels `darker`."""
     from tests.audit.made import blank
 
-    def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
-        if asked.index != 41:
-            return race()(asked, random)
-        source = race()(blank(Design(spec("race"), 3), 40, asked.engine), np.random.default_rng(40))
+    def ask(question: QuestionRow, random: np.random.Generator) -> QuestionRow:
+        if question.index != 41:
+            return race()(question, random)
+        source = race()(blank(Design(spec("race"), 3), 40, question.engine), np.random.default_rng(40))
         context = tuple(
             replace(p, rgb=p.rgb ^ random.integers(0, noise + 1, p.rgb.shape, np.uint8)) for p in source.context
         )
@@ -224,7 +224,7 @@ def copied(contrary: bool, noise: int = 0, darker: int = 0) -> Ask:
         options = tuple(replace(o, kind="label" if o.kind == "truth" else "truth") for o in source.options)
         if contrary:
             return replace(
-                asked,
+                question,
                 text=source.text,
                 context=context,
                 options=options,
@@ -243,7 +243,7 @@ def test_the_same_question_with_another_answer_fails(noise: int, tmp_path: Path)
     assert finding.verdict == "fails"
     design = Design(spec("race"), 3)
     order = shuffled(design, sorted(design.sample(328)[:320]))
-    names = [identity(3, "race", i, 0, "mujoco") for i, asked in order.items() if asked in (40, 41)]
+    names = [identity(3, "race", i, 0, "mujoco") for i, question in order.items() if question in (40, 41)]
     assert [name in finding.what for name in names] == [True, True]
     assert "different answers" in finding.what
 
@@ -272,12 +272,12 @@ def test_options_that_look_the_same_fail(tmp_path: Path) -> None:
 def counting(fickle: bool) -> Ask:
     """How many balls? Without options; the answer is the number of balls, or anything if it is `fickle`."""
 
-    def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
-        shown = 1 + asked.index % 4
+    def ask(question: QuestionRow, random: np.random.Generator) -> QuestionRow:
+        shown = 1 + question.index % 4
         count = int(random.integers(1, 5)) if fickle else shown
         balls = [(0.15 + 0.2 * i, 0.5, (20, 20, 20)) for i in range(shown)]
         return replace(
-            asked,
+            question,
             text="How many?",
             context=(Picture("front", 0.0, picture(balls)),),
             answer=None,

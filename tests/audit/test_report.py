@@ -33,9 +33,9 @@ class Page(HTMLParser):
 
 def test_an_unsound_dataset(tmp_path: Path) -> None:
     make(tmp_path / "leaky", "race", race(level=True), 160)
-    told = wmspec("audit", "leaky", "-o", "report", folder=tmp_path, code=1).stdout
+    message = wmspec("audit", "leaky", "-o", "report", folder=tmp_path, code=1).stdout
     assert re.search(
-        r"fails: shortcut race: from the best single picture \(picture 2: pixels\) alone, \d+% of 160 right", told
+        r"fails: shortcut race: from the best single picture \(picture 2: pixels\) alone, \d+% of 160 right", message
     )
     found = json.loads((tmp_path / "report/audit.json").read_text())
     assert not found["passed"]
@@ -72,8 +72,8 @@ def test_a_damaged_dataset_fails_and_is_not_shown(tmp_path: Path) -> None:
     assert [(f["check"], f["verdict"]) for f in found["findings"]] == [("files", "fails")]
     assert shard.name in (tmp_path / "report/audit.html").read_text()
     for output in ("page.html", "folder", "sheet.png"):
-        told = wmspec("view", "made", "-o", output, folder=tmp_path, code=2).stderr
-        assert f"{shard.name} was modified; run the command that made the dataset again" in told
+        message = wmspec("view", "made", "-o", output, folder=tmp_path, code=2).stderr
+        assert f"{shard.name} was modified; run the command that made the dataset again" in message
         assert not (tmp_path / output).exists()
 
 

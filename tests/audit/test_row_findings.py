@@ -82,7 +82,7 @@ def pictured(text: str) -> Unit:
     return replace(made, cases=tuple(Case(c.row, (b"",), (b"",) * 4) for c in made.cases))
 
 
-def asked_about(factor: int) -> Unit:
+def probed_names(factor: int) -> Unit:
     """A companion question about the weight (0) or the way (1)."""
     return rows("t q1", lambda group, *levels: labelled(LEVELS[0] + LEVELS[3], levels[factor]))
 
@@ -92,7 +92,7 @@ def bystander() -> Unit:
 
 
 def test_levels_are_given_in_words_or_by_companions() -> None:
-    question, weight, way, other = pictured("It is {weight}."), asked_about(0), asked_about(1), bystander()
+    question, weight, way, other = pictured("It is {weight}."), probed_names(0), probed_names(1), bystander()
     assert varied_factors(question.cases) == {"way": "action", "weight": "state"}
     assert [given_in_words(question, name) for name in ("weight", "way")] == [True, False]
     assert given_by([question, weight, other], question, "weight") == [weight.name]
@@ -105,8 +105,8 @@ def test_levels_are_given_in_words_or_by_companions() -> None:
     [
         ("It is {weight}.", [bystander()], "fails", "no companion question concerns `way`"),
         ("What next?", [bystander()], "fails", "no companion question concerns `way` and `weight`"),
-        ("It is {weight}.", [asked_about(1), bystander()], "holds", "`weight` in the text"),
-        ("What next?", [asked_about(1), asked_about(0)], "holds", "`weight` by "),
+        ("It is {weight}.", [probed_names(1), bystander()], "holds", "`weight` in the text"),
+        ("What next?", [probed_names(1), probed_names(0)], "holds", "`weight` by "),
         ("It is {weight} and goes {way}.", [bystander()], "holds", "`way` in the text"),
     ],
 )

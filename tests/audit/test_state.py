@@ -29,7 +29,7 @@ def test_of_a_closed_set_what_begins_in_another_state_is_struck_out() -> None:
 
 
 def test_the_object_that_is_asked_for_comes_first_whatever_its_name() -> None:
-    def asked(color: str) -> Case:
+    def questions(color: str) -> Case:
         seen = [thing(p, n, f"{n} ball", a) for p in (0, 1) for n, a in (("blue", 0.2 + 0.1 * p), ("red", 0.7))]
         row = {
             "context_objects": seen,
@@ -37,7 +37,7 @@ def test_the_object_that_is_asked_for_comes_first_whatever_its_name() -> None:
         }
         return Case(row, (b"", b""), ())
 
-    red, blue = state.question_states([asked("red"), asked("blue")], (0,))
+    red, blue = state.question_states([questions("red"), questions("blue")], (0,))
     assert (red[0], blue[0]) == (0.7, 0.2)
 
 

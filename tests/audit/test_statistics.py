@@ -80,10 +80,10 @@ def test_cases_of_a_group_are_no_evidence_of_their_own(swapped: bool) -> None:
     alarms, naive = 0, 0
     for _ in range(60):
         answers, levels, groups = _grouped(random, 0.0)
-        told = dependence(levels, answers, groups) if swapped else dependence(answers, levels, groups)
-        assert told[0] == pytest.approx(independence(_crossed(answers, levels))[0])
-        assert 4 < told[3] < 12
-        alarms += told[1] < 0.05
+        reported = dependence(levels, answers, groups) if swapped else dependence(answers, levels, groups)
+        assert reported[0] == pytest.approx(independence(_crossed(answers, levels))[0])
+        assert 4 < reported[3] < 12
+        alarms += reported[1] < 0.05
         naive += independence(_crossed(answers, levels))[1] < 0.05
     assert alarms <= 8  # 3 are to be expected, more than 8 in 4 of 1000 datasets
     assert naive > 30
@@ -159,7 +159,7 @@ def test_the_strength_that_is_found_is_found_as_often_as_is_said() -> None:
 # ---------------------------------------------------------------- classifiers
 
 
-def _asked(count: int, of: int, together: int = 1, seed: int = 1) -> tuple[ProbeDataset, np.random.Generator]:
+def _questions(count: int, of: int, together: int = 1, seed: int = 1) -> tuple[ProbeDataset, np.random.Generator]:
     """Questions whose true option is drawn, `together` of them in a group."""
     random = np.random.default_rng(seed)
     truth = (np.arange(of) == random.integers(of, size=count)[:, None]).ravel()
@@ -170,62 +170,62 @@ def _asked(count: int, of: int, together: int = 1, seed: int = 1) -> tuple[Probe
 
 
 def test_noise_is_answered_by_chance_and_a_clue_is_not() -> None:
-    asked, random = _asked(200, 4)
+    probed, random = _questions(200, 4)
     for model in ("linear", "forest"):
         right = [
-            cross_validated_scores(ProbeFeatures(random.normal(size=(800, 10)), "options", model), asked).sum()
+            cross_validated_scores(ProbeFeatures(random.normal(size=(800, 10)), "options", model), probed).sum()
             for _ in range(5)
         ]
         low, high = clopper_pearson(sum(right), 1000, 0.999)
         assert low < 0.25 < high
         noise = random.normal(size=(800, 10))
-        clue = np.c_[noise, 4 * asked.truth + random.normal(size=800)]
-        assert cross_validated_scores(ProbeFeatures(clue, "options", model), asked).mean() > 0.8
+        clue = np.c_[noise, 4 * probed.truth + random.normal(size=800)]
+        assert cross_validated_scores(ProbeFeatures(clue, "options", model), probed).mean() > 0.8
 
 
 @pytest.mark.parametrize("model", ["linear", "forest"])
 def test_a_clue_of_the_whole_question_tells_options_by_their_names(model: Any) -> None:
-    asked, random = _asked(300, 3)
-    true = asked.truth.reshape(300, 3).argmax(1)
+    probed, random = _questions(300, 3)
+    true = probed.truth.reshape(300, 3).argmax(1)
     seen = np.c_[random.normal(size=(300, 5)), np.eye(3)[true] + 0.2 * random.normal(size=(300, 3))]
-    assert cross_validated_scores(ProbeFeatures(seen, "questions", model), asked).mean() > 0.95
+    assert cross_validated_scores(ProbeFeatures(seen, "questions", model), probed).mean() > 0.95
 
 
 def test_it_answers_as_scikit_learn_does() -> None:
     """With two options, what is picked is what scikit-learn's own cross-validation predicts."""
-    asked, random = _asked(200, 2, 4)
-    side = asked.truth.reshape(200, 2)[:, 0]
+    probed, random = _questions(200, 2, 4)
+    side = probed.truth.reshape(200, 2)[:, 0]
     seen = np.c_[random.normal(size=(200, 4)), side + random.normal(size=200)]
     forest = RandomForestClassifier(
         FOREST_TREES, min_samples_leaf=MIN_LEAF, max_features=FEATURE_SHARE, random_state=SEED
     )
-    folds = [(np.setdiff1d(np.arange(200), held), held) for held in asked.folds]
+    folds = [(np.setdiff1d(np.arange(200), held), held) for held in probed.folds]
     there = cross_val_predict(forest, seen, np.where(side, "option 0", "option 1"), cv=folds, method="predict_proba")
     right = np.where(there[:, 0] == there[:, 1], 0.5, (there[:, 0] > there[:, 1]) == side)
-    assert cross_validated_scores(ProbeFeatures(seen, "questions", "forest"), asked) == pytest.approx(right)
+    assert cross_validated_scores(ProbeFeatures(seen, "questions", "forest"), probed) == pytest.approx(right)
 
 
 def test_options_that_cannot_be_told_apart_count_as_a_guess() -> None:
-    asked, _ = _asked(40, 4)
-    assert cross_validated_scores(ProbeFeatures(np.ones((160, 2)), "options", "linear"), asked) == pytest.approx(
+    probed, _ = _questions(40, 4)
+    assert cross_validated_scores(ProbeFeatures(np.ones((160, 2)), "options", "linear"), probed) == pytest.approx(
         np.full(40, 0.25)
     )
 
 
 def test_what_is_known_of_a_group_does_not_help_with_that_group() -> None:
-    asked, random = _asked(300, 2, 10)
+    probed, random = _questions(300, 2, 10)
     lucky = random.integers(2, size=30)[np.arange(300) // 10]  # in each group the truth is where its others have it
-    asked = asked.with_labels(lucky)
+    probed = probed.with_labels(lucky)
     features = np.zeros((600, 60))
     features[np.arange(600), np.repeat(np.arange(300) // 10, 2) * 2 + np.tile([0, 1], 300)] = 1
-    assert cross_validated_scores(ProbeFeatures(features, "options", "linear"), asked).mean() == pytest.approx(0.5)
-    apart = replace(asked, groups=[str(i) for i in range(300)])
+    assert cross_validated_scores(ProbeFeatures(features, "options", "linear"), probed).mean() == pytest.approx(0.5)
+    apart = replace(probed, groups=[str(i) for i in range(300)])
     assert cross_validated_scores(ProbeFeatures(features, "options", "linear"), apart).mean() > 0.95
 
 
 def test_no_group_is_on_both_sides() -> None:
-    asked, _ = _asked(200, 2, 7)
-    sides = [{asked.groups[i] for i in held} for held in asked.folds]
+    probed, _ = _questions(200, 2, 7)
+    sides = [{probed.groups[i] for i in held} for held in probed.folds]
     assert len(sides) == 5
     assert not any(a & b for a, b in combinations(sides, 2))
 
@@ -241,10 +241,10 @@ def test_accuracies_of_alike_questions_vary_more() -> None:
     assert power.deviation(np.repeat(np.tile([0.0, 1.0], 10), 10), chance, groups) > 3 * alone
 
 
-def _alarm(seen: ProbeFeatures, asked: ProbeDataset, tests: int) -> bool:
-    right = cross_validated_scores(seen, asked)
-    chance = 1 / asked.sizes
-    above = float((right - chance).mean()) / power.deviation(right, chance, asked.groups)
+def _alarm(seen: ProbeFeatures, probed: ProbeDataset, tests: int) -> bool:
+    right = cross_validated_scores(seen, probed)
+    chance = 1 / probed.sizes
+    above = float((right - chance).mean()) / power.deviation(right, chance, probed.groups)
     return above > power.threshold(tests)
 
 
@@ -257,37 +257,37 @@ def test_a_shortcut_of_the_size_told_is_found_in_four_of_five_draws(
     of: Any, model: Any, draws: int, choices: int
 ) -> None:
     """A law of the audit: what it says that it would have found, it finds; and where there is nothing, it is silent."""
-    asked, random = _asked(400, choices, 4)
-    rows, tests, chance = 400 * (choices if of == "options" else 1), 20, 1 / asked.sizes
+    probed, random = _questions(400, choices, 4)
+    rows, tests, chance = 400 * (choices if of == "options" else 1), 20, 1 / probed.sizes
 
     def blank() -> ProbeFeatures:
         return ProbeFeatures(random.normal(size=(rows, 8)), of, model)
 
     seen = blank()
-    spread = power.deviation(cross_validated_scores(seen, asked), chance, asked.groups)
-    reach = power.ProbePower(1 / choices, spread, power.learned_gains(seen, asked, chance))
+    spread = power.deviation(cross_validated_scores(seen, probed), chance, probed.groups)
+    reach = power.ProbePower(1 / choices, spread, power.learned_gains(seen, probed, chance))
     size = power.smallest_detectable(reach, power.threshold(tests))
     assert 0.08 < size < 0.3
-    found = [_alarm(*power.inject_shortcut(blank(), asked, size, random), tests) for _ in range(draws)]
-    false = [_alarm(blank(), _asked(400, choices, 4, seed)[0], 1) for seed in range(draws)]
+    found = [_alarm(*power.inject_shortcut(blank(), probed, size, random), tests) for _ in range(draws)]
+    false = [_alarm(blank(), _questions(400, choices, 4, seed)[0], 1) for seed in range(draws)]
     assert stats.binomtest(sum(found), draws, 0.8, alternative="less").pvalue > 0.01, np.mean(found)
     assert stats.binomtest(sum(false), draws, power.FALSE_ALARMS, alternative="greater").pvalue > 0.01
 
 
 def _rivals(
-    asked: ProbeDataset, random: np.random.Generator, told: float = 0.0, count: int = 8
+    probed: ProbeDataset, random: np.random.Generator, reported: float = 0.0, count: int = 8
 ) -> tuple[CandidateProbes, ProbeDataset]:
     """Probes that see noise, and the questions; the first one sees a shortcut of size `told`."""
-    seen = [ProbeFeatures(random.normal(size=(len(asked.owner), 8)), "options", "forest") for _ in range(count)]
-    if told:
-        seen[0], asked = power.inject_shortcut(seen[0], asked, told, random)
-    return CandidateProbes.of([lambda s=s: s for s in seen], asked), asked  # type: ignore[misc]
+    seen = [ProbeFeatures(random.normal(size=(len(probed.owner), 8)), "options", "forest") for _ in range(count)]
+    if reported:
+        seen[0], probed = power.inject_shortcut(seen[0], probed, reported, random)
+    return CandidateProbes.of([lambda s=s: s for s in seen], probed), probed  # type: ignore[misc]
 
 
 def test_the_one_that_sees_a_shortcut_is_picked_and_judged_by_what_it_answers() -> None:
-    asked, random = _asked(160, 2, 4)
-    rivals, asked = _rivals(asked, random, 0.4, 4)
-    right, picked = rivals.best(asked)
+    probed, random = _questions(160, 2, 4)
+    rivals, probed = _rivals(probed, random, 0.4, 4)
+    right, picked = rivals.best(probed)
     assert set(picked) == {0}
     assert right == pytest.approx(rivals.right[0])
     assert right.mean() > 0.8
@@ -295,26 +295,28 @@ def test_the_one_that_sees_a_shortcut_is_picked_and_judged_by_what_it_answers() 
 
 def test_what_picks_has_seen_nothing_of_what_is_judged() -> None:
     """If the truths of a fold are others, all that picks for it, and all that is fitted to judge it, stays the same."""
-    asked, random = _asked(80, 2, 4)
+    probed, random = _questions(80, 2, 4)
     seen = ProbeFeatures(random.normal(size=(160, 4)), "options", "forest")
-    places = asked.truth.reshape(80, 2).argmax(1)
-    for fold, held in enumerate(asked.folds):
+    places = probed.truth.reshape(80, 2).argmax(1)
+    for fold, held in enumerate(probed.folds):
         turned = places.copy()
         turned[held] = 1 - turned[held]
-        other = asked.with_labels(turned)
-        assert nested_scores(seen, asked)[fold] == pytest.approx(nested_scores(seen, other)[fold])
-        assert cross_validated_scores(seen, asked)[held] == pytest.approx(1 - cross_validated_scores(seen, other)[held])
+        other = probed.with_labels(turned)
+        assert nested_scores(seen, probed)[fold] == pytest.approx(nested_scores(seen, other)[fold])
+        assert cross_validated_scores(seen, probed)[held] == pytest.approx(
+            1 - cross_validated_scores(seen, other)[held]
+        )
 
 
 @pytest.mark.slow
 def test_the_best_of_probes_that_see_noise_is_as_good_as_guessing() -> None:
     draws, alarms, gained = 60, 0, []
     for seed in range(draws):
-        asked, random = _asked(120, 2, 4, seed)
-        rivals, _ = _rivals(asked, random)
-        right, _ = rivals.best(asked)
+        probed, random = _questions(120, 2, 4, seed)
+        rivals, _ = _rivals(probed, random)
+        right, _ = rivals.best(probed)
         gained.append(float(right.mean()) - 0.5)
-        alarms += gained[-1] > power.threshold(1) * power.deviation(right, np.full(120, 0.5), asked.groups)
+        alarms += gained[-1] > power.threshold(1) * power.deviation(right, np.full(120, 0.5), probed.groups)
     assert abs(np.mean(gained)) < 3 * np.std(gained) / np.sqrt(draws)
     assert np.std(gained) / np.sqrt(draws) < 0.01, "no more than 3 points could have been overlooked"
     assert stats.binomtest(alarms, draws, power.FALSE_ALARMS, alternative="greater").pvalue > 0.01
@@ -323,19 +325,19 @@ def test_the_best_of_probes_that_see_noise_is_as_good_as_guessing() -> None:
 @pytest.mark.slow
 def test_a_shortcut_of_the_size_told_is_found_by_the_best() -> None:
     draws, tests, chance = 40, 6, np.full(160, 0.25)
-    asked, random = _asked(160, 4, 4)
+    probed, random = _questions(160, 4, 4)
     noise = [ProbeFeatures(random.normal(size=(640, 8)), "options", "forest") for _ in range(6)]
     looks = [lambda s=s: s for s in noise]
-    rivals = CandidateProbes.of(looks, asked)
-    spread = power.deviation(rivals.best(asked)[0], chance, asked.groups)
-    reach = power.ProbePower(0.25, spread, rivals.learned(looks, asked, chance))
+    rivals = CandidateProbes.of(looks, probed)
+    spread = power.deviation(rivals.best(probed)[0], chance, probed.groups)
+    reach = power.ProbePower(0.25, spread, rivals.learned(looks, probed, chance))
     size = power.smallest_detectable(reach, power.threshold(tests))
     assert 0.1 < size < 0.3
     found = 0
     for _ in range(draws):
-        drawn, retold = _rivals(asked, random, size, 6)
+        drawn, retold = _rivals(probed, random, size, 6)
         right, _ = drawn.best(retold)
-        found += (right.mean() - 0.25) / power.deviation(right, chance, asked.groups) > power.threshold(tests)
+        found += (right.mean() - 0.25) / power.deviation(right, chance, probed.groups) > power.threshold(tests)
     assert stats.binomtest(found, draws, 0.8, alternative="less").pvalue > 0.01, found
 
 

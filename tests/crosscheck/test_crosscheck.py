@@ -36,8 +36,8 @@ def checked(text: str, count: int = 1, **levels: float) -> list[CheckResult]:
     """The first instances, or those of the given levels."""
     design = Design(task_from(text))
     executors = [TraceCache(engine) for engine in PAIR]
-    wanted = (i.index for i in design if levels.items() <= i.factors.items())
-    return [check(design, i, executors, Tolerances()) for i in islice(wanted, count)]
+    expected = (i.index for i in design if levels.items() <= i.factors.items())
+    return [check(design, i, executors, Tolerances()) for i in islice(expected, count)]
 
 
 def test_engines_that_agree_pass(tmp_path: Path) -> None:
@@ -101,12 +101,12 @@ def test_without_questions_trajectories_decide() -> None:
 
 def test_pictures_are_compared_with_the_counterfactuals_of_the_other_engine() -> None:
     text = (HERE / "race.wms").read_text()
-    asked = """question "What comes next?" {
+    questions = """question "What comes next?" {
       answer frame(front, end)
       counterfactual slower { action go_near.speed: 0.2 m/s }
       distinct by 2 cm
     }\n}\n"""
-    (found,) = checked(text[: text.index("question")] + asked)
+    (found,) = checked(text[: text.index("question")] + questions)
     assert [c.run for c in found.comparisons] == ["truth", "slower"]
     (verdict,) = found.verdicts
     assert verdict.agree
@@ -116,9 +116,9 @@ def test_pictures_are_compared_with_the_counterfactuals_of_the_other_engine() ->
 
 def test_a_picture_after_the_end_is_no_answer() -> None:
     text = (HERE / "race.wms").read_text()
-    asked = """question "Then?" {
+    questions = """question "Then?" {
       answer frame(front, onset(near) + 60 s)  counterfactual slower { action go_near.speed: 0.2 m/s } }\n}\n"""
-    (found,) = checked(text[: text.index("question")] + asked)
+    (found,) = checked(text[: text.index("question")] + questions)
     assert all(r and "s is outside the episode" in r for r in found.verdicts[0].rejected)
 
 

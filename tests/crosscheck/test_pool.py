@@ -84,17 +84,17 @@ def test_an_idle_process_that_is_killed_costs_nothing() -> None:
 
 
 def test_there_are_no_more_workers_than_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[int] = []
+    questions: list[int] = []
     real = pool.ProcessPool  # type: ignore[attr-defined]
 
     def noted(max_workers: int, **options: object) -> object:
-        asked.append(max_workers)
+        questions.append(max_workers)
         return real(max_workers=max_workers, **options)
 
     monkeypatch.setattr(pool, "ProcessPool", noted)
     assert list(map_ordered(square, ((i,) for i in (4, 5)), PoolConfig(workers=500, timeout=60))) == [16, 25]
     assert list(map_ordered(square, (), PoolConfig(workers=500, timeout=60))) == []
-    assert asked == [2]
+    assert questions == [2]
 
 
 def test_what_hangs_is_given_up() -> None:
@@ -139,6 +139,6 @@ except KeyboardInterrupt:
 
 
 def test_a_signal_while_work_is_handed_over_ends_all_the_same() -> None:
-    """A run that was told to end waited for ever, as one of 38 did."""
+    """A run that received a termination signal once waited for ever."""
     done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=False, timeout=120)
     assert done.stdout == "ended []\n", done.stderr

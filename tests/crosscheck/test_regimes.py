@@ -1,4 +1,4 @@
-"""Motion that engines get wrong is told where a run enters it, and nowhere else."""
+"""Motion that engines get wrong is reported where a run enters it, and nowhere else."""
 
 from __future__ import annotations
 
@@ -103,8 +103,8 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_what_enters_is_told(name: str) -> None:
     text, engine, kind = CASES[name]
-    (told,) = kinds(text, engine)
-    assert kind in told
+    (reported,) = kinds(text, engine)
+    assert kind in reported
 
 
 @pytest.mark.parametrize(

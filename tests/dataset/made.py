@@ -49,7 +49,7 @@ def plan(count: int = 5, shard: int = 2, seed: int = 7, tasks: tuple[str, ...] =
     )
 
 
-def asked(task: str, index: int, engine: str, seed: int = 7, size: int = 64) -> QuestionRow:
+def question_row(task: str, index: int, engine: str, seed: int = 7, size: int = 64) -> QuestionRow:
     """The question of an instance, with a plausible picture for each look."""
     instance = Design(spec(task), seed)[index]
     ball = COLORS[str(instance.factors.get("ball_color", "red"))]
@@ -132,7 +132,7 @@ def filling(plan: Plan, shard: Shard, size: int = 64) -> tuple[list[Row], list[R
             if index % 5 == 0:
                 rejected.append(Rejected(name, index, 0, engine, "alike", "aside and heavier: 3.1 cm apart"))
             else:
-                rows.append(encode(asked(name, index, engine, plan.seed, size), plan.rows_of))
+                rows.append(encode(question_row(name, index, engine, plan.seed, size), plan.rows_of))
     return rows, rejected
 
 

@@ -1,4 +1,4 @@
-"""A run that is stopped loses no finished instance, and leaves no trace in what comes of it."""
+"""A stopped run loses no finished instance, and the resumed result has the same bytes."""
 
 from __future__ import annotations
 

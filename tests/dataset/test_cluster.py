@@ -26,7 +26,7 @@ SPEC = resource("specs") / "perception" / "vision" / "shape_room.wms"
 
 
 @pytest.fixture(autouse=True)
-def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def foreign(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Ray's workers can import what is in this folder: in a checkout, another wmspec than the one that is installed."""
     monkeypatch.chdir(tmp_path)
 
@@ -84,13 +84,13 @@ def test_other_versions_are_refused(cluster: Any) -> None:
 
 def test_no_cluster_is_told(tmp_path: Path) -> None:
     command = ["generate", str(SPEC), "-o", str(tmp_path / "out"), "-b", "mujoco", "--per-task", "1"]
-    told = CliRunner().invoke(main, [*command, "--address", "auto"])
-    assert told.exit_code != 0
-    assert "set `executor` to ray" in told.output
+    reported = CliRunner().invoke(main, [*command, "--address", "auto"])
+    assert reported.exit_code != 0
+    assert "set `executor` to ray" in reported.output
     for address in ("127.0.0.1:1", "ray://127.0.0.1:10001", "somewhere"):
-        told = CliRunner().invoke(main, [*command, "--executor", "ray", "--address", address])
-        assert told.exit_code != 0
-        assert f"there is no Ray cluster at `{address}`" in told.output
+        reported = CliRunner().invoke(main, [*command, "--executor", "ray", "--address", address])
+        assert reported.exit_code != 0
+        assert f"there is no Ray cluster at `{address}`" in reported.output
 
 
 @startable

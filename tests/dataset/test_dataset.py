@@ -1,4 +1,4 @@
-"""The folder: the same bytes however it came about, nothing half-written, and mistakes told with their remedy."""
+"""The dataset folder: the same bytes in any order of work, nothing half-written, mistakes reported with a remedy."""
 
 from __future__ import annotations
 

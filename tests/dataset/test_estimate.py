@@ -1,4 +1,4 @@
-"""What a dataset would take: units that differ are told by the standard error, and what they share is counted once."""
+"""Estimated cost of a dataset: the standard error reflects units that differ, and what they share counts once."""
 
 import math
 from itertools import pairwise

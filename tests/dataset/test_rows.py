@@ -15,7 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from tests.dataset.made import ENGINES, asked, make, plan, spec
+from tests.dataset.made import ENGINES, make, plan, question_row, spec
 from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.images import as_png, decode_image, encode_webp, image_format
 from wmspec.dataset.build.rows import COLUMNS, encode, schema, table
@@ -39,7 +39,7 @@ def loaded(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> datasets.D
 def test_datasets_decodes_every_pixel(loaded: datasets.Dataset) -> None:
     assert len(loaded) > 0
     for row in loaded:
-        question = asked("collide", row["index"], row["engine"])
+        question = question_row("collide", row["index"], row["engine"])
         for shown, picture in zip(row["context"], question.context, strict=True):
             assert np.array_equal(np.asarray(shown), picture.rgb)
         for shown, option in zip(row["option_image"], question.options, strict=True):
@@ -49,7 +49,7 @@ def test_datasets_decodes_every_pixel(loaded: datasets.Dataset) -> None:
 
 def test_datasets_reads_every_value(loaded: datasets.Dataset) -> None:
     row = loaded[0]
-    question = asked("collide", row["index"], row["engine"])
+    question = question_row("collide", row["index"], row["engine"])
     assert row["id"] == identity(question.seed, "collide", question.index, 0, question.engine)
     assert row["text"] == question.text
     assert row["answer"] == question.answer
@@ -107,7 +107,7 @@ def test_every_factor_has_its_type_and_unit() -> None:
 
 def test_all_but_one_is_a_groupby(tmp_path: Path) -> None:
     """The instances that share `group.target` differ in the target alone, and are all that do."""
-    rows = [encode(asked("collide", i, "mujoco"), "questions") for i in range(len(spec("collide").factors) * 6)]
+    rows = [encode(question_row("collide", i, "mujoco"), "questions") for i in range(len(spec("collide").factors) * 6)]
     pq.write_table(table(rows, schema(spec("collide"))), tmp_path / "t.parquet")
     frame = pd.read_parquet(tmp_path / "t.parquet")
     others = [c for c in map(str, frame) if c.startswith("factor.") and c != "factor.target"]
@@ -126,10 +126,10 @@ def test_croissant_is_valid_and_streams_pictures(folder: Path, caplog: pytest.Lo
     assert "not standard" not in caplog.text
     records = list(described.records("collide"))
     assert len(records) == sum(pq.read_metadata(p).num_rows for p in folder.glob(SHARDS.format("collide")))
-    question = asked("collide", records[0]["collide/index"], records[0]["collide/engine"].decode())
+    question = question_row("collide", records[0]["collide/index"], records[0]["collide/engine"].decode())
     assert np.array_equal(np.asarray(records[0]["collide/context"][1]), question.context[1].rgb)
 
 
 def test_rows_of_another_task_are_refused() -> None:
     with pytest.raises(ValueError, match=r"factor\.ball_color"):
-        table([encode(asked("collide", 1, "mujoco"), "questions")], schema(spec("motion_speed")))
+        table([encode(question_row("collide", 1, "mujoco"), "questions")], schema(spec("motion_speed")))

@@ -97,10 +97,10 @@ def test_what_was_altered_is_named(made: Path, tmp_path: Path) -> None:
         row["answer"] = (row["answer"] + 1) % len(row["option_text"])
 
     folder = altered(made, tmp_path / "other", other)
-    told = wmspec("verify", folder, "--all", "-j", 1, folder=tmp_path, code=1).stdout
-    assert "DIFFERENT speed_tabletop/" in told
-    assert ": answer: " in told
-    assert "3 questions regenerated: 1 different" in told
+    reported = wmspec("verify", folder, "--all", "-j", 1, folder=tmp_path, code=1).stdout
+    assert "DIFFERENT speed_tabletop/" in reported
+    assert ": answer: " in reported
+    assert "3 questions regenerated: 1 different" in reported
 
 
 def test_what_is_nearly_the_same_passes_and_is_told(made: Path, tmp_path: Path) -> None:

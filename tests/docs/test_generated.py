@@ -1,4 +1,4 @@
-"""`make generate` renews all that is made from the code, and who follows a recipe is told so."""
+"""`make generate` renews every generated file, and every recipe names it."""
 
 from __future__ import annotations
 

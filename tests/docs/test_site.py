@@ -48,6 +48,6 @@ def test_the_page_of_the_api_names_all_that_is_public() -> None:
 
 def test_make_has_what_contributors_are_told_to_type() -> None:
     targets = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
-    told = re.findall(r"^make ([\w-]+)", (ROOT / "docs/contributing.md").read_text(), re.MULTILINE)
-    assert told
-    assert set(told) <= set(targets)
+    reported = re.findall(r"^make ([\w-]+)", (ROOT / "docs/contributing.md").read_text(), re.MULTILINE)
+    assert reported
+    assert set(reported) <= set(targets)

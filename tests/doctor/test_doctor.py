@@ -1,4 +1,4 @@
-"""The doctor finds what is broken, and names what mends it."""
+"""The doctor finds what is broken, and names the remedy."""
 
 from __future__ import annotations
 

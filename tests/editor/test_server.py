@@ -38,7 +38,7 @@ class Session:
         self.published: asyncio.Queue[Any] = asyncio.Queue()
 
         @self.client.feature(lsp.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)
-        def told(params: Any) -> None:
+        def reported(params: Any) -> None:
             self.published.put_nowait(params)
 
     @property
@@ -280,13 +280,13 @@ def test_definitions_lead_into_libraries_and_names_change_everywhere(tmp_path: P
             text = "\n".join(lines)
         editor.path.write_text(text)
         assert diagnose(editor.path).passed
-        for after, name, told in (
+        for after, name, reported in (
             ("observe fro", "ahead", "a library of wmspec"),
             ("factor   ti", "ball", "already"),
             ("factor   ti", "factor", "a word of the language"),
             ("factor   ti", "no-name", "not a name"),
         ):
-            with pytest.raises(Exception, match=told):
+            with pytest.raises(Exception, match=reported):
                 await rename(after, name)
 
     session(tmp_path, work)

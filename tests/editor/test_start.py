@@ -33,8 +33,8 @@ def test_a_first_spec_is_without_mistakes_and_well_formed(template: str, tmp_pat
 def test_a_first_spec_gives_questions(template: str) -> None:
     installed("mujoco")
     task = wmspec.load(text=first_spec("marbles", template))
-    asked = [instance.ask("mujoco", size=64) for instance in task.sample(4)]
-    assert sum(len(questions) for questions in asked) >= 3
+    probed = [instance.ask("mujoco", size=64) for instance in task.sample(4)]
+    assert sum(len(questions) for questions in probed) >= 3
 
 
 def test_a_file_that_is_there_stays_as_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -51,7 +51,7 @@ def test_a_file_that_is_there_stays_as_it_is(tmp_path: Path, monkeypatch: pytest
 
 
 @pytest.mark.parametrize(
-    ("name", "template", "told"),
+    ("name", "template", "reported"),
     [
         ("red-ball", "prediction", "try `red_ball`"),
         ("3d", "prediction", "try `task_3d`"),
@@ -59,6 +59,6 @@ def test_a_file_that_is_there_stays_as_it_is(tmp_path: Path, monkeypatch: pytest
         ("fine", "predictoin", "did you mean `prediction`?"),
     ],
 )
-def test_what_cannot_be_is_told_with_a_remedy(name: str, template: str, told: str) -> None:
-    with pytest.raises(WmsError, match=told.replace("?", r"\?")):
+def test_what_cannot_be_is_told_with_a_remedy(name: str, template: str, reported: str) -> None:
+    with pytest.raises(WmsError, match=reported.replace("?", r"\?")):
         first_spec(name, template)

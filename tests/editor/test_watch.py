@@ -76,9 +76,9 @@ def test_it_follows_the_file(served: Page) -> None:
     assert "UTF-8" in unreadable.diagnostics[0].message
 
     served.path.write_text(good.replace("repeat 10", "repeat 3"))
-    mended = served.settled(unreadable.version)
-    assert (mended.diagnostics, mended.stale) == ((), False)
-    assert mended.tasks == (("marbles", 27),)
+    fixed = served.settled(unreadable.version)
+    assert (fixed.diagnostics, fixed.stale) == ((), False)
+    assert fixed.tasks == (("marbles", 27),)
 
 
 def test_a_text_may_be_gone_before_its_mistakes_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

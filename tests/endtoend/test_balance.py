@@ -1,4 +1,4 @@
-"""Balanced answers, made: as many of each, in the same bytes however the work is cut, and the cost told."""
+"""Balanced answers: equal counts, the same bytes for any division of the work, and the cost is printed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is told before a dataset is made: what there is, what it would take, and which part of it is wanted."""
+"""Output before a dataset is made: what there is, what it would cost, and which part is selected."""
 
 import json
 from pathlib import Path
@@ -43,16 +43,16 @@ def test_a_dimension_is_chosen_by_its_path(tmp_path: Path) -> None:
     assert "speed_tabletop" in listed("perception.motion") - listed("prediction")
     assert "collide" in listed("prediction") - listed("perception.motion")
     assert listed("perception", "prediction") <= listed()
-    told = wmspec("list", "--dimension", "perception.moton", folder=tmp_path, code=2).stderr
-    assert "did you mean `perception.motion`?" in told
+    reported = wmspec("list", "--dimension", "perception.moton", folder=tmp_path, code=2).stderr
+    assert "did you mean `perception.motion`?" in reported
 
 
 def test_a_dry_run_tries_a_few_and_writes_nothing(tmp_path: Path) -> None:
     installed("pybullet")
     dry = ["generate", SPEED, "--dry-run", "-b", "pybullet", "--size", 64, "-j", 1, "--full", "--json"]
-    told = json.loads(wmspec(*dry, folder=tmp_path).stdout)
+    reported = json.loads(wmspec(*dry, folder=tmp_path).stdout)
     assert not list(tmp_path.iterdir())
-    (task,) = told["tasks"]
+    (task,) = reported["tasks"]
     assert task["instances"] == 2376
     assert task["tried"] == 24, "four of each of six units"
     assert 0 < task["seconds"] < 300

@@ -1,4 +1,4 @@
-"""What a spec asks for beyond pictures and labels is in the dataset, and other people's tools read it."""
+"""What a spec requests beyond pictures and labels is in the dataset, and other people's tools read it."""
 
 import json
 from pathlib import Path

@@ -58,15 +58,15 @@ def test_a_list_has_a_line_for_each_task(tmp_path: Path) -> None:
 def test_three_mistakes_give_three_diagnostics(tmp_path: Path) -> None:
     spec = tmp_path / "mistakes.wms"
     spec.write_text((Path(__file__).parent.parent / "corpus/three_mistakes.wms").read_text())
-    told = wmspec("check", spec, folder=tmp_path, code=2).stderr
-    assert told.count("^^") >= 3
-    assert [line.split(":")[0] for line in told.splitlines() if line.startswith("error")] == [
+    reported = wmspec("check", spec, folder=tmp_path, code=2).stderr
+    assert reported.count("^^") >= 3
+    assert [line.split(":")[0] for line in reported.splitlines() if line.startswith("error")] == [
         "error[WMS203]",
         "error[WMS301]",
         "error[WMS201]",
     ]
     for remedy in ("did you mean `friction`?", "write something like `6 cm`", "did you mean `table`?"):
-        assert remedy in told
+        assert remedy in reported
     found = json.loads(wmspec("check", "--json", spec, folder=tmp_path, code=2).stdout)
     assert len(found["diagnostics"]) == 3
 
@@ -192,18 +192,18 @@ def test_how_long_a_stage_really_ran_is_told(tmp_path: Path) -> None:
     """10 ms are nearest to two samples of 1/240 s."""
     installed("pybullet")
     (tmp_path / "ball.usda").write_text(BALL)
-    told = wmspec("run", "-b", "pybullet", "ball.usda", "--for", "10ms", folder=tmp_path).stdout
-    assert "pybullet, 0.00833333 s" in told
+    reported = wmspec("run", "-b", "pybullet", "ball.usda", "--for", "10ms", folder=tmp_path).stdout
+    assert "pybullet, 0.00833333 s" in reported
 
 
 def test_where_a_stage_is_broken_is_told_once(tmp_path: Path) -> None:
     (tmp_path / "broken.usda").write_text('#usda 1.0\ndef Xform "a" {\n    double x =\n}\n')
-    told = wmspec("run", "broken.usda", "--for", "1s", folder=tmp_path, code=2).stderr
-    assert "broken.usda: not a stage that USD can open: broken.usda:3:" in told
+    reported = wmspec("run", "broken.usda", "--for", "1s", folder=tmp_path, code=2).stderr
+    assert "broken.usda: not a stage that USD can open: broken.usda:3:" in reported
     (tmp_path / "part.usda").write_text('#usda 1.0\ndef Xform "a" (\n    references = @none.usda@\n) {\n}\n')
-    told = wmspec("run", "part.usda", "--for", "1s", folder=tmp_path, code=2).stderr
-    assert told.startswith("error: /a: Could not open asset @")
-    assert len(told.splitlines()) == 1
+    reported = wmspec("run", "part.usda", "--for", "1s", folder=tmp_path, code=2).stderr
+    assert reported.startswith("error: /a: Could not open asset @")
+    assert len(reported.splitlines()) == 1
 
 
 def test_pictures_are_written(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Datasets end to end: the engines agree, and the bytes depend on nothing but what was asked for."""
+"""Datasets end to end: the engines agree, and the bytes depend on the options alone."""
 
 import hashlib
 import json
@@ -24,14 +24,14 @@ def test_the_three_engines_answer_alike_or_say_why_not(tmp_path: Path) -> None:
     manifest = json.loads((tmp_path / "out/manifest.json").read_text())
     import pyarrow.parquet as pq
 
-    for task, asked in (("speed_tabletop", 2), ("collide", 4 * 3)):  # four instances of a group, three questions each
+    for task, probed in (("speed_tabletop", 2), ("collide", 4 * 3)):  # four instances of a group, three questions each
         rows = pq.read_table(tmp_path / f"out/data/{task}").to_pylist()
         assert rows, "nothing was kept"
         for row in rows:
             assert {a["answer"] for a in row["agreement"]} == {row["answer"]}
             assert {a["engine"] for a in row["agreement"]} == {"mujoco", "pybullet", "sapien"}
         rejected = [r for r in manifest["rejected"]["list"] if r["task"] == task]
-        assert len(rows) + len(rejected) == asked, "one row stands for three engines"
+        assert len(rows) + len(rejected) == probed, "one row stands for three engines"
         assert {row["renderer"] for row in rows} == {"mujoco"}, "the quickest of them"
         assert all(a["apart"] < 0.1 for row in rows for a in row["agreement"])
         assert all(r["reason"] for r in rejected)
@@ -53,8 +53,8 @@ def test_each_engine_has_its_rows_if_rows_are_of_engines(tmp_path: Path) -> None
     for row in questions:
         assert row == own[row["index"]] | {"id": row["id"]}
     for name in ("engines", "questions"):
-        told = json.loads(wmspec("verify", name, "--sample", 1, "--json", folder=tmp_path).stdout)
-        assert told["verdict"] == "same"
+        reported = json.loads(wmspec("verify", name, "--sample", 1, "--json", folder=tmp_path).stdout)
+        assert reported["verdict"] == "same"
 
 
 def test_the_same_bytes_whatever_the_number_of_workers(tmp_path: Path) -> None:
@@ -96,8 +96,8 @@ def test_a_killed_run_goes_on_with_the_next_instance(tmp_path: Path) -> None:
     assert done.returncode == -signal.SIGKILL
     assert len(list((tmp_path / "killed/.progress").rglob("*.instance"))) == 3
     assert not (tmp_path / "killed/data").exists()
-    told = wmspec(*args, "-o", "killed", folder=tmp_path).stderr
-    assert told.startswith("3 of 8 instances"), "the first that is told"
+    reported = wmspec(*args, "-o", "killed", folder=tmp_path).stderr
+    assert reported.startswith("3 of 8 instances"), "the first reported"
     wmspec(*args, "-o", "whole", folder=tmp_path)
     assert digests(tmp_path / "killed") == digests(tmp_path / "whole")
 

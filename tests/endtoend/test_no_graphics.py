@@ -24,7 +24,7 @@ RENDER, GENERATE = ["render", COLLIDE, "--size", "32"], ["generate", COLLIDE, "-
 )
 def test_missing_graphics_are_told(without: dict[str, str], arguments: list[str], said: str, tmp_path: Path) -> None:
     pytest.importorskip(arguments[arguments.index("-b") + 1])
-    told = wmspec(*arguments, "-o", "out", folder=tmp_path, code=2, MUJOCO_GL="egl", **without).stderr
-    assert said in told
-    assert "wmspec doctor" in told
-    assert len(told.strip().splitlines()) <= 2, "one message"
+    reported = wmspec(*arguments, "-o", "out", folder=tmp_path, code=2, MUJOCO_GL="egl", **without).stderr
+    assert said in reported
+    assert "wmspec doctor" in reported
+    assert len(reported.strip().splitlines()) <= 2, "one message"

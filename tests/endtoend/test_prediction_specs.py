@@ -46,9 +46,9 @@ def test_groups_tiers_and_questions(path: Path) -> None:
 def test_what_the_options_vary_is_asked_and_not_told(path: Path) -> None:
     task = task_of(path)
     varied = {orbit.factor for orbit in task.questions[0].orbit}
-    asked = [varied & decisive(task, question) for question in task.questions[1:]]
-    assert all(asked), "about the mover, and not about something else"
-    assert set().union(*asked) == varied
+    probed = [varied & decisive(task, question) for question in task.questions[1:]]
+    assert all(probed), "about the mover, and not about something else"
+    assert set().union(*probed) == varied
     for question in task.questions:
         inserted = [part.value for part in question.text if isinstance(part, Interpolation)]
         assert not varied & {value.name for value in inserted if isinstance(value, Ref)}

@@ -40,15 +40,15 @@ def test_what_cannot_be_asked_is_counted(gate: str, where: str, reason: str, kep
     assert ("error: no question was kept" in done.stderr) == (kept == 0)
     manifest = json.loads((tmp_path / "out/manifest.json").read_text())
     assert manifest["tasks"]["still"]["rows"] == {"questions": kept}
-    told = manifest["rejected"]["list"]
-    assert {r["reason"] for r in told} == ({reason} if reason else set())
-    assert all(r["detail"] for r in told)
-    for r in told[:1]:
-        assert f"  {len(told)} {reason}, such as instance {r['index']} in pybullet: {r['detail']}" in done.stdout
+    reported = manifest["rejected"]["list"]
+    assert {r["reason"] for r in reported} == ({reason} if reason else set())
+    assert all(r["detail"] for r in reported)
+    for r in reported[:1]:
+        assert f"  {len(reported)} {reason}, such as instance {r['index']} in pybullet: {r['detail']}" in done.stdout
         (task,) = json.loads(wmspec(*command, "--json", folder=tmp_path, code=done.returncode).stdout)
         assert task["examples"][reason] == r
         dry = [*(word for word in command if word not in ("-o", "out")), "--dry-run"]
-        assert f"  {len(told)} {reason}, such as" in wmspec(*dry, folder=tmp_path).stdout
+        assert f"  {len(reported)} {reason}, such as" in wmspec(*dry, folder=tmp_path).stdout
 
 
 ROBOT = """
@@ -67,9 +67,9 @@ def test_what_cannot_be_planned_is_refused_with_its_place(tmp_path: Path) -> Non
     installed("pybullet")
     (tmp_path / "grab.wms").write_text(ROBOT)
     for command in (["check", "grab.wms"], ["run", "grab.wms", "-b", "pybullet"]):
-        told = wmspec(*command, folder=tmp_path, code=2).stderr
-        assert "`truck` cannot forward so: it has no roads" in told
-        assert "grab.wms:6:10" in told
+        reported = wmspec(*command, folder=tmp_path, code=2).stderr
+        assert "`truck` cannot forward so: it has no roads" in reported
+        assert "grab.wms:6:10" in reported
     made = wmspec("generate", "grab.wms", "-o", "out", "-b", "pybullet", "-j", 1, folder=tmp_path, code=1).stdout
     assert "1 rejected (1 invalid)" in made
     assert "`truck` cannot forward so: it has no roads" in made

@@ -1,4 +1,4 @@
-"""What a newcomer met: small things that commands and messages said wrongly, each mended."""
+"""Small things that commands and messages once said wrongly."""
 
 from __future__ import annotations
 
@@ -53,9 +53,9 @@ def test_check_reads_standard_input() -> None:
     good = command("check", "-", text=SPEC.format(body=BALL))
     assert (good.returncode, "t: 2 instances" in good.stdout) == (0, True)
     bad = command("check", "--json", "-", text=SPEC.format(body=BALL.replace("red", "rad")))
-    (told,) = json.loads(bad.stdout)["diagnostics"]
+    (reported,) = json.loads(bad.stdout)["diagnostics"]
     assert bad.returncode == 2
-    assert "rad" in told["message"]
+    assert "rad" in reported["message"]
 
 
 def test_without_on_a_place_on_the_ground_is_stood_on() -> None:
@@ -116,8 +116,8 @@ def test_distinct_by_is_told_where_it_says_nothing() -> None:
             wmspec.load(text=SPEC.format(body=body))
 
 
-@pytest.mark.parametrize(("word", "meant"), [("weight", "mass"), ("colour", "color"), ("bounciness", "restitution")])
-def test_other_words_for_properties_are_known(word: str, meant: str) -> None:
+@pytest.mark.parametrize(("word", "intended"), [("weight", "mass"), ("colour", "color"), ("bounciness", "restitution")])
+def test_other_words_for_properties_are_known(word: str, intended: str) -> None:
     with pytest.raises(wmspec.SpecError) as caught:
         wmspec.load(text=SPEC.format(body=BALL.replace("on:", f"{word}: 1  on:")))
-    assert [d.help for d in caught.value.diagnostics] == [f"did you mean `{meant}`?"]
+    assert [d.help for d in caught.value.diagnostics] == [f"did you mean `{intended}`?"]

@@ -25,10 +25,10 @@ def in_pictures(folder: Path, count: int = 12) -> Path:
 def _drawn(ask: Ask) -> Ask:
     """What an engine shows differs from what the other shows, in a corner."""
 
-    def drawn(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
-        question = ask(asked, random)
+    def drawn(source: QuestionRow, random: np.random.Generator) -> QuestionRow:
+        question = ask(source, random)
         for picture in question.context:
-            picture.rgb[0, 0] = ENGINES.index(asked.engine)
+            picture.rgb[0, 0] = ENGINES.index(source.engine)
         return question
 
     return drawn
@@ -37,11 +37,11 @@ def _drawn(ask: Ask) -> Ask:
 def in_numbers(folder: Path, count: int = 12) -> Path:
     """How far does it roll? Half a metre and as many centimetres as the index has."""
 
-    def ask(asked: QuestionRow, random: np.random.Generator) -> QuestionRow:
-        far = Number(0.5 + asked.index / 100, "m", within=0.02)
-        shown = _drawn(roll())(asked, random).context
+    def ask(source: QuestionRow, random: np.random.Generator) -> QuestionRow:
+        far = Number(0.5 + source.index / 100, "m", within=0.02)
+        shown = _drawn(roll())(source, random).context
         measured = NumberAnswer(far.value, 0.02)
-        blank = replace(asked, context=shown, options=(), answer=None)
+        blank = replace(source, context=shown, options=(), answer=None)
         return replace(blank, text="How far?", value="far", number=far, evidence=measured)
 
     return make(folder, "roll", ask, count, ENGINES)

@@ -1,4 +1,4 @@
-"""A dataset is asked, and every reply accounted for, whatever the model, the server and the moment of a kill."""
+"""Evaluation accounts for every reply, for any model, any server and any moment of a kill."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def rows(path: Path) -> list[Row]:
     return table
 
 
-def asked(dataset: Path, pictures: bool = True) -> list[Question]:
+def all_questions(dataset: Path, pictures: bool = True) -> list[Question]:
     opened = DatasetReader.open(dataset)
     ids = [row["id"] for task in opened.tasks for row in opened.rows(task, ["id"])]
     return list(questions(opened, ids, pictures))
@@ -112,8 +112,8 @@ def test_every_reply_is_accounted_for(rules: str, status: str, tries: int, words
 
 @pytest.mark.parametrize("rules", ["right", "right+chatty+429"])
 def test_who_knows_the_answers_is_right(rules: str, pictures: Path, tmp_path: Path) -> None:
-    """It is told apart by nothing but what the request shows."""
-    known = {(q.context[0], q.pictures[q.answer or 0]) for q in asked(pictures)}
+    """Only what the request shows distinguishes it."""
+    known = {(q.context[0], q.pictures[q.answer or 0]) for q in all_questions(pictures)}
 
     def right(parts: list[Any]) -> str:
         shown = [base64.b64decode(p["image_url"]["url"].split(",")[1]) for p in parts if p["type"] == "image_url"]
@@ -124,7 +124,7 @@ def test_who_knows_the_answers_is_right(rules: str, pictures: Path, tmp_path: Pa
             pictures, "-m", f"openai:{rules}", "--base-url", server.address, "-o", tmp_path / "r.parquet", "--permute"
         )
     got = rows(tmp_path / "r.parquet")
-    assert len(got) == 4 * len(asked(pictures))
+    assert len(got) == 4 * len(all_questions(pictures))
     assert all(row["right"] for row in got)
 
 
@@ -136,7 +136,7 @@ def test_who_always_takes_the_first_is_right_once_in_a_round(pictures: Path, tmp
     got = rows(tmp_path / "r.parquet")
     turns = Counter(row["id"] for row in got if row["right"])
     assert set(turns.values()) == {1}
-    assert len(turns) == len(asked(pictures))
+    assert len(turns) == len(all_questions(pictures))
     for row in got:
         assert row["order"] == [(place + row["permutation"]) % 4 for place in range(4)]
         assert row["parsed"] == row["permutation"]
@@ -155,7 +155,7 @@ def test_a_server_that_is_down_is_not_asked_for_ever(words: Path, tmp_path: Path
     with loopback() as server:
         args = ("-m", "openai:down", "--base-url", server.address, "-o", tmp_path / "r.parquet", "--retries", 0)
         assert "20 requests in a row have failed" in evaluate(words, *args, code=2).output
-        assert len(server.bodies) < len(asked(words)) + 8
+        assert len(server.bodies) < len(all_questions(words)) + 8
 
 
 def test_the_key_is_sent_and_written_nowhere(words: Path, tmp_path: Path) -> None:
@@ -200,7 +200,7 @@ def test_errors_are_asked_again_by_the_same_command(words: Path, tmp_path: Path)
 def test_requests_are_the_same_again(words: Path, pictures: Path) -> None:
     for dataset in (words, pictures):
         for name in ("default", "paper", "numbers", "montage"):
-            twice = [[Ask(q, prompt.load(name), 1).request.digest for q in asked(dataset)] for _ in range(2)]
+            twice = [[Ask(q, prompt.load(name), 1).request.digest for q in all_questions(dataset)] for _ in range(2)]
             assert twice[0] == twice[1]
             assert len(set(twice[0])) == len(twice[0])
 
@@ -224,22 +224,22 @@ def test_requests_are_the_same_again(words: Path, pictures: Path) -> None:
     ],
 )
 def test_a_prompt_says_this(name: str, text: str, pictures: Path) -> None:
-    request = Ask(asked(pictures)[0], prompt.load(name)).request
+    request = Ask(all_questions(pictures)[0], prompt.load(name)).request
     assert " ".join(part.text if isinstance(part, Text) else "#" for part in request.parts) == text
 
 
 def test_options_are_turned_with_their_labels(pictures: Path, words: Path) -> None:
-    one = asked(pictures)[0]
+    one = all_questions(pictures)[0]
     shown = [part.content for part in Ask(one, prompt.load("default"), 1).request.parts if isinstance(part, Picture)]
     assert shown == [*one.context, *one.pictures[1:], one.pictures[0]]
-    two = asked(words)[0]
+    two = all_questions(words)[0]
     said = [part.text for part in Ask(two, prompt.load("default"), 1).request.parts if isinstance(part, Text)]
     assert f"A. {two.options[1]}\nB. {two.options[0]}" in said
 
 
 def test_what_is_left_out_is_not_there(pictures: Path, words: Path) -> None:
     for name in prompt.builtin_prompts():
-        for one in (asked(pictures)[0], asked(words)[0]):
+        for one in (all_questions(pictures)[0], all_questions(words)[0]):
             blind = Ask(one, prompt.load(name), ablation="pictures").request
             assert all(isinstance(part, Text) for part in blind.parts)
             assert Text(one.text) in blind.parts
@@ -249,7 +249,7 @@ def test_what_is_left_out_is_not_there(pictures: Path, words: Path) -> None:
 
 
 def test_a_montage_shows_all(pictures: Path) -> None:
-    one = asked(pictures)[0]
+    one = all_questions(pictures)[0]
     (sheet,) = [part for part in Ask(one, prompt.load("montage")).request.parts if isinstance(part, Picture)]
     seen = Image.open(io.BytesIO(sheet.content)).convert("RGB")
     for png in (*one.context, *one.pictures):
@@ -288,7 +288,7 @@ def test_a_prompt_of_ones_own(words: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         ('extends = "papr"', "there is no prompt"),
         ("x = ", "cannot be read"),
@@ -298,13 +298,16 @@ def test_a_prompt_of_ones_own(words: Path, tmp_path: Path) -> None:
         ('extends = "mine.toml"', "does not extend this one"),
     ],
 )
-def test_a_wrong_prompt_is_told(text: str, told: str, words: Path, tmp_path: Path) -> None:
+def test_a_wrong_prompt_is_told(text: str, reported: str, words: Path, tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text(text)
-    assert told in evaluate(words, "-m", "oracle", "--prompt", tmp_path / "mine.toml", "-o", "r.parquet", code=2).output
+    assert (
+        reported
+        in evaluate(words, "-m", "oracle", "--prompt", tmp_path / "mine.toml", "-o", "r.parquet", code=2).output
+    )
 
 
 @pytest.mark.parametrize(
-    ("args", "told"),
+    ("args", "reported"),
     [
         (["-m", "oracle"], "add -o results.parquet"),
         (["-o", "r.parquet"], "missing DATASET or --model"),
@@ -320,10 +323,10 @@ def test_a_wrong_prompt_is_told(text: str, told: str, words: Path, tmp_path: Pat
     ],
 )
 def test_a_mistake_is_told(
-    args: list[str], told: str, words: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    args: list[str], reported: str, words: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert told in evaluate(words, *args, code=2).output
+    assert reported in evaluate(words, *args, code=2).output
 
 
 def test_without_a_key_openai_is_not_asked(words: Path) -> None:
@@ -483,7 +486,7 @@ def test_killed_at_any_moment_no_reply_is_lost_or_doubled(words: Path, tmp_path:
         assert kills > 1
         assert len(server.bodies) <= 24 + 3 * kills, "what was answered was asked again"
     keys = [(row["id"], row["permutation"], row["sample"]) for row in rows(out)]
-    assert sorted(id for id, _, _ in keys) == sorted(q.id for q in asked(words, pictures=False))
+    assert sorted(id for id, _, _ in keys) == sorted(q.id for q in all_questions(words, pictures=False))
     assert len(set(keys)) == len(keys)
     assert not journal.exists()
 
@@ -533,7 +536,7 @@ def test_the_columns_of_results(words: Path, tmp_path: Path) -> None:
     """What reports and other programs rely on."""
     evaluate(words, "-m", "oracle", "-o", tmp_path / "r.parquet", "--limit", 1)
     (row,) = rows(tmp_path / "r.parquet")
-    first = next(q for q in asked(words) if q.id == row["id"])
+    first = next(q for q in all_questions(words) if q.id == row["id"])
     assert row["group"] == f"race/{first.block}" == first.group
     assert row["options"] == list(first.options)
     assert {"seconds", "cost", "tokens_in", "tokens_out", "model_version", "sample", "order"} <= row.keys()

@@ -87,12 +87,12 @@ def test_datasets_opens_the_folder_and_comes_to_the_same_score(dataset: Path, tm
 
 @pytest.mark.parametrize("name", ["default", "paper", "montage"])
 def test_what_is_sent_is_what_wmspec_sends(name: str, dataset: Path, tmp_path: Path) -> None:
-    from tests.evaluate.test_evaluate import asked
+    from tests.evaluate.test_evaluate import all_questions
 
     wmspec("export", dataset, "--to", "inspect", "-o", tmp_path / "x", "--prompt", name)
     (table,) = (tmp_path / "x/data").iterdir()
     rows = pq.read_table(table).to_pylist()
-    for question, row in zip(asked(dataset), rows, strict=True):
+    for question, row in zip(all_questions(dataset), rows, strict=True):
         parts = [
             Text(part["text"]) if part["image"] is None else Picture(row["images"][part["image"]]["bytes"])
             for part in row["content"]

@@ -182,9 +182,9 @@ def test_the_documentation_reads_replies_as_the_parser_does() -> None:
     page = (Path(__file__).parents[2] / "docs/evaluate.md").read_text()
     rows = re.findall(r"^\|[^|]*\| `([^`]+)` \| (\d|unparsed) \|$", page, re.MULTILINE)
     assert len(rows) > 10
-    for text, told in rows:
+    for text, reported in rows:
         place = choice(text, ("the red cube", "the blue cube", "neither"))
-        assert told == ("unparsed" if place is None else str(place + 1)), text
+        assert reported == ("unparsed" if place is None else str(place + 1)), text
 
 
 def test_the_documentation_has_every_column() -> None:

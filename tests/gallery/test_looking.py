@@ -138,7 +138,7 @@ def test_ways_are_drawn(browser: Any, dataset: DatasetReader, tmp_path: Path) ->
 def test_what_models_answered_is_beside_the_truth(compared: tuple[Any, Path], answered: Path) -> None:
     tab, _ = compared
     rows = {row["id"]: row for row in results.read(answered / "random.parquet")[0]}
-    assert tab.locator(".replies").count() == 0, "not before the truth is asked for"
+    assert tab.locator(".replies").count() == 0, "not before the truth is shown"
     tab.select_option("#task", "collide")
     tab.wait_for_selector("article")
     id = tab.locator("article").first.get_attribute("data-id")
@@ -146,8 +146,8 @@ def test_what_models_answered_is_beside_the_truth(compared: tuple[Any, Path], an
     said = tab.locator("article").first.locator(".replies tr").all_inner_texts()
     place = ("collide", int(id.split("/")[1]), "", "mujoco")
     (row,) = (r for r in rows.values() if (r["task"], r["index"], r["question_name"], r["engine"]) == place)
-    wanted = f"{'✓' if row['right'] else '✗'} {'ABCD'[row['parsed']]}"
-    assert any("random" in line and "mujoco" in line and wanted in line for line in said)
+    expected = f"{'✓' if row['right'] else '✗'} {'ABCD'[row['parsed']]}"
+    assert any("random" in line and "mujoco" in line and expected in line for line in said)
     assert sum("oracle" in line and "✓" in line for line in said) == 3
 
 

@@ -30,7 +30,7 @@ def require(condition: Any, text: str = "condition") -> Require:
 
 
 def design_of(sizes: dict[str, int], *conditions: Any, plan: Plan | None = None, repeat: int = 1) -> TaskSpec:
-    """A task with factors of so many values, 0, 1, ..., and a nuisance."""
+    """A task with factors that have these numbers of values (0, 1, ...), and a nuisance."""
     factors = [factor(name, [float(i) for i in range(size)]) for name, size in sizes.items()]
     requires = [require(c, str(i)) for i, c in enumerate(conditions)]
     scene = (thing("object", "ball", shape="sphere", size=0.1), observe("front", [0.0]))

@@ -176,7 +176,7 @@ def test_sample_sizes_are_the_groups_in_which_something_is_compared() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         (spec(plan="cross: tone  balance: fat"), "there is no question `fat`; did you mean `far`?"),
         (spec(plan="cross: tone  balance: [far]"), "there is no question `[far]`"),
@@ -200,10 +200,10 @@ def test_sample_sizes_are_the_groups_in_which_something_is_compared() -> None:
         ),
     ],
 )
-def test_what_cannot_be_balanced_is_told_where_it_is_asked_for(text: str, told: str) -> None:
+def test_what_cannot_be_balanced_is_told_where_it_is_asked_for(text: str, reported: str) -> None:
     errors = [d for d in wmspec.diagnose(text=text).diagnostics if d.severity == "error"]
     assert len(errors) == 1, errors
-    assert told in str(errors[0])
+    assert reported in str(errors[0])
 
 
 def test_the_plan_is_part_of_the_checked_task() -> None:

@@ -67,19 +67,19 @@ def test_a_cached_result_is_the_result(path: Path, hits: list[bool]) -> None:
 def test_whatever_a_result_depends_on_changes_it(
     tmp_path: Path, hits: list[bool], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    spec, elsewhere = tmp_path / "spec.wms", tmp_path / "elsewhere"
-    elsewhere.mkdir()
-    monkeypatch.setenv("WMSPEC_PATH", str(elsewhere))
+    spec, foreign = tmp_path / "spec.wms", tmp_path / "elsewhere"
+    foreign.mkdir()
+    monkeypatch.setenv("WMSPEC_PATH", str(foreign))
     changes: list[Callable[[], object]] = [
         lambda: spec.write_text(SPEC.format(1)),
-        lambda: (elsewhere / "mine.wms").write_text(LIBRARY.format(4)),
+        lambda: (foreign / "mine.wms").write_text(LIBRARY.format(4)),
         lambda: spec.write_text(SPEC.format(-1)),
-        lambda: (elsewhere / "mine.wms").write_text(LIBRARY.format(-4)),
+        lambda: (foreign / "mine.wms").write_text(LIBRARY.format(-4)),
         lambda: (tmp_path / "mine.wms").write_text(LIBRARY.format(5)),  # found before the other
         lambda: (tmp_path / "tabletop.wms").write_text("object table { size: 1 kg }\n"),
         (tmp_path / "tabletop.wms").unlink,
         (tmp_path / "mine.wms").unlink,
-        (elsewhere / "mine.wms").unlink,
+        (foreign / "mine.wms").unlink,
     ]
     for change in changes:
         change()

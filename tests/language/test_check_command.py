@@ -101,6 +101,6 @@ def test_list_tells_from_how_many_groups_one_learns_and_what_is_balanced() -> No
     plain, sizes = (CliRunner().invoke(main, ["list", *more, str(gate)]).output for more in ([], ["--sizes"]))
     assert "wide (2), tone (3 in 30), wood (2 in 30)" in plain
     assert "60: wide, aim, lane; 30: tone, wood" in sizes
-    for told in (plain, sizes):
-        assert "balanced answers of `way`" in told
-        assert told.endswith("300 instances in 60 groups\n")
+    for reported in (plain, sizes):
+        assert "balanced answers of `way`" in reported
+        assert reported.endswith("300 instances in 60 groups\n")

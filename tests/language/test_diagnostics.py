@@ -1,4 +1,4 @@
-"""The one kind of diagnostic: it crosses process borders whole, is told once, and says where."""
+"""The one kind of diagnostic: it crosses process borders whole, is reported once, and says where."""
 
 import ast
 import pickle
@@ -43,35 +43,35 @@ def subclasses(error: type[WmsError]) -> list[type[WmsError]]:
 
 
 @given(st.sampled_from(subclasses(WmsError)), st.lists(diagnostics(), min_size=1))
-def test_an_error_crosses_a_process_border_whole(error: type[WmsError], told: list[Diagnostic]) -> None:
-    again = pickle.loads(pickle.dumps(error.of(told)))
+def test_an_error_crosses_a_process_border_whole(error: type[WmsError], reported: list[Diagnostic]) -> None:
+    again = pickle.loads(pickle.dumps(error.of(reported)))
     assert type(again) is error
-    assert again.diagnostics == tuple(told)
-    assert str(again) == "\n".join(map(str, told))
+    assert again.diagnostics == tuple(reported)
+    assert str(again) == "\n".join(map(str, reported))
 
 
 @given(st.lists(diagnostics()), st.randoms())
-def test_a_report_tells_each_once_in_the_order_of_the_text(told: list[Diagnostic], random) -> None:
+def test_a_report_tells_each_once_in_the_order_of_the_text(reported: list[Diagnostic], random) -> None:
     report = Report(StageError)
-    report.include(told)
-    report.include(random.sample(told, len(told)))
+    report.include(reported)
+    report.include(random.sample(reported, len(reported)))
     keys = [(d.code, str(d.place), d.message) for d in report.diagnostics]
-    assert sorted(keys) == sorted({(d.code, str(d.place), d.message) for d in told})
+    assert sorted(keys) == sorted({(d.code, str(d.place), d.message) for d in reported})
     in_text = [d.place.start for d in report.diagnostics if isinstance(d.place, Span | Location)]
     assert in_text == sorted(in_text)
     assert report.failed == any(d.severity == "error" for d in report.diagnostics)
 
 
 @given(diagnostics())
-def test_what_is_wrong_is_in_every_form_of_it(told: Diagnostic) -> None:
-    for text in (str(told), told.render()):
-        shown = escape_controls if text == told.render() else str  # what a terminal would obey is shown instead
-        assert shown(told.message) in text
-        assert shown(told.help) in text
-        assert told.place is None or shown(str(told.place)) in text
-    record = told.record()
-    assert (record["message"], record["code"], record["help"]) == (told.message, told.code, told.help)
-    assert len(record["notes"]) == len(told.notes)  # type: ignore[arg-type]
+def test_what_is_wrong_is_in_every_form_of_it(reported: Diagnostic) -> None:
+    for text in (str(reported), reported.render()):
+        shown = escape_controls if text == reported.render() else str  # what a terminal would obey is shown instead
+        assert shown(reported.message) in text
+        assert shown(reported.help) in text
+        assert reported.place is None or shown(str(reported.place)) in text
+    record = reported.record()
+    assert (record["message"], record["code"], record["help"]) == (reported.message, reported.code, reported.help)
+    assert len(record["notes"]) == len(reported.notes)  # type: ignore[arg-type]
 
 
 @given(spans())
@@ -93,16 +93,16 @@ def test_the_text_at_a_location_is_read_from_its_file(tmp_path: Path) -> None:
 
 def test_only_the_places_and_the_words_that_lead_are_coloured() -> None:
     span = Span(SOURCE, 0, 4)
-    told = Diagnostic("error: help: ^^", span, "note: that", "WMS101", (Note("warning", span),))
-    painted = told.render(lambda text, part: f"<{part}>{text}</>")
+    reported = Diagnostic("error: help: ^^", span, "note: that", "WMS101", (Note("warning", span),))
+    painted = reported.render(lambda text, part: f"<{part}>{text}</>")
     heads = [line.split("</>")[0] for line in painted.splitlines() if line.startswith("<")]
     carets = "<caret>  | ^^^^"
     assert heads == ["<error>error[WMS101]", carets, "<note>note", carets, "<help>help"]
 
 
 def test_what_has_no_place_in_a_text_has_a_result_too() -> None:
-    told = [Diagnostic("m", place, code="WMS210") for place in (None, PrimPlace("/World"), FilePlace("a.urdf", 3))]
-    nowhere, prim, file = (r for r in sarif(told)["runs"][0]["results"])
+    reported = [Diagnostic("m", place, code="WMS210") for place in (None, PrimPlace("/World"), FilePlace("a.urdf", 3))]
+    nowhere, prim, file = (r for r in sarif(reported)["runs"][0]["results"])
     assert "locations" not in nowhere
     assert prim["locations"][0]["logicalLocations"] == [{"fullyQualifiedName": "/World"}]
     assert file["locations"][0]["physicalLocation"]["region"] == {"startLine": 3}
@@ -142,7 +142,7 @@ def breaks(tree: ast.AST) -> Iterator[tuple[int, str]]:
                 for inner in ast.walk(node):
                     if isinstance(inner, ast.Call) and isinstance(inner.func, ast.Attribute):
                         taken = [inner.func.value, *inner.args]
-                        if inner.func.attr in PARSING and any(told_by(part, name) for part in taken):
+                        if inner.func.attr in PARSING and any(reported_by(part, name) for part in taken):
                             yield inner.lineno, f"{inner.func.attr} of the text of an error"
 
 
@@ -150,7 +150,7 @@ def names(node: ast.AST) -> set[str]:
     return {inner.id for inner in ast.walk(node) if isinstance(inner, ast.Name)}
 
 
-def told_by(node: ast.AST, name: str) -> bool:
+def reported_by(node: ast.AST, name: str) -> bool:
     """Whether this is the text of the error of that name."""
     match node:
         case ast.Call(func=ast.Name(id="str"), args=[ast.Name(id=of)]):

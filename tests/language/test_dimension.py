@@ -34,7 +34,7 @@ def about(domain: str, properties: str = "") -> str:
 
 @pytest.mark.parametrize("name", FACTOR_DIMENSIONS)
 def test_a_declared_dimension_is_the_one_of_the_factor(name: str) -> None:
-    """Whatever the factor changes, also in Python."""
+    """For any factor, also in Python."""
     assert about(f"[1, 2] about {name}", "color: pick(colors, f)") == name
     assert factor("f", [1, 2], about=name).about == name
 
@@ -63,14 +63,16 @@ def test_what_moves_along_with_a_size_is_about_size() -> None:
     assert dimension(spec, spec.factor("f")) == "size"
 
 
-@pytest.mark.parametrize(("written", "meant"), [*DIMENSION_ALIASES.items(), ("colr", "color"), ("postion", "position")])
-def test_an_unknown_dimension_is_an_error_with_a_remedy(written: str, meant: str) -> None:
+@pytest.mark.parametrize(
+    ("written", "intended"), [*DIMENSION_ALIASES.items(), ("colr", "color"), ("postion", "position")]
+)
+def test_an_unknown_dimension_is_an_error_with_a_remedy(written: str, intended: str) -> None:
     with pytest.raises(SpecError) as raised:
         about(f"[1, 2] about {written}")
     (found,) = raised.value.diagnostics
     assert found.code == "WMS201"
     assert f"`{written}`" in found.message
-    assert meant in found.help
+    assert intended in found.help
 
 
 def test_an_unknown_dimension_in_python_is_an_error() -> None:

@@ -69,7 +69,7 @@ def test_one_bad_value_of_a_factor_is_enough(folder: Path) -> None:
 def test_libraries_are_found_on_the_search_path(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (folder / "deep/playthings.wms").write_text("object toy { shape: cube }\n")
     body = "use playthings\nobject a { on: toy }"
-    assert checked(folder, body)[1] == ["WMS207"]  # what it would have brought is not told too
+    assert checked(folder, body)[1] == ["WMS207"]  # what it would have brought is not reported as well
     monkeypatch.setenv("WMSPEC_PATH", f"/nowhere:{folder / 'deep'}")
     assert checked(folder, body)[1] == []
 

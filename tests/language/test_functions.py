@@ -1,4 +1,4 @@
-"""What can be worked out before anything happens: places, sums, volumes, colours, what is there, what fits."""
+"""What can be computed before the simulation: places, sums, volumes, colours, what is there, what fits."""
 
 from __future__ import annotations
 

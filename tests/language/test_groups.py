@@ -1,4 +1,4 @@
-"""Designs in groups: what is crossed in each, what takes turns, and what is drawn anew for each group."""
+"""Designs in groups: what is crossed in each, what takes turns, and what is drawn for each group."""
 
 from collections import Counter
 from dataclasses import replace
@@ -38,8 +38,8 @@ def test_a_group_crosses_what_it_says_and_nothing_else(
         assert crossed >= {*cross}
         turned.append(crossed - {*cross})
         fixed = {name: value for name, value in members[0].factors.items() if name not in crossed}
-        wanted = [c for c in everything if fixed.items() <= c.items()]
-        assert sorted(map(repr, (dict(sorted(m.factors.items())) for m in members))) == sorted(map(repr, wanted))
+        expected = [c for c in everything if fixed.items() <= c.items()]
+        assert sorted(map(repr, (dict(sorted(m.factors.items())) for m in members))) == sorted(map(repr, expected))
         assert len({m.nuisances["n"] for m in members}) == 1
         assert all(m.block == block and m.key == members[0].key for m in members)
     for first in range(0, count, max(1, len(turn))):  # in a round each takes its turn once

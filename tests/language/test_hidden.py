@@ -1,4 +1,4 @@
-"""What is hidden when the episode begins: told where one box hides all of it from every camera that looks."""
+"""What is hidden when the episode begins: reported where one box hides all of it from every camera in use."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ task hidden : custom {{
 BOX = "box  size: (50 cm, 2 cm, 50 cm)"
 
 
-def told(
+def reported(
     x: int = 0, drawn: str = "true", time: int = 0, more: str = "", answer: str = "ball.color", shape: str = BOX
 ) -> bool:
     text = SPEC.format(x=x, drawn=drawn, time=time, more=more, answer=answer, shape=shape)
@@ -37,7 +37,7 @@ def told(
 
 @pytest.mark.parametrize("answer", ["ball.color", "tone"])
 def test_what_is_hidden_is_told_however_it_is_named(answer: str) -> None:
-    assert told(answer=answer)
+    assert reported(answer=answer)
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def test_what_is_hidden_is_told_however_it_is_named(answer: str) -> None:
     ids="".join,
 )
 def test_what_can_be_seen_is_not_told(seen: dict[str, object]) -> None:
-    assert not told(**seen)  # type: ignore[arg-type]
+    assert not reported(**seen)  # type: ignore[arg-type]
 
 
 COORDINATE = st.floats(-2, 2).map(lambda x: round(x, 2))

@@ -123,9 +123,9 @@ def test_a_property_that_moves_by_itself_is_a_violation() -> None:
 @pytest.mark.parametrize("path", SPECS[::7], ids=lambda p: p.stem)
 def test_dependencies_are_worked_out_once_for_a_spec(path: Path) -> None:
     spec = task_of(path)
-    kept, anew = dependencies(spec), Dependencies(spec)
+    kept, rebuilt = dependencies(spec), Dependencies(spec)
     assert dependencies(spec) is kept
     assert dependencies(from_json(to_json(spec))) is not kept
     names = [f"{thing.name}.{name}" for thing in spec.things for name in ("pose", "form", *thing.properties)]
-    assert kept.sources(names) == frozenset().union(*map(anew.source, names))
-    assert all(kept.source(name) == anew.source(name) for name in names)
+    assert kept.sources(names) == frozenset().union(*map(rebuilt.source, names))
+    assert all(kept.source(name) == rebuilt.source(name) for name in names)

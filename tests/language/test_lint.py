@@ -46,10 +46,10 @@ def test_spheres_are_as_deep_in_one_another_as_their_radii_exceed_their_distance
     ball = thing("object", "ball", shape="sphere", radius=r, at=(0.0, 0.0, 0.0))
     other = thing("object", "other", shape="sphere", radius=s, at=at)
     depth = min(r + s - math.hypot(*at), 2 * r, 2 * s)
-    told = found(ball, other)
-    assert bool(told) == (depth > MAX_OVERLAP)
-    if told:
-        assert told[0].depth == pytest.approx(depth, abs=1e-4)
+    reported = found(ball, other)
+    assert bool(reported) == (depth > MAX_OVERLAP)
+    if reported:
+        assert reported[0].depth == pytest.approx(depth, abs=1e-4)
 
 
 @settings(max_examples=150, deadline=None)
@@ -61,11 +61,11 @@ def test_solids_overlap_if_some_point_is_inside_both(
     poses: list[dict[str, Any]] = [dict(zip(("yaw", "pitch", "roll"), t, strict=True)) for t in (turns[:3], turns[3:])]
     a = thing("object", "a", **forms[0], **poses[0], at=(0.0, 0.0, 0.0))
     b = thing("object", "b", **forms[1], **poses[1], at=at)
-    told = found(a, b)
+    reported = found(a, b)
     values = Evaluator(task("t", a, b, observe("front", [0.0])), {})
-    if told and told[0].depth > 3e-3:  # the surface points of round solids are on polygons within them
+    if reported and reported[0].depth > 3e-3:  # the surface points of round solids are on polygons within them
         assert _meet(_surface(values, "a"), _surface(values, "b"))
-    if not told:
+    if not reported:
         assert not _meet(0.97 * _surface(values, "a"), _surface(values, "b") * 0.97 + 0.03 * np.array(at))
 
 

@@ -137,7 +137,7 @@ MISTAKES = {
 }
 
 
-def told(text: str) -> tuple[Diagnostic, ...]:
+def reported(text: str) -> tuple[Diagnostic, ...]:
     """All diagnostics of a text."""
     report = Report()
     for spec in check_program(load_source(Source("first.wms", text), Path(), report), report):
@@ -146,7 +146,7 @@ def told(text: str) -> tuple[Diagnostic, ...]:
 
 
 def test_the_spec_is_right() -> None:
-    assert told(SPEC) == ()
+    assert reported(SPEC) == ()
 
 
 @pytest.mark.parametrize(("written", "instead", "code", "line", "remedy"), MISTAKES.values(), ids=MISTAKES)
@@ -154,7 +154,7 @@ def test_one_mistake_is_told_once_where_it_is_with_what_mends_it(
     written: str, instead: str, code: str, line: int, remedy: str
 ) -> None:
     assert SPEC.count(written) == 1
-    (only,) = told(SPEC.replace(written, instead))
+    (only,) = reported(SPEC.replace(written, instead))
     assert isinstance(only.place, Span | Location)
     assert (only.code, only.place.line) == (code, line)
     assert only.help
@@ -176,13 +176,13 @@ VARIANTS = """task tone : custom {
     ("written", "instead", "remedy"), [("factor tint", "factor tnit", "tnit"), ("groups", "gruops", "groups")]
 )
 def test_a_mistake_is_told_once_for_all_variants_and_all_that_follows(written: str, instead: str, remedy: str) -> None:
-    (only,) = told(VARIANTS.replace(written, instead))
+    (only,) = reported(VARIANTS.replace(written, instead))
     assert only.code == "WMS201"
     assert only.help == f"did you mean `{remedy}`?"
 
 
 def test_two_tasks_of_one_name_are_told() -> None:
-    (only,) = told(SPEC + SPEC.partition("\n\n")[2])
+    (only,) = reported(SPEC + SPEC.partition("\n\n")[2])
     assert only.code == "WMS202"
     assert "another name" in only.help
 

@@ -53,15 +53,15 @@ def test_a_parameter_may_be_a_factor_of_the_task(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "wanted"),
+    ("given", "expected"),
     [("", "white"), ('(open: "day")', "white"), ('(open: "night")', "black"), ("(open: when)", "black")],
 )
-def test_a_parameter_is_the_first_of_its_list_or_what_is_said(tmp_path: Path, given: str, wanted: str) -> None:
+def test_a_parameter_is_the_first_of_its_list_or_what_is_said(tmp_path: Path, given: str, expected: str) -> None:
     when = 'factor when in ["night", "day"]'
     found, errors = tasks(tmp_path, f"use shop{given}\ntask a : custom {{ {when} {TASK.format('')} }}")
     assert not errors
     night = next(i for i in Design(found["a"]) if i.factors["when"] == "night")
-    assert Evaluator(found["a"], night.values, None, night.key).property("crate", "color") == wanted
+    assert Evaluator(found["a"], night.values, None, night.key).property("crate", "color") == expected
 
 
 def test_a_value_stands_for_no_name(tmp_path: Path) -> None:
@@ -113,7 +113,7 @@ def test_each_variant_is_a_task_with_what_is_common(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "wanted"),
+    ("text", "expected"),
     [
         ("use shop(tint: red)", "1:10: `shop` has no parameter `tint`; known here: open, tone, trim"),
         ('use shop(open: "nigt")', '1:16: `shop` has no open "nigt"; did you mean `"night"`?'),
@@ -129,9 +129,9 @@ def test_each_variant_is_a_task_with_what_is_common(tmp_path: Path) -> None:
         ("use shop as here  light lamp { diffuse: 1 }", "1:25: `lamp` is a second light, and there is one sun"),
     ],
 )
-def test_mistakes_are_told(tmp_path: Path, text: str, wanted: str) -> None:
+def test_mistakes_are_told(tmp_path: Path, text: str, expected: str) -> None:
     _, errors = tasks(tmp_path, f"{text}\ntask a : custom {{ {TASK.format('here.' if ' as here' in text else '')} }}")
-    assert any(wanted in error for error in errors), errors
+    assert any(expected in error for error in errors), errors
 
 
 def test_a_parameter_that_is_called_like_a_design_is_none() -> None:

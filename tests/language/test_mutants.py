@@ -10,15 +10,15 @@ from benchmarks.mutate import SPELLED, checked, measured, specs
 @pytest.mark.parametrize("count", [30, pytest.param(120, marks=pytest.mark.slow)])
 def test_a_mistake_is_told_once_where_it_is_and_with_what_mends_it(count: int) -> None:
     outcomes = [o for o in measured(range(10_000, 10_000 + count)) if o.errors]
-    told = Counter[str]()
+    reported = Counter[str]()
     for o in outcomes:
-        told["one"] += len(o.errors) == 1
-        told["line"] += o.located
+        reported["one"] += len(o.errors) == 1
+        reported["line"] += o.located
     spelled = [o for o in outcomes if o.mutant.kind in SPELLED]
     assert len(outcomes) > 0.83 * count
     assert len(spelled) > 0.25 * count
-    assert told["one"] >= 0.93 * len(outcomes)
-    assert told["line"] >= 0.93 * len(outcomes)
+    assert reported["one"] >= 0.93 * len(outcomes)
+    assert reported["line"] >= 0.93 * len(outcomes)
     assert sum(o.fixed for o in spelled) >= 0.8 * len(spelled)
 
 

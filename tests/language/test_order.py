@@ -20,7 +20,7 @@ from wmspec.dataset.build.identity import DIGITS, identity
 from wmspec.lang.check.ir.ir import Plan, TaskSpec
 from wmspec.runtime.questions.ask import groups
 
-#: Probability at which one of all tests in this file fails although nothing is told.
+#: Probability at which one of all tests in this file fails although nothing leaks.
 ALPHA = 1e-3
 #: Numbers of which a remainder of the index could tell a level.
 PERIODS = (2, 3, 4, 5, 6, 8, 12, 16)
@@ -52,7 +52,7 @@ def hits(design: Design, guess: Guess, blocks: range) -> dict[str, tuple[int, in
 
 
 def at_chance(design: Design, guess: Guess, blocks: range, tests: int) -> bool:
-    """Whether every crossed factor is guessed at chance, by the exact binomial test, corrected for so many tests."""
+    """Whether every crossed factor is guessed at chance, by the exact binomial test, with Bonferroni correction."""
     counted = hits(design, guess, blocks)
     assert counted
     return all(binomtest(*each).pvalue > ALPHA / (len(counted) * tests * len(TASKS)) for each in counted.values())

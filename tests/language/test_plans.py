@@ -142,10 +142,10 @@ def test_one_factor_at_a_time_around_a_baseline() -> None:
     changed = [
         {k: v for k, v in i.factors.items() if v != baseline[k]} for i in design[: len(design.blocks.members(0))]
     ]
-    wanted = [{}, {"a": 1.0}, {"b": 1.0}, {"b": 3.0}]  # a = 2 and b = 0 are excluded
-    assert sorted(changed, key=str) == sorted(wanted, key=str)
+    required = [{}, {"a": 1.0}, {"b": 1.0}, {"b": 3.0}]  # a = 2 and b = 0 are excluded
+    assert sorted(changed, key=str) == sorted(required, key=str)
     assert len(design) == 8
-    at = [next(i for i, other in enumerate(changed) if other == change) for change in wanted]
+    at = [next(i for i, other in enumerate(changed) if other == change) for change in required]
     assert set(design.neighbours(at[0], "b")) == {at[2], at[3]}
     assert design.neighbours(at[1], "b") == ()
     with pytest.raises(SpecError, match="a = 0, b = 0, is excluded"):

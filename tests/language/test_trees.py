@@ -1,4 +1,4 @@
-"""Whatever the grammar can say: printing and reading is the identity, and formatting changes nothing but space."""
+"""For every text of the grammar, printing and reading is the identity, and formatting changes only space."""
 
 from hypothesis import given
 

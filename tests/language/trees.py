@@ -1,4 +1,4 @@
-"""Random syntax trees and their text: whatever the grammar can say, whether or not it makes sense."""
+"""Random syntax trees and their text: all that the grammar permits, whether or not it makes sense."""
 
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass

@@ -62,10 +62,10 @@ def test_only_wmspec_goes_to_site_packages(wheel: Path) -> None:
 @in_a_checkout
 def test_every_tracked_file_of_the_package_is_inside(wheel: Path) -> None:
     listed = run("git", "ls-files", "wmspec", "backends", "grammar", "specs", cwd=ROOT).split()
-    wanted = {f if f.startswith("wmspec/") else f"wmspec/{f}" for f in listed}
-    assert wanted <= names(wheel)
-    assert {"wmspec/py.typed", "wmspec/grammar/wms.lark", f"wmspec/{SPEC}"} <= wanted
-    assert any(n.endswith("plugInfo.json") for n in wanted)
+    expected = {f if f.startswith("wmspec/") else f"wmspec/{f}" for f in listed}
+    assert expected <= names(wheel)
+    assert {"wmspec/py.typed", "wmspec/grammar/wms.lark", f"wmspec/{SPEC}"} <= expected
+    assert any(n.endswith("plugInfo.json") for n in expected)
 
 
 @in_a_checkout

@@ -77,9 +77,9 @@ def ended(task: wmspec.Task, engine: str, name: str) -> tuple[np.ndarray, np.nda
 
 def turned(orientation: np.ndarray, angle: float, axis: int = 3) -> float:
     """By how much an orientation is off a turn about an axis (its number in the quaternion)."""
-    wanted = np.zeros(4)
-    wanted[0], wanted[axis] = np.cos(angle / 2), np.sin(angle / 2)
-    return float(2 * np.arccos(min(1.0, abs(wanted @ orientation))))
+    required = np.zeros(4)
+    required[0], required[axis] = np.cos(angle / 2), np.sin(angle / 2)
+    return float(2 * np.arccos(min(1.0, abs(required @ orientation))))
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -370,7 +370,7 @@ def test_the_tool_comes_where_it_is_sent() -> None:
     ("robot", "low", "high"), [("arm", -0.3, 0.3), ("left_arm", -0.3, 0.05), ("right_arm", -0.05, 0.3)]
 )
 def test_all_of_its_patch_is_within_reach(robot: str, low: float, high: float, places: int) -> None:
-    """So many places on 60 × 40 cm, or on its half of them, the hand turned anyhow."""
+    """Random places on 60 × 40 cm, or on one half, with any rotation of the hand."""
     task = one("") if robot == "arm" else wmspec.load(text=TWO.format(size="(20 cm, 7 cm, 3 cm)", more=""))
     instance = Design(task.spec)[0]
     stand = matrix(base(Evaluator(task.spec, instance.values, None, instance.key), robot))

@@ -200,8 +200,8 @@ def test_of_two_coefficients_of_friction_that_of_motion_counts_and_this_is_told(
     play = scene(*both, duration=0.5)
     trace = installed(engine).execute(play)
     slid = float(np.linalg.norm(trace.position[-1, 1] - trace.position[0, 1]))
-    told = approximation_warnings(info(engine).lacks, play)
-    assert {str(note.place) for note in told} == {"/World/floor", "/World/b"}
+    reported = approximation_warnings(info(engine).lacks, play)
+    assert {str(note.place) for note in reported} == {"/World/floor", "/World/b"}
     assert slid == pytest.approx(9.81 * (np.sin(np.radians(27)) - 0.4 * np.cos(np.radians(27))) / 8, rel=0.02)
     with pytest.raises(WmsError, match=r"friction 0\.6 at rest and 0\.4 in motion"):
         require(info(engine).lacks, play, strict=True)

@@ -71,16 +71,16 @@ TWO = """<mujoco><asset><mesh name="wedge" vertex="0 0 0  .3 0 0  0 .2 0  0 0 .4
 </worldbody><contact><pair geom1="a" geom2="b" gap="0.002"/></contact></mujoco>"""
 
 
-@pytest.mark.parametrize("told", SHAPES.values(), ids=SHAPES)
+@pytest.mark.parametrize("reported", SHAPES.values(), ids=SHAPES)
 @pytest.mark.parametrize("other", SHAPES.values(), ids=SHAPES)
-def test_what_is_clear_of_something_does_not_touch_it(told: str, other: str) -> None:
+def test_what_is_clear_of_something_does_not_touch_it(reported: str, other: str) -> None:
     installed("mujoco")
     import mujoco
 
     from wmspec.backends.mujoco.clearance import is_clear
 
     rng, clear, steps = np.random.default_rng(0), 0, 200
-    model = mujoco.MjModel.from_xml_string(TWO.format(told, other))
+    model = mujoco.MjModel.from_xml_string(TWO.format(reported, other))
     data = mujoco.MjData(model)
     for _ in range(3):
         path = np.concatenate([rng.uniform(-0.5, 0.5, (steps, 3)), rng.normal(size=(steps, 4))], axis=1)

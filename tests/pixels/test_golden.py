@@ -1,6 +1,6 @@
 """Pictures stay as they are: one picture for all engines, by tolerance, since drivers round differently.
 
-`WMSPEC_GOLDEN=write` draws it anew (with MuJoCo); look at it before you commit it.
+`WMSPEC_GOLDEN=write` redraws it (with MuJoCo); look at it before you commit it.
 """
 
 from __future__ import annotations

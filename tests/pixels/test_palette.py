@@ -1,4 +1,4 @@
-"""The colours of the language are told apart by everybody, and shades of one colour come in even steps."""
+"""Everybody can distinguish the colours of the language, and shades of one colour come in even steps."""
 
 from __future__ import annotations
 

@@ -112,7 +112,7 @@ def test_only_glass_is_seen_through(texture: str | None, photo: Frame) -> None: 
 
 
 def test_outlines_agree_with_the_masks() -> None:
-    """What the denoiser is told of plain colours has a colour for each body: the nearest one says which it is."""
+    """The denoiser's input of plain colours has a colour for each body: the nearest one identifies it."""
     pytest.importorskip("mitsuba_oidn")
     from wmspec.sim.photo.tracer import Tracer
 

@@ -79,7 +79,7 @@ def test_no_pixel_tells_of_the_background(scene: Scene, up: float) -> None:
 
 
 def test_hardly_a_pixel_tells_that_the_ground_shades_nothing(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    """By less than anybody sees; a thing that is left out of the map is told by hundreds, by more than a hundred."""
+    """By less than anybody sees; an object that is missing in the map changes hundreds of pixels by more than 100."""
     renderer = Renderer(scene, SIZE, SIZE)
     shots = [Shot(camera.name, tuple(body.pose for body in scene.bodies)) for camera in scene.cameras]
     without = [renderer.draw(shot).rgb.astype(int) for shot in shots]

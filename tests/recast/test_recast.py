@@ -1,4 +1,4 @@
-"""Photographs and clips as a dataset: the docs' worked example, what becomes of pictures, and every mistake told."""
+"""Photographs and clips as a dataset: the example of the docs, what becomes of pictures, and every mistake reported."""
 
 from __future__ import annotations
 
@@ -280,8 +280,8 @@ def test_a_mistake_is_told_with_row_column_and_remedy(folder: Path, line: str, c
     head = f"{HEAD},task,frames,times,difference,within"
     done = recast(folder, "Right?,red.png,a;b,a", line, head=head)
     assert done.exit_code == 2
-    told = f"{folder / 'table.csv'}:3: column `{column}`: {said.format(folder=pictures)}"
-    assert told in done.output, done.output
+    reported = f"{folder / 'table.csv'}:3: column `{column}`: {said.format(folder=pictures)}"
+    assert reported in done.output, done.output
     assert not (folder / "out").exists()
 
 

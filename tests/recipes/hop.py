@@ -1,4 +1,4 @@
-"""The function of a verb: `hop` sends an object straight up, as high as it is told."""
+"""The function of a verb: `hop` sends an object straight up, to a given height."""
 
 from __future__ import annotations
 

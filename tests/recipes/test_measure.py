@@ -42,7 +42,7 @@ def test_it_is_measured() -> None:
 
 
 def test_it_is_known_to_be_measured() -> None:
-    """So it may be asked for in a question, and nothing that comes before the episode may depend on it."""
+    """So a question may use it, and nothing that comes before the episode may depend on it."""
     with pytest.raises(wmspec.SpecError, match="measured"):
         wmspec.load(text=SPEC.replace("horizon 0.5 s", "let high = peak(ball)  horizon 0.5 s"))
     with pytest.raises(wmspec.SpecError, match="did you mean `peak`"):

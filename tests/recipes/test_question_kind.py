@@ -1,4 +1,4 @@
-"""The recipe "adding a question kind", carried out on a copy: a module, and a row where kinds are told apart."""
+"""The recipe "adding a question kind", carried out on a copy: a module, and a row where kinds are distinguished."""
 
 from __future__ import annotations
 

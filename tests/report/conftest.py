@@ -46,10 +46,10 @@ def foresees(row: Row) -> float:
     """Predicts well where it tells colours (all but green), and guesses where it does not."""
     if row["task"] != "roll":
         return 0.7
-    told = row["factor.color"] != "green"
+    reported = row["factor.color"] != "green"
     if row["question_name"]:
-        return 1.0 if told or row["question_name"] == "moves" else 0.0
-    return 0.85 if told else 0.25
+        return 1.0 if reported or row["question_name"] == "moves" else 0.0
+    return 0.85 if reported else 0.25
 
 
 RATERS = (

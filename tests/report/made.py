@@ -73,12 +73,12 @@ def dataset(folder: Path, count: int | None = None, engines: tuple[str, ...] = (
     with Dataset.open(folder, plan, force=True) as made:
         for shard in made.pending():
             design = designs[shard.task.spec.name]
-            made.write(shard, [row for i in shard.indices for e in engines for row in asked(design, i, e)], ())
+            made.write(shard, [row for i in shard.indices for e in engines for row in question_rows(design, i, e)], ())
         made.finish()
     return folder
 
 
-def asked(design: Design, index: int, engine: str) -> Iterable[Row]:
+def question_rows(design: Design, index: int, engine: str) -> Iterable[Row]:
     """Every question of an instance, as a row. The true option's place is drawn."""
     instance, spec = design[index], design.spec
     picture = {"bytes": encode_png(np.full((16, 16, 3), TONES[str(instance.factors["color"])], np.uint8)), "path": None}
@@ -173,13 +173,13 @@ def _reply(rater: Rater, row: Row, permutation: int) -> Row:
     guess = int(random.choice(wrong, p=None if weights is None else weights / weights.sum()))
     guess = guess if rater.place is None else order[rater.place]
     chosen = truth if knows else guess
-    told = status == "ok"
+    reported = status == "ok"
     return {
         **{k: row[k] for k in ("id", "task", "dimension", "question_name", "engine", "index", "block")},
         "group": f"{row['task']}/{row['block']}", "model": rater.name, "model_version": "1", "prompt": "default",
         "prompt_hash": "0", "ablation": "", "permutation": permutation, "sample": 0, "order": order, "answer": truth,
-        "text": str(chosen), "parsed": chosen if told else None, "number": None,
-        "right": None if status == "error" else told and chosen == truth, "status": status, "error": None,
+        "text": str(chosen), "parsed": chosen if reported else None, "number": None,
+        "right": None if status == "error" else reported and chosen == truth, "status": status, "error": None,
         "tokens_in": 100, "tokens_out": 2, "cost": 0.001, "seconds": 1.0,
     }  # fmt: skip
 

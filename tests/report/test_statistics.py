@@ -144,8 +144,8 @@ def test_entanglement_is_found_where_it_is_and_not_where_it_is_not(made: Made) -
 
 
 def test_what_a_question_is_about_is_not_called_entangled(made: Made) -> None:
-    asked = {(e.task, e.question, e.factor) for e in made.report.entanglement if e.probed}
-    assert asked == {("race", "", "ratio"), ("race", "", "faster"), ("roll", "", "pace"), ("tally", "", "n")}
+    requested = {(e.task, e.question, e.factor) for e in made.report.entanglement if e.probed}
+    assert requested == {("race", "", "ratio"), ("race", "", "faster"), ("roll", "", "pace"), ("tally", "", "n")}
 
 
 def test_sre_is_the_papers_formula() -> None:
@@ -239,7 +239,7 @@ def test_a_known_gain_is_found_and_none_where_there_is_none(made: Made) -> None:
 
 
 def test_a_system_that_ignores_the_mover_leaves_the_filtered_score(made: Made) -> None:
-    """It predicts well by the options alone, and knows nothing of what a companion question is about."""
+    """It predicts well by the options alone, and cannot answer companion questions."""
     ignores = Rater("ignores", lambda row: 0.0 if row["question_name"] == "color" else 0.8)
     read = replies(answers(made.rows, ignores), Questions.read(made.folder))
     (own,) = (f for f in filtered_accuracies(read) if f.by == OWN_PERCEPTION)

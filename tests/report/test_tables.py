@@ -50,8 +50,8 @@ def test_accuracies_are_what_was_answered_and_chance_is_one_in_so_many(made: Mad
 
 def test_questions_about_what_is_seen_are_no_predictions(made: Made) -> None:
     """`moves` and `color` are asked in `roll` too: `foresees` knows them better than what comes."""
-    asked = made.replies.table.query("system == 'foresees' and task == 'roll' and question_name == ''")
-    assert line(made.report, "prediction", "foresees").tasks["roll"].value == pytest.approx(asked["right"].mean())
+    probed = made.replies.table.query("system == 'foresees' and task == 'roll' and question_name == ''")
+    assert line(made.report, "prediction", "foresees").tasks["roll"].value == pytest.approx(probed["right"].mean())
 
 
 def test_replies_without_an_answer_are_wrong_and_told_apart(made: Made) -> None:

@@ -1,4 +1,4 @@
-"""The difference of two stages is told exactly, and does not depend on how they are written."""
+"""The difference of two stages is exact, and does not depend on how they are written."""
 
 from __future__ import annotations
 

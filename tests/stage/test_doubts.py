@@ -1,4 +1,4 @@
-"""What a stage hardly means is executed as it says, and told."""
+"""Doubtful contents of a stage are executed as written, and reported."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from wmspec.sim.usd import read
 CUBE = box(0.1, 0.1, 0.1)
 
 
-def told(text: str) -> list[str]:
+def reported(text: str) -> list[str]:
     made = Usd.Stage.CreateInMemory()
     made.GetRootLayer().ImportFromString(text)
     scene: Scene = read(made, strict=False)
@@ -21,19 +21,19 @@ def told(text: str) -> list[str]:
 
 @pytest.mark.parametrize(("height", "depth"), [(0.03, "20"), (0.044, "6"), (0.046, ""), (0.05, ""), (0.2, "")])
 def test_what_begins_inside_something_else_is_told_from_5_mm_on(height: float, depth: str) -> None:
-    notes = told(stage(floor(), body("cube", CUBE, (0, 0, height))))
+    notes = reported(stage(floor(), body("cube", CUBE, (0, 0, height))))
     assert [f"/World/cube: it starts {depth} mm inside /World/floor" in note for note in notes] == [True] * bool(depth)
 
 
 def test_what_is_filtered_or_joined_may_be_inside() -> None:
     pair = body("one", CUBE), body("other", CUBE, (0.05, 0, 0)), joint("Fixed", "j", "one", "other", (0.05, 0, 0))
-    assert not told(stage(*pair))
-    assert told(stage(*pair[:2]))
+    assert not reported(stage(*pair))
+    assert reported(stage(*pair[:2]))
 
 
 def test_several_joints_between_two_bodies_are_told_and_lock_each_other() -> None:
     bodies = body("one", CUBE), body("other", CUBE, (0.5, 0, 0))
     hinges = [joint("Revolute", f"about_{axis}", "one", "other", (0.25, 0, 0), (-0.25, 0, 0), axis) for axis in "XY"]
-    (note,) = [note for note in told(stage(*bodies, *hinges)) if "same two bodies" in note]
+    (note,) = [note for note in reported(stage(*bodies, *hinges)) if "same two bodies" in note]
     assert note.startswith("/World/about_X: it joins the same two bodies as /World/about_Y")
-    assert not [note for note in told(stage(*bodies, hinges[0])) if "same two bodies" in note]
+    assert not [note for note in reported(stage(*bodies, hinges[0])) if "same two bodies" in note]

@@ -56,8 +56,8 @@ def test_the_nearest_velocities_that_fit(name: str, speeds: list[float]) -> None
     begun, _ = project_velocities(given_)
     validate(begun)
     assert not list(inconsistent_velocities(begun))
-    again, told = project_velocities(begun)
-    assert not told
+    again, reported = project_velocities(begun)
+    assert not reported
     np.testing.assert_allclose(whole(again), whole(begun), atol=1e-8)
     every = coordinates(given_)  # what joints take away, they take across the ways that they leave free
     order = [

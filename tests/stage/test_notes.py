@@ -1,4 +1,4 @@
-"""What only shows, or can be executed nearly as it is meant, has a stand-in that is told; the strict refuse it."""
+"""Visual contents, and what can be executed approximately, have a stand-in with a note; `--strict` refuses them."""
 
 from __future__ import annotations
 
@@ -197,9 +197,9 @@ def test_run_tells_it_on_the_terminal_in_json_and_in_the_trace(tmp_path: Path) -
     path, trace = tmp_path / "stage.usda", tmp_path / "trace.npz"
     made("a lamp").Export(str(path))
     command = ["run", str(path), "-b", "mujoco", "--for", "100ms"]
-    told = CliRunner().invoke(main, [*command, "-o", str(trace)])
-    assert told.exit_code == 0
-    assert "warning: /World/lamp: only a DistantLight" in told.output
+    reported = CliRunner().invoke(main, [*command, "-o", str(trace)])
+    assert reported.exit_code == 0
+    assert "warning: /World/lamp: only a DistantLight" in reported.output
     with np.load(trace) as arrays:
         assert "left out of pictures" in str(arrays["notes"][0])
     (row,) = json.loads(CliRunner().invoke(main, [*command, "--json"]).stdout)

@@ -1,4 +1,4 @@
-"""Objects that were made before are those that would be made anew, to the bit; what is the same is not made again."""
+"""Cached objects are bit for bit those that would be made again; what is the same is made once."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from wmspec.lang.check.ir.ir import TaskSpec
 
 
 def worlds(spec: TaskSpec, groups: int, instances: int, most: int | None = None) -> Iterator[Evaluator]:
-    """Neighbours in some places of a task, and each under (so many) counterfactuals."""
+    """Neighbours in some places of a task, and each under some of its counterfactuals."""
     design = Design(spec)
     changes = [None, *[change for question in spec.questions for change in question.counterfactuals][:most]]
     for group in range(groups):
@@ -33,9 +33,9 @@ def worlds(spec: TaskSpec, groups: int, instances: int, most: int | None = None)
 
 def made(values: Evaluator, objects: ObjectCache | None) -> tuple[list[tuple[str, bytes]], Document] | str:
     """What all prims say, in order, with the sources of that; or what is wrong."""
-    anew = Evaluator(values.spec, values.own, values.change, values.key)
+    rebuilt = Evaluator(values.spec, values.own, values.change, values.key)
     try:
-        document = build_document(anew, objects)
+        document = build_document(rebuilt, objects)
     except WmsError as error:
         return str(error)
     return [(path, prim.content) for path, prim in document.prims.items()], document

@@ -26,7 +26,7 @@ from wmspec.sim.usd import read
 
 
 def documents(spec: TaskSpec, instances: int, most: int | None = None) -> Iterator[Document]:
-    """Some instances of a task from all over its design, and what they would be under (so many) counterfactuals."""
+    """Some instances of a task from all over its design, and what they would be under some of their counterfactuals."""
     design = Design(spec)
     changes = [None, *[change for question in spec.questions for change in question.counterfactuals][:most]]
     for k in range(min(instances, len(design))):
@@ -35,7 +35,7 @@ def documents(spec: TaskSpec, instances: int, most: int | None = None) -> Iterat
             try:
                 yield build_document(Evaluator(spec, instance.values, change, instance.key))
             except WmsError:
-                continue  # it cannot be staged, which is told elsewhere
+                continue  # it cannot be staged, which another test covers
 
 
 def whole(document: Document) -> Scene | str:

@@ -1,4 +1,4 @@
-"""A stage, ours or anyone's, is read as what it means, or refused with everything that stands in the way."""
+"""A stage, ours or anyone's, is read correctly, or refused with all its obstacles."""
 
 from __future__ import annotations
 
@@ -339,7 +339,7 @@ MASSES = {
 
 @pytest.mark.parametrize("case", MASSES)
 def test_masses_are_what_usd_computes(case: str) -> None:
-    """The oracle is UsdPhysics' own `ComputeMassProperties`, which is told the shapes' volumes and tensors."""
+    """The oracle is UsdPhysics' own `ComputeMassProperties`, which is given the shapes' volumes and tensors."""
     body, first, second = MASSES[case]
     apis = '(prepend apiSchemas = ["PhysicsCollisionAPI", "PhysicsMassAPI"])'
     opened = stage(f"""def Xform "b" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"]) {{ {body}
@@ -631,8 +631,8 @@ def test_layers_that_are_not_there(tmp_path: Path) -> None:
 def test_units_are_above_0(unit: str, number: float) -> None:
     with pytest.raises(StageError) as caught:
         read(stage(BALL % "" + REFUSED["joint"][0], **{unit: number}))  # type: ignore[arg-type]
-    told = [(str(problem.place), problem.message) for problem in caught.value.diagnostics]
-    assert told == [("/", f"{unit}PerUnit = {number:g}"), ("/World/j", "distance joints are not supported")]
+    reported = [(str(problem.place), problem.message) for problem in caught.value.diagnostics]
+    assert reported == [("/", f"{unit}PerUnit = {number:g}"), ("/World/j", "distance joints are not supported")]
 
 
 def test_what_may_be_endless_means_that_there_is_none() -> None:

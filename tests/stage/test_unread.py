@@ -1,4 +1,4 @@
-"""What a stage says of motion and nobody reads is told, once a kind; what says nothing new is not."""
+"""Attributes about motion that no engine reads are reported, once a kind; redundant ones are not."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ SAID = {
     ),
     "a joint of nothing": (BALL % ("b", "") + JOINT % ("", ""), "a joint without bodies: ignored"),
 }
-"""What -> the prims, and what is told."""
+"""Name -> the prims, and the note."""
 
 SILENT = {
     "defaults": BALL % ("b", "bool physxRigidBody:disableGravity = 0 float newton:friction = 0"),
@@ -73,9 +73,9 @@ SILENT = {
 
 @pytest.mark.parametrize("what", SAID)
 def test_what_nobody_reads_is_told_and_refused_by_the_strict(what: str) -> None:
-    prims, told = SAID[what]
+    prims, reported = SAID[what]
     (note,) = read(stage(prims), strict=False).notes
-    assert told in str(note)
+    assert reported in str(note)
     with pytest.raises(StageError) as refused:
         read(stage(prims))
     assert [d.place for d in refused.value.diagnostics] == [note.place]

@@ -33,7 +33,7 @@ def url(study: Path) -> Iterator[str]:
 
 
 class Rater:
-    """Somebody at a page, who is right or `off` so many places; complaints of the page are theirs."""
+    """Somebody at a page, who is right or `off` by a number of places; page errors are collected."""
 
     def __init__(self, browser: Any, url: str, study: Study, off: int = 0, **how: Any) -> None:
         self.study, self.off, self.touch = study, off, how.get("has_touch", False)
@@ -44,7 +44,9 @@ class Rater:
         self.tab.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.tab.on("console", lambda said: self.complaints.append(said.text))
         self.origin = url.partition("?")[0].rpartition("/")[0]
-        self.tab.on("request", lambda asked: self.complaints.append(asked.url) if self._is_foreign(asked.url) else None)
+        self.tab.on(
+            "request", lambda outgoing: self.complaints.append(outgoing.url) if self._is_foreign(outgoing.url) else None
+        )
         self.tab.goto(url)
 
     def _is_foreign(self, url: str) -> bool:
@@ -76,14 +78,14 @@ class Rater:
         slot = self.kept()["slot"]
         shown = self.study.step(slot, step)
         assert shown is not None
-        wanted = letter(self.study, slot, step, self.off if shown[0].kind == "question" else 0)
+        expected = letter(self.study, slot, step, self.off if shown[0].kind == "question" else 0)
         button = self.tab.locator("form button")
         assert button.is_disabled()
         if self.touch:
-            self.tab.locator(f".option:has([value={wanted}])").tap()
+            self.tab.locator(f".option:has([value={expected}])").tap()
             button.tap()
         else:
-            self.tab.keyboard.press(wanted.lower() if step % 2 else str("ABCDEF".index(wanted) + 1))
+            self.tab.keyboard.press(expected.lower() if step % 2 else str("ABCDEF".index(expected) + 1))
             self.tab.keyboard.press("Enter")
 
     def feedback(self) -> None:

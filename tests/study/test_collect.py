@@ -29,7 +29,7 @@ from wmspec.eval.study.store import AnswerStore
 
 
 def visit(folder: Path, name: str, off: int = 0, until: int = 10_000, checks: bool = True) -> None:
-    """Somebody answers `until` so many steps, `off` places from the truth, and passes `checks` of attention or not."""
+    """Somebody answers the first `until` steps, `off` places from the truth, and passes `checks` of attention ."""
     study, opened = load(folder), AnswerStore(folder / store.ANSWERS_FILE, load(folder))
     session = f"{int.from_bytes(name.encode()):032x}"
     slot = opened.begin(Person(session=session, rater=name)).slot
@@ -137,8 +137,10 @@ def test_files_of_the_page_are_taken_too_and_once(study: Path, tmp_path: Path) -
     said = wmspec("study", "collect", study, *paths, "-o", tmp_path / "r.parquet", folder=tmp_path).stdout
     assert "dora" in said
     assert "24 replies; 12 replies are missing" in said
-    told = json.loads(wmspec("study", "collect", study, *paths, "-o", "s.parquet", "--json", folder=tmp_path).stdout)
-    assert [rater["rater"] for rater in told["raters"]] == ["anne", "dora"] or len(told["raters"]) == 2
+    reported = json.loads(
+        wmspec("study", "collect", study, *paths, "-o", "s.parquet", "--json", folder=tmp_path).stdout
+    )
+    assert [rater["rater"] for rater in reported["raters"]] == ["anne", "dora"] or len(reported["raters"]) == 2
 
 
 def answers_file(study: Study, slot: int, rater: str = "") -> dict[str, object]:

@@ -93,9 +93,9 @@ def test_the_same_again_and_other_for_another_seed(dataset: DatasetReader, tmp_p
 
 def test_questions_are_of_different_instances_and_engines_take_turns(dataset: DatasetReader, tmp_path: Path) -> None:
     study = make(dataset, StudyOptions(per_task=6), tmp_path)
-    asked = [item for item in study.items if item.kind != "check"]
-    assert len({(i.task, i.index) for i in asked}) == len(asked) == 14
-    assert len(Counter(i.engine for i in asked if i.task == "collide")) == 3
+    questions = [item for item in study.items if item.kind != "check"]
+    assert len({(i.task, i.index) for i in questions}) == len(questions) == 14
+    assert len(Counter(i.engine for i in questions if i.task == "collide")) == 3
 
 
 def test_the_page_knows_no_truth_but_that_of_the_practice(study: Path) -> None:

@@ -1,4 +1,4 @@
-"""What a stranger may send: datasets, traces, stages, meshes and pictures that are not what they seem."""
+"""Hostile input: datasets, traces, stages, meshes and pictures that are not what they seem."""
 
 from __future__ import annotations
 

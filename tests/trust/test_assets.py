@@ -1,4 +1,4 @@
-"""Files beside a spec from a stranger: links that lead out, and what would fill the memory."""
+"""Untrusted files beside a spec: links that lead out, and what would fill the memory."""
 
 from __future__ import annotations
 
@@ -227,7 +227,7 @@ def test_damaged_files_are_told_or_read() -> None:
     assert any(each.endswith(" read") for each in came)
 
 
-# ---------------------------------------------------------------- refused by us, whatever the libraries do
+# ---------------------------------------------------------------- refused by us, independent of the libraries
 
 
 @pytest.mark.parametrize("uri", ["../secret.bin", "/etc/hostname", "file:///etc/hostname", "https://a.example/x.bin"])

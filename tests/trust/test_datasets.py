@@ -1,4 +1,4 @@
-"""A dataset from a stranger: what is wrong is told in a sentence, and nothing is written but where it was asked."""
+"""An untrusted dataset: faults are reported in a sentence, and nothing is written outside the named folder."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def pictured(content: bytes) -> Change:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         (setting("task", "../../out"), "row 2: its task is `../../out`"),
         (setting("engine", "/tmp/x"), "row 2: its engine is `/tmp/x`"),
@@ -61,12 +61,12 @@ def pictured(content: bytes) -> Change:
     ],
 )
 @pytest.mark.parametrize("output", ["page.html", "folder", "sheet.png"])
-def test_rows_that_are_not_rows(tmp_path: Path, folder: Path, change: Change, told: str, output: str) -> None:
+def test_rows_that_are_not_rows(tmp_path: Path, folder: Path, change: Change, reported: str, output: str) -> None:
     rewritten(folder, SHARD, change)
     before = below(tmp_path)
     result = wmspec("view", folder, "-o", tmp_path / "out" / output if output == "folder" else tmp_path / output)
     assert result.exit_code == 2
-    assert f"{SHARD}: {told}" in result.output
+    assert f"{SHARD}: {reported}" in result.output
     assert all(path.is_relative_to(tmp_path / "out") for path in below(tmp_path) - before)
 
 
@@ -95,7 +95,7 @@ def test_a_task_whose_name_leads_out(tmp_path: Path, folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         (lambda m: m.update(rows=3), "it counts 3 rows"),
         (lambda m: m.update(rows="many"), "`rows`: input should be a valid integer"),
@@ -109,11 +109,11 @@ def test_a_task_whose_name_leads_out(tmp_path: Path, folder: Path) -> None:
     ],
 )
 @pytest.mark.parametrize("command", ["view", "audit"])
-def test_a_manifest_that_was_edited(tmp_path: Path, folder: Path, change: Any, told: str, command: str) -> None:
+def test_a_manifest_that_was_edited(tmp_path: Path, folder: Path, change: Any, reported: str, command: str) -> None:
     edited(folder, change)
     result = wmspec(command, folder, "-o", tmp_path / "out")
     assert result.exit_code == 2
-    assert told in result.output
+    assert reported in result.output
 
 
 def test_a_file_too_many_is_told_by_whoever_reads_the_folder(tmp_path: Path, folder: Path) -> None:

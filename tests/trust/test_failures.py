@@ -81,11 +81,11 @@ def test_a_run_has_failed_if_nothing_was_made_or_more_than_a_tenth_failed(
 
 
 def test_generate_fails_if_every_instance_ends_in_an_internal_error(shell: Shell) -> None:
-    told = shell("generate", FLIGHT, "-b", "mistaken", *QUICK, code=1)
-    assert "error: no question was kept\n" in told
-    assert f"error: 2 of 2 instances ended as internal errors, crashes or timeouts; the first: {MESSAGE}" in told
-    assert "at broken/wmspec_broken.py:" in told
-    assert str(shell.folder / "cache/wmspec/errors") in told
+    reported = shell("generate", FLIGHT, "-b", "mistaken", *QUICK, code=1)
+    assert "error: no question was kept\n" in reported
+    assert f"error: 2 of 2 instances ended as internal errors, crashes or timeouts; the first: {MESSAGE}" in reported
+    assert "at broken/wmspec_broken.py:" in reported
+    assert str(shell.folder / "cache/wmspec/errors") in reported
     assert "Traceback" in shell.full_text()
     assert f"\n{MESSAGE}" in shell.full_text()
     again = shell("generate", FLIGHT, "-b", "mistaken", *QUICK, code=1)
@@ -94,40 +94,42 @@ def test_generate_fails_if_every_instance_ends_in_an_internal_error(shell: Shell
 
 
 def test_generate_fails_if_workers_die(shell: Shell) -> None:
-    told = shell("generate", FLIGHT, "-b", "dying", *QUICK, code=1)
-    assert "2 of 2 instances ended as" in told
-    assert "in dying: the worker process died twice (exit code 7)" in told
+    reported = shell("generate", FLIGHT, "-b", "dying", *QUICK, code=1)
+    assert "2 of 2 instances ended as" in reported
+    assert "in dying: the worker process died twice (exit code 7)" in reported
 
 
 def test_a_dry_run_fails_too(shell: Shell) -> None:
-    told = shell("generate", FLIGHT, "-b", "mistaken", *QUICK[:-2], "--dry-run", code=1)
-    assert MESSAGE in told
+    reported = shell("generate", FLIGHT, "-b", "mistaken", *QUICK[:-2], "--dry-run", code=1)
+    assert MESSAGE in reported
 
 
 def test_crosscheck_fails_if_nothing_was_compared(shell: Shell) -> None:
-    told = shell("crosscheck", FLIGHT, "-b", "sound,mistaken", "-n", "2", "-j", "1", "--json", "all.json", code=1)
-    assert "error: no instance was compared\n" in told
-    assert MESSAGE in told
+    reported = shell("crosscheck", FLIGHT, "-b", "sound,mistaken", "-n", "2", "-j", "1", "--json", "all.json", code=1)
+    assert "error: no instance was compared\n" in reported
+    assert MESSAGE in reported
     assert "Traceback" not in (shell.folder / "all.json").read_text()
 
 
 def test_render_fails_if_one_of_several_engines_does(shell: Shell) -> None:
-    told = shell("render", FLIGHT, "-b", "mistaken,sound", "--size", "32", "-o", "out", code=1)
-    assert told.startswith(f"error: 1 of 2 engines failed; the first: {MESSAGE}\n")
+    reported = shell("render", FLIGHT, "-b", "mistaken,sound", "--size", "32", "-o", "out", code=1)
+    assert reported.startswith(f"error: 1 of 2 engines failed; the first: {MESSAGE}\n")
     assert {path.stem.split("-")[2] for path in (shell.folder / "out").iterdir()} == {"sound"}
 
 
 @pytest.mark.parametrize(
-    ("command", "told"),
+    ("command", "reported"),
     [
         (["export", "--to", "hf", "-o", "e"], "error: no question was written\n"),
         (["evaluate", "-m", "random", "-o", "r.parquet"], "error: no reply could be read\n"),
     ],
     ids=lambda value: value[0],
 )
-def test_a_dataset_without_questions_cannot_be_exported_or_asked(shell: Shell, command: list[str], told: str) -> None:
+def test_a_dataset_without_questions_cannot_be_exported_or_asked(
+    shell: Shell, command: list[str], reported: str
+) -> None:
     shell("generate", FLIGHT, "-b", "mistaken", *QUICK, code=1)
-    assert told in shell(command[0], "out", *command[1:], code=1)
+    assert reported in shell(command[0], "out", *command[1:], code=1)
 
 
 # ---------------------------------------------------------------- no traceback
@@ -242,9 +244,9 @@ def test_a_folder_that_lies_too_deep_is_told(shell: Shell) -> None:
 def test_a_chain_of_libraries_is_told_in_a_sentence(shell: Shell) -> None:
     for number in range(3000):
         (shell.folder / f"l{number}.wms").write_text(f"use l{number + 1}\n" if number < 2999 else "let z = 1\n")
-    told = shell("check", "l0.wms", code=2)
-    assert told.startswith("error: the spec has more than 50 libraries that use one another in a row")
-    assert told.count("error") == 1
+    reported = shell("check", "l0.wms", code=2)
+    assert reported.startswith("error: the spec has more than 50 libraries that use one another in a row")
+    assert reported.count("error") == 1
 
 
 @pytest.mark.parametrize("command", [["list"], ["run"], ["generate", "-o", "out"]], ids=lambda c: c[0])
@@ -253,6 +255,6 @@ def test_libraries_that_use_the_next_twice_are_bounded(shell: Shell, command: li
         following = f"use l{number + 1} as a\nuse l{number + 1} as b\n" if number < 29 else ""
         (shell.folder / f"l{number}.wms").write_text(f"{following}let k = {number}\n")
     (shell.folder / "t.wms").write_text(f"use l0\n{FLIGHT.read_text()}")
-    told = shell(command[0], "t.wms", *command[1:], code=2)
-    assert told.startswith("error: the spec has more than 500 libraries, each counted as often as it has a name")
-    assert told.count("error") == 1
+    reported = shell(command[0], "t.wms", *command[1:], code=2)
+    assert reported.startswith("error: the spec has more than 500 libraries, each counted as often as it has a name")
+    assert reported.count("error") == 1

@@ -1,4 +1,4 @@
-"""Photographs and clips from a stranger: read as what their endings say and as nothing else, and from their folder."""
+"""Untrusted photographs and clips: read as what their endings say and as nothing else, and from their folder."""
 
 from __future__ import annotations
 
@@ -35,25 +35,25 @@ def test_a_photograph_is_read(photos: Path) -> None:
 def test_a_photograph_that_is_a_link_out_of_its_folder(photos: Path, name: str) -> None:
     Image.effect_noise((32, 32), 80).save(photos.parent / "secret.png")
     (photos / name).symlink_to("../secret.png")
-    code, told = recast(photos, name)
+    code, reported = recast(photos, name)
     assert code == 2
-    assert f"`{name}` is a link that leads out of the folder" in told
+    assert f"`{name}` is a link that leads out of the folder" in reported
 
 
 @pytest.mark.parametrize("kind", ["EPS", "PDF", "PCX", "ICO"])
 def test_a_photograph_is_no_file_of_another_kind(photos: Path, kind: str) -> None:
     """Pillow would start Ghostscript for what begins as PostScript, whatever it is called."""
     Image.new("RGB", (32, 32)).save(photos / "odd.png", kind)
-    code, told = recast(photos, "odd.png")
+    code, reported = recast(photos, "odd.png")
     assert code == 2
-    assert "`odd.png` cannot be read: it is damaged, or no picture" in told
+    assert "`odd.png` cannot be read: it is damaged, or no picture" in reported
 
 
 def test_a_photograph_of_too_many_pixels(photos: Path) -> None:
     Image.new("1", (8192, 8200)).save(photos / "bomb.png")
-    code, told = recast(photos, "bomb.png")
+    code, reported = recast(photos, "bomb.png")
     assert code == 2
-    assert "`bomb.png` has more than 67,108,864 pixels" in told
+    assert "`bomb.png` has more than 67,108,864 pixels" in reported
 
 
 @pytest.mark.parametrize(
@@ -68,6 +68,6 @@ def test_a_photograph_of_too_many_pixels(photos: Path) -> None:
 def test_a_clip_that_names_other_files_is_no_clip(photos: Path, content: str) -> None:
     pytest.importorskip("imageio_ffmpeg")
     (photos / "clip.mp4").write_text(content)
-    code, told = recast(photos, "clip.mp4")
+    code, reported = recast(photos, "clip.mp4")
     assert code == 2
-    assert "`clip.mp4` cannot be read" in told
+    assert "`clip.mp4` cannot be read" in reported

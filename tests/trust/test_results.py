@@ -1,4 +1,4 @@
-"""Results and journals from a stranger: what no run writes is told, and nobody's name is a command of LaTeX."""
+"""Untrusted results and journals: impossible contents are reported, and no name is a command of LaTeX."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def rewritten(original: Path, path: Path, **values: Any) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("values", "told"),
+    ("values", "reported"),
     [
         ({"task": "../../x"}, "`task` is '../../x', which is not a name"),
         ({"task": None}, "row 2: `task` is null"),
@@ -55,7 +55,7 @@ def rewritten(original: Path, path: Path, **values: Any) -> Path:
     ],
 )
 def test_rows_that_no_run_writes(
-    tmp_path: Path, dataset: Path, original: Path, values: dict[str, Any], told: str
+    tmp_path: Path, dataset: Path, original: Path, values: dict[str, Any], reported: str
 ) -> None:
     path = rewritten(original, tmp_path / "evil.parquet", **values)
     content = path.read_bytes()
@@ -67,7 +67,7 @@ def test_rows_that_no_run_writes(
         result = wmspec(*command)
         assert result.exit_code == 2
         assert "evil.parquet: no results of wmspec" in result.output
-        assert told in result.output
+        assert reported in result.output
     assert path.read_bytes() == content
 
 
@@ -101,14 +101,14 @@ def test_a_journal_that_is_none(tmp_path: Path, line: bytes) -> None:
 
 
 @pytest.mark.parametrize(
-    ("values", "told"),
+    ("values", "reported"),
     [
         ({"text": None}, "row 2: `text` is null"),
         ({"options": ["a"]}, "row 2: it is of other options than its `order`"),
         ({"options": None}, "row 2: `options` is null"),
     ],
 )
-def test_texts_that_no_run_writes(tmp_path: Path, original: Path, values: dict[str, Any], told: str) -> None:
+def test_texts_that_no_run_writes(tmp_path: Path, original: Path, values: dict[str, Any], reported: str) -> None:
     result = wmspec("evaluate", "--rescore", rewritten(original, tmp_path / "evil.parquet", **values))
     assert result.exit_code == 2
-    assert told in result.output
+    assert reported in result.output

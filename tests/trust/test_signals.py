@@ -1,4 +1,4 @@
-"""A run that is told to end does so, quietly, and goes on when it is begun again."""
+"""A run that receives a signal ends quietly, and continues when it is started again."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ def test_a_run_that_is_told_to_end_says_nothing_of_its_insides(tmp_path: Path, n
     while run.poll() is None and not list(out.glob(".progress/*/*/*.instance")):
         time.sleep(0.05)
     run.send_signal(number)
-    _, told = run.communicate()
+    _, reported = run.communicate()
     assert run.returncode == 128 + number
-    assert "semaphore" not in told
-    assert "Traceback" not in told
+    assert "semaphore" not in reported
+    assert "Traceback" not in reported
     assert list(out.glob(".progress/*/*/*.instance"))
 
 

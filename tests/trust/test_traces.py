@@ -1,4 +1,4 @@
-"""Traces and stages from a stranger: nonsense is not drawn, and nothing is written outside the folder asked for."""
+"""Untrusted traces and stages: nonsense is not drawn, and nothing is written outside the named folder."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def spoiled(value: float) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("arrays", "told"),
+    ("arrays", "reported"),
     [
         ({"position": spoiled(np.nan)}, "`position` has numbers that are not finite"),
         ({"position": lambda a: a[:, :, :2]}, "`position` is float64 (25, 1, 2), expected float64 (25, 1, 3)"),
@@ -56,12 +56,12 @@ def spoiled(value: float) -> Any:
         ({"stage": np.array("#usda 1.0\n(subLayers = [@/etc/hosts@])")}, "its stage uses files of its own"),
     ],
 )
-def test_a_trace_that_is_not_one(tmp_path: Path, trace: Path, arrays: dict[str, Any], told: str) -> None:
+def test_a_trace_that_is_not_one(tmp_path: Path, trace: Path, arrays: dict[str, Any], reported: str) -> None:
     resaved(trace, **arrays)
     result = wmspec("render", trace, "-o", tmp_path / "out")
     assert result.exit_code == 2
-    assert told in result.output
-    assert "ball.npz" in result.output or "engine" in told or "no" in told
+    assert reported in result.output
+    assert "ball.npz" in result.output or "engine" in reported or "no" in reported
 
 
 def test_a_trace_with_too_few_samples(tmp_path: Path, trace: Path) -> None:
@@ -121,7 +121,7 @@ def test_a_task_may_be_named_by_its_folders(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "reported"),
     [
         ('string radius = "double"', "radius is a text, expected a number"),
         ("double3 radius = (1, 2, 3)", "radius is 3 numbers, expected a number"),
@@ -130,9 +130,9 @@ def test_a_task_may_be_named_by_its_folders(tmp_path: Path) -> None:
         ('double radius = 0.1\n  string physxRigidBody:linearDamping = "low"', "is a text, expected a number"),
     ],
 )
-def test_a_value_of_another_type_than_its_schema_says(tmp_path: Path, line: str, told: str) -> None:
+def test_a_value_of_another_type_than_its_schema_says(tmp_path: Path, line: str, reported: str) -> None:
     stage = tmp_path / "ball.usda"
     stage.write_text(STAGE.format(task='"falls"').replace("double radius = 0.1", line))
     result = wmspec("run", stage, "-b", "mujoco")
     assert result.exit_code == 2
-    assert told in " ".join(result.output.replace(";", ",").split())
+    assert reported in " ".join(result.output.replace(";", ",").split())

@@ -1,4 +1,4 @@
-"""What a stranger wrote is shown on a terminal, and not obeyed by it; what is too much is told in a sentence."""
+"""Untrusted text is shown on a terminal, and not obeyed by it; excess is reported in a sentence."""
 
 from __future__ import annotations
 

@@ -62,6 +62,6 @@ def test_groups_draw_their_world(name: str) -> None:
 
 
 def test_perception_asks_about_things_of_every_day() -> None:
-    """What is counted, compared, told by its colour and told where it is."""
-    asked = {path.stem for path in CATALOGUE if set(uses(path.read_text())) & set(EVERYDAY)}
-    assert asked >= {"color", "count", "majority", "occupancy", "relation"}
+    """Things that are counted, compared, named by colour or located."""
+    questions = {path.stem for path in CATALOGUE if set(uses(path.read_text())) & set(EVERYDAY)}
+    assert questions >= {"color", "count", "majority", "occupancy", "relation"}
