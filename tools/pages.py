@@ -105,6 +105,8 @@ def _columns() -> Iterator[str]:
     yield from _column_table(rows.COLUMNS)
     yield "\n## Questions with named outcomes\n"
     yield from _column_table(rows.OUTCOMES)
+    yield "\n## Objects that may be hidden\n"
+    yield from _column_table(rows.HIDDEN)
     yield "\n## Balanced answers\n"
     yield from _column_table(rows.REDRAWN)
     for channel, columns in rows.CHANNELS.items():

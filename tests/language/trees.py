@@ -78,10 +78,11 @@ def _statements() -> st.SearchStrategy[s.Statement]:
     model = st.one_of(none, names)
     some = _many(names, least=1)
     timings = _many(st.builds(s.Timing, st.sampled_from(["at", "for", "after", "with"]), expressions, here), most=2)
-    plain = ("options", "answer", "ensure", "within", "difference", "distinct", "stable")
+    plain = ("options", "answer", "ensure", "within", "difference", "distinct", "stable", "hide")
     clause = st.one_of(
         st.builds(s.Clause, st.sampled_from(plain), expressions, none, here, none),
         st.builds(s.Clause, st.just("margin"), expressions, expressions, here, optional),
+        st.builds(s.Clause, st.just("seen"), expressions, optional, here, none),
         st.builds(s.Clause, st.just("orbit"), st.builds(s.Items, st.just("list"), some, none, here), none, here),
     )
     places = st.builds(s.Member, names, names, here)
@@ -199,7 +200,10 @@ def _clause(node: s.Clause) -> str:
     if node.kind == "orbit" and isinstance(node.value, s.Items):
         return f"options orbit of {_listed(node.value.items)}"
     by = "by " if node.kind in ("distinct", "stable") else ""
-    return f"{node.kind} {by}{written(node.value)}{_after(' apart by ', node.bound)}{_after(' unless ', node.unless)}"
+    if node.kind == "seen":
+        return f"seen {written(node.value)}{_after(' at ', node.bound)}"
+    keyword = "may hide" if node.kind == "hide" else node.kind
+    return f"{keyword} {by}{written(node.value)}{_after(' apart by ', node.bound)}{_after(' unless ', node.unless)}"
 
 
 def _change(node: s.Change) -> str:

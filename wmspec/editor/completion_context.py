@@ -31,6 +31,7 @@ from wmspec.lang.check.types.types import (
     A_TIME,
     ACTION,
     CHANNEL,
+    OBJECT,
     PLACE,
     POINT2,
     TRUTH,
@@ -142,6 +143,8 @@ class Reader:
                 return ExpectedInput(kind="library_names", of=self._span(top - 1))
             case "OBSERVE":
                 return ExpectedInput(kind="camera")
+            case "HIDE" | "SEEN":
+                return ExpectedInput((OBJECT, List(OBJECT)))
             case "WITHOUT" | "ORDER":
                 return ExpectedInput(kind="changed")
             case "ACTION" | "STATE" if below.startswith("__counterfactual") or below == "LBRACE":

@@ -119,6 +119,17 @@ REDRAWN: dict[str, tuple[pa.DataType, str]] = {
     "redrawn": (pa.int64(), "how often the nuisances of the block were drawn before these, for the balance of answers")
 }
 
+#: Additional columns for questions with objects that may be hidden.
+HIDDEN: dict[str, tuple[pa.DataType, str]] = {
+    "context_visible": (
+        pa.list_(pa.struct([("picture", pa.int64()), ("name", pa.string()), ("share", pa.float64())])),
+        (
+            "of each picture shown (from 0), for every object that the question allows to be hidden: the share of it "
+            "that is visible, 0 if it is behind something, outside the picture, or has vanished"
+        ),
+    )
+}
+
 #: Additional columns for picture channels other than colour.
 CHANNELS: dict[str, dict[str, tuple[pa.DataType, str]]] = {
     "depth": {
@@ -149,7 +160,8 @@ def schema(spec: TaskSpec) -> pa.Schema:
     varied, drawn = _split_nuisances(spec.factors)
     fields = [
         pa.field(name, kind)
-        for name, (kind, _) in (redraw_columns(spec) | outcome_columns(spec) | channel_columns(spec)).items()
+        for columns in (redraw_columns(spec), outcome_columns(spec), hidden_columns(spec), channel_columns(spec))
+        for name, (kind, _) in columns.items()
     ]
     fields += [_column(spec, "factor", f) for f in varied]
     fields += [pa.field(f"level.{f.name}", pa.string()) for f in (*varied, *drawn) if _has_named_values(f)]
@@ -173,6 +185,11 @@ def redraw_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
 def outcome_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
     """Return the columns for outcomes, if a question names some."""
     return OUTCOMES if any(question.kinds for question in spec.questions) else {}
+
+
+def hidden_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
+    """Return the columns for objects that may be hidden, if a question has some."""
+    return HIDDEN if any(question.visibility for question in spec.questions) else {}
 
 
 def _has_named_values(factor: Factor) -> bool:
@@ -240,6 +257,7 @@ def encode(question: QuestionRow, rows_of: RowsOf) -> Row:
         "agreement": [_vote(v) for v in question.agreement],
         "seed": question.seed,
         **({} if question.redrawn is None else {"redrawn": question.redrawn}),
+        **({} if question.visible is None else {"context_visible": [asdict(each) for each in question.visible]}),
         **_channel_columns(question.context),
         **{f"factor.{n}": v for n, v in question.factors.items()},
         **{f"level.{n}": words for n, words in question.levels.items()},

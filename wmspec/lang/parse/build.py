@@ -170,6 +170,8 @@ class _Builder:
     within = _clause("within")
     difference = _clause("difference")
     stable = _clause("stable")
+    hide = _clause("hide")
+    seen = _clause("seen")
 
     def orbit(self, c: Any, span: Span) -> s.Clause:
         names = self.every(c)

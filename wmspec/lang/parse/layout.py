@@ -169,6 +169,8 @@ class Layout:
                 self._block(x.span, [(p.name.id, p.span) for p in x.baseline])
             case s.Observe():
                 self.cells[self._after(x.camera.span.start)] = "at"
+            case s.Clause(kind="hide"):
+                self.cells[x.value.span.start] = "value"
             case s.Setting() | s.Clause() | s.Legibility() | s.Tolerance():
                 self.cells[self._after(x.span.start)] = "value"
 

@@ -318,7 +318,10 @@ class Kinds(Node):
 
 
 class Clause(Node):
-    """A clause of a question: its keyword and value; `margin value apart by bound unless exception` has all three."""
+    """A clause of a question: its keyword and value; `margin value apart by bound unless exception` has all three.
+
+    `may hide value` is of the kind `hide`; `seen value at times` has the times as `bound`.
+    """
 
     kind: str
     value: Expr

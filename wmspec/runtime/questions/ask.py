@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import TypeVar
@@ -15,6 +15,7 @@ from wmspec.lang.check.expressions.measured import is_measured, moments
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Channel, Level, TaskSpec
 from wmspec.runtime.questions.answer_label import answer_label, member_label
+from wmspec.runtime.questions.declared_visibility import visible_parts
 from wmspec.runtime.questions.gates import smallest_margin
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.legibility import legibility, require_legible
@@ -27,6 +28,7 @@ from wmspec.runtime.questions.model import (
     Rejected,
     Strength,
     VisibleObject,
+    VisiblePart,
 )
 from wmspec.runtime.questions.question_context import (
     AnswerSlot,
@@ -209,6 +211,7 @@ class _Row:
             measured=dict(sorted(measured.readings.items())),
             legibility=legible,
             label=_member(self.design, instance, self.q) or answer_label(asking),
+            visible=self.visible_parts(names),
             evidence=answer,
         )
 
@@ -219,12 +222,19 @@ class _Row:
         runs = [asking.run, *(option.run for option in depicted)]
         things = {thing.name for thing in asking.values.spec.things}  # links of an arm may be hidden
         needed = referenced_objects(asking.question, asking.values).union(*(run.movers() & things for run in runs))
+        needed |= asking.declared.required
         together = connected_sets(asking.values)
-        require_visible(asking.observed, needed, together)
+        require_visible(asking.observed, needed, together, asking.declared)
         for option in depicted:
-            require_visible_in(
-                option.name, option.run.observed([(option.camera, option.time)], asking.pair), needed, together
-            )
+            shown = option.run.observed([(option.camera, option.time)], asking.pair)
+            require_visible_in(option.name, shown, needed, together, asking.declared)
+
+    def visible_parts(self, names: Iterable[str]) -> tuple[VisiblePart, ...] | None:
+        """Return the visible share of objects that may be hidden; None if no question of the task allows it."""
+        if not any(question.visibility for question in self.design.spec.questions):
+            return None
+        declared = self.asking.declared
+        return visible_parts(self.asking.observed, names if declared.unrestricted else declared.times)
 
     @property
     def slot(self) -> AnswerSlot:

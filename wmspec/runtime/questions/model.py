@@ -51,6 +51,15 @@ class VisibleObject:
 
 
 @dataclass(frozen=True)
+class VisiblePart:
+    """The `share` (0 to 1) of an object that a picture shows: 1 if nothing hides it, 0 if it is hidden or gone."""
+
+    picture: int
+    name: str
+    share: float
+
+
+@dataclass(frozen=True)
 class Change:
     """The change of a counterfactual: kind (see `lang.check.ir.ir.Change`), target, value before and after.
 
@@ -164,7 +173,8 @@ class QuestionRow:
     quantities in SI units. A `standing` answer holds from the start, and `moments` is the number of moments that show
     it. `objects` are those of every shown picture, `crossed` the factors that vary within the group. `redrawn` counts
     earlier draws of a balanced group (None: not balanced). `legibility` are all applicable measures. `label` is
-    the answer as it is counted (see `answer_label`). `evidence` is compared with other engines.
+    the answer as it is counted (see `answer_label`). `visible` has the visible share, in every shown picture, of
+    objects that may be hidden (None: no question of the task allows it). `evidence` is compared with other engines.
     """
 
     task: str
@@ -199,6 +209,7 @@ class QuestionRow:
     redrawn: int | None = None
     legibility: tuple[Legibility, ...] = ()
     label: str = ""
+    visible: tuple[VisiblePart, ...] | None = None
 
     @property
     def kind(self) -> QuestionKind:

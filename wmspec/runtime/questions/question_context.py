@@ -11,6 +11,7 @@ from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.rng import bits
 from wmspec.lang.check.ir.ir import Counterfactual, Question
+from wmspec.runtime.questions.declared_visibility import DeclaredVisibility, declared_visibility
 from wmspec.runtime.questions.measure import Measured
 from wmspec.runtime.questions.model import Reject
 from wmspec.runtime.questions.observed import Observed
@@ -42,6 +43,11 @@ class QuestionContext:
     def observed(self) -> Observed:
         """Observations of the true run."""
         return self.run.observed(self.views, self.pair)
+
+    @cached_property
+    def declared(self) -> DeclaredVisibility:
+        """The declared visibility of objects. Raises WmsError for times without a picture."""
+        return declared_visibility(self.question, self.values, self.views)
 
     @cached_property
     def measured(self) -> Measured:

@@ -26,10 +26,13 @@ from wmspec.sim.scene.model.bounds import bounds, box_center, own_box_center
 from wmspec.sim.scene.model.transform import compose as placed
 from wmspec.sim.scene.model.transform import rotate
 from wmspec.sim.scene.physics.overlap import overlap
-from wmspec.sim.scene.render.appearance import appearance_at, vanished_bodies
+from wmspec.sim.scene.render.appearance import appearance_at, vanish_times, vanished_bodies
 
 #: m: bodies with a deeper initial overlap are ejected, differently in every engine.
 MAX_OVERLAP = 0.001
+
+#: s: closer times are the same.
+_MOMENT = 1e-9
 
 _PlacedGeom = tuple[Body, Geom, Pose, Array]
 
@@ -56,10 +59,12 @@ class Run:
         return [b.name for b in self.scene.bodies if b.motion != "static"]
 
     def movers(self) -> set[str]:
-        """Return the names of bodies that move at any time."""
-        middles = self.centres()
-        away = np.linalg.norm(middles - middles[0], axis=2).max(axis=0)
-        return {name for name, way in zip(self.movable(), away.tolist(), strict=True) if way > MIN_MOTION}
+        """Return the names of bodies that move at any time. To vanish is no motion."""
+        middles, names = self.centres(), self.movable()
+        away = np.linalg.norm(middles - middles[0], axis=2)
+        for name, start in vanish_times(self.scene).items():
+            away[self.trace.time >= start - _MOMENT, names.index(name)] = 0.0
+        return {name for name, way in zip(names, away.max(axis=0).tolist(), strict=True) if way > MIN_MOTION}
 
     def centres(self) -> Array:
         """Return the centres (T, n, 3) of the boxes of movable bodies (m)."""

@@ -14,6 +14,7 @@ from wmspec.runtime.questions.patch import patch
 from wmspec.runtime.questions.silhouette import Silhouette, box, silhouette
 from wmspec.runtime.questions.views import View
 from wmspec.sim.scene.model import Frame
+from wmspec.sim.scene.render.appearance import vanished_bodies
 
 #: Width of the surround of a body, relative to the picture.
 SURROUND_WIDTH = 3 / 256
@@ -53,6 +54,14 @@ def hidden_share(observed: Observed, index: int, view: View) -> float:
     whole = outline(observed, index, view).inside
     seen = patch(observed.picture(*view), index).pixels
     return min(max(1 - seen / whole, 0.0), 1.0) if whole > 0 else 1.0
+
+
+def visible_part(observed: Observed, name: str, view: View) -> float:
+    """Return the share of a body that a picture shows, 0..1; 0 if it is hidden, outside, or has vanished."""
+    index = observed.index(name)
+    if name in vanished_bodies(observed.scene, view[1]):
+        return 0.0
+    return 1.0 - hidden_share(observed, index, view)
 
 
 def outline(observed: Observed, index: int, view: View) -> Silhouette:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.runtime.questions import visibility
+from wmspec.runtime.questions.declared_visibility import DeclaredVisibility
 from wmspec.runtime.questions.model import Reject
 from wmspec.runtime.questions.observed import Observed
 from wmspec.runtime.questions.patch import patch
@@ -16,6 +17,8 @@ from wmspec.sim.scene.render.appearance import vanished_bodies
 MIN_VISIBLE_SHARE = 36 / 256**2
 #: Smallest share of a movable body inside the frame, and largest occluded share of that.
 MIN_INSIDE, MAX_HIDDEN = 0.5, 0.7
+#: Every body must be visible in every picture.
+_EVERYWHERE = DeclaredVisibility()
 #: Smallest colour difference (CIEDE2000) to the surround: visible at a glance.
 MIN_CONTRAST = 5.0
 
@@ -31,31 +34,45 @@ def connected_sets(values: Evaluator) -> list[frozenset[str]]:
     return [frozenset(name for name, of in sets.items() if of == chain) for chain in sorted(tied)]
 
 
-def require_visible(observed: Observed, names: Iterable[str], together: Iterable[frozenset[str]] = ()) -> None:
-    """Raise Reject unless at every observed moment one camera shows each body well.
+def require_visible(
+    observed: Observed,
+    names: Iterable[str],
+    together: Iterable[frozenset[str]] = (),
+    declared: DeclaredVisibility = _EVERYWHERE,
+) -> None:
+    """Raise Reject unless at every observed moment one camera shows each body well, as far as `declared` requires it.
 
     Sets in `together` need only as much visibility as one body. If only attached cameras show a body, once is enough.
-    The body that carries such a camera need not be visible.
+    The body that carries such a camera need not be visible. A body that has vanished is not visible.
     """
     riding = {c.name: c.body for c in observed.scene.cameras if c.body is not None}
     fixed = [view for view in observed.views if view[0] not in riding]
-    moments = sorted({time for _, time in fixed})
     for group in _there(observed, names, together):
+        views = [view for view in observed.views if declared.requires(group, view[1])]
         if fixed:
-            for time in moments:
-                _seen_once(observed, group, [view for view in observed.views if view[1] == time])
-        elif group[0] not in riding.values():
-            _seen_once(observed, group, observed.views)
+            for time in sorted({time for _, time in fixed}.intersection(time for _, time in views)):
+                _seen_once(observed, group, [view for view in views if view[1] == time])
+        elif views and group[0] not in riding.values():
+            _seen_once(observed, group, views)
 
 
 def require_visible_in(
-    option: str, observed: Observed, names: Iterable[str], together: Iterable[frozenset[str]] = ()
+    option: str,
+    observed: Observed,
+    names: Iterable[str],
+    together: Iterable[frozenset[str]] = (),
+    declared: DeclaredVisibility = _EVERYWHERE,
 ) -> None:
-    """Raise Reject unless the picture of an option shows each body well; for attached cameras it need not."""
+    """Raise Reject unless the picture of an option shows each body well, as far as `declared` requires it.
+
+    Pictures of attached cameras need not.
+    """
     (view,) = observed.views
     if any(c.name == view[0] and c.body is not None for c in observed.scene.cameras):
         return
     for group in _there(observed, names, together):
+        if not declared.requires(group, view[1]):
+            continue
         if fault := _unseen(observed, group, view):
             raise Reject("unseen", f"{group[0]} in option {option}: {fault}")
 
@@ -79,9 +96,9 @@ def _seen_once(observed: Observed, group: tuple[str, ...], views: Sequence[View]
 
 
 def _unseen(observed: Observed, group: tuple[str, ...], view: View) -> str:
-    """Return why a body or set is not visible in a view; '' if it is visible or absent."""
+    """Return why a body or set is not visible in a view; '' if it is visible."""
     if vanished_bodies(observed.scene, view[1]).issuperset(group):
-        return ""
+        return "it has vanished"
     if len(group) == 1:
         return invisibility_reason(observed, group[0], view)
     frame = observed.picture(*view)

@@ -288,6 +288,17 @@ class TextTemplate(Node):
     parts: tuple[str | Interpolation, ...]
 
 
+class Visibility(Node):
+    """The pictures in which `objects` must be visible: those at `times` (s), or none if `times` is None.
+
+    `objects` is an object or a list; None stands for every object of the question.
+    """
+
+    objects: Expr | None
+    times: Expr | None
+    place: Location
+
+
 class Difference(Node):
     """Stimulus strength, such as the ratio of two speeds: recorded as a covariate of accuracy."""
 
@@ -309,7 +320,8 @@ class Question(Node):
     Two pictures must differ by the length `distinct` (m) or the angle `distinct_turn` (rad) and, if `distinct_kinds`,
     by the kind of their outcome, the first of `kinds` that holds. `texts` are the options with inserted values.
     `stable` is the displacement (m) of every free object under which the answer must hold. Without `legible`,
-    illegible instances are kept.
+    illegible instances are kept. Objects of the question must be visible in every picture, unless `visibility` says
+    otherwise.
     """
 
     name: str = ""
@@ -325,6 +337,7 @@ class Question(Node):
     difference: Difference | None = None
     stable: Expr | None = None
     legible: bool = True
+    visibility: tuple[Visibility, ...] = ()
     counterfactuals: tuple[Counterfactual, ...]
     orbit: tuple[OrbitFactor, ...] = ()
     kinds: tuple[Outcome, ...] = ()

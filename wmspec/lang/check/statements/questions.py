@@ -28,6 +28,7 @@ from wmspec.lang.check.statements.question_kinds import (
     question_kind,
     violated_rule,
 )
+from wmspec.lang.check.statements.visibility_clauses import visibility
 from wmspec.lang.check.tables.vocabulary import LEGIBILITY, PropertySpec
 from wmspec.lang.check.types.types import (
     A_LENGTH,
@@ -127,6 +128,7 @@ class Questions:
             difference=next(iter(difference), None),
             stable=next(iter(stable), None),
             legible=self._legible(question.legibility),
+            visibility=visibility(self.check, [*clauses.get("hide", []), *clauses.get("seen", [])]),
             counterfactuals=(*changes, *siblings),
             place=Location.of(question.text.span),
         )

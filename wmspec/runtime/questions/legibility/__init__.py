@@ -11,7 +11,7 @@ from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.kinds.pictures import PictureAnswer
 from wmspec.runtime.questions.legibility.bounds import BOUNDS, ratio
 from wmspec.runtime.questions.legibility.labels import DecisiveMeasures, least_by_name
-from wmspec.runtime.questions.legibility.motion import motion_measures, moves
+from wmspec.runtime.questions.legibility.motion import is_drawn_moving, motion_measures, moves
 from wmspec.runtime.questions.legibility.names import color_name_measures
 from wmspec.runtime.questions.legibility.options import option_measures
 from wmspec.runtime.questions.model import Answer, Legibility, Option, Reject, VisibleObject
@@ -56,19 +56,26 @@ def _measures(
 ) -> Iterator[Legibility]:
     observed = asking.observed
     if isinstance(answer, PictureAnswer):
-        yield from motion_measures(observed, _decisive_movers(asking, answer))
+        yield from motion_measures(observed, _visible_movers(asking, _decisive_movers(asking, answer)))
         yield from option_measures(answer, KINDS["pictures"].option_images(asking, answer), asking.pair)
         return
     queried = list(dict.fromkeys(o.name for objects in pictures for o in objects if o.queried and o.color is not None))
     shown = float(observed.trace.time[-1]) <= observed.window[1] + _MOMENT
     spec, question = asking.values.spec, asking.question
     if moments(spec, question.answer) > 1 or (is_measured(spec, question.answer) and not shown):
-        yield from motion_measures(observed, [name for name in queried if moves(observed, name)])
+        yield from motion_measures(
+            observed, _visible_movers(asking, [name for name in queried if moves(observed, name)])
+        )
     decisive = DecisiveMeasures(asking, shown)
     if queried:
         yield decisive.size(queried)
     yield from decisive.all()
     yield from color_name_measures(options, pictures)
+
+
+def _visible_movers(asking: QuestionContext, names: Sequence[str]) -> list[str]:
+    """Return the objects without those that may be hidden and that no two successive pictures show."""
+    return [n for n in names if not asking.declared.declares(n) or is_drawn_moving(asking.observed, n)]
 
 
 def _decisive_movers(asking: QuestionContext, answer: PictureAnswer) -> list[str]:

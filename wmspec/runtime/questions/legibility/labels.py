@@ -99,7 +99,7 @@ class DecisiveMeasures:
                 yield entry("length", abs(room) * self._pixels_per_metre(owner))
             case "count", [tuple() as items]:
                 yield entry("number", evaluate(call, self.env))
-                if counted := [name for name in items if isinstance(name, str) and self._present(name)]:
+                if counted := [name for name in items if isinstance(name, str) and self._counts(name)]:
                     yield self.size(counted)
 
     def _race(self, names: Sequence[str], chosen: str) -> Iterator[Legibility]:
@@ -124,8 +124,11 @@ class DecisiveMeasures:
             yield entry("length", change * self._best_size(chosen))
 
     def _apart(self, a: str, b: str) -> Iterator[Legibility]:
+        patches = self._patches(a, b)
+        if not patches and self._may_hide(a, b):
+            return
         gaps = [0.0]
-        for frame, i, j in self._patches(a, b):
+        for frame, i, j in patches:
             here, there = center(frame, i), center(frame, j)
             assert here is not None and there is not None  # noqa: PT018
             gaps.append(float(np.linalg.norm(here - there)))
@@ -171,8 +174,13 @@ class DecisiveMeasures:
     def _pixels_per_metre(self, name: str) -> float:
         return max(pixels_per_metre(self.observed, name, view) for view in self.observed.views)
 
-    def _present(self, name: str) -> bool:
-        return any(body.name == name for body in self.observed.scene.bodies)
+    def _counts(self, name: str) -> bool:
+        """Whether a thing counted must be large enough: it is present, and shown unless it may be hidden."""
+        present = any(body.name == name for body in self.observed.scene.bodies)
+        return present and (not self._may_hide(name) or self._best_size(name) > 0)
+
+    def _may_hide(self, *names: str) -> bool:
+        return any(map(self.asking.declared.declares, names))
 
     def _patches(self, a: str, b: str) -> list[tuple[Frame, int, int]]:
         """Return the pictures that show two bodies, and their indices."""

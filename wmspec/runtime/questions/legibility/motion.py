@@ -13,6 +13,10 @@ from wmspec.runtime.questions.legibility.picture_places import center, width_alo
 from wmspec.runtime.questions.model import Legibility
 from wmspec.runtime.questions.observed import MIN_MOTION, Observed
 from wmspec.sim.scene.model import Array
+from wmspec.sim.scene.render.appearance import vanish_times
+
+#: s: closer times are the same.
+_MOMENT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -56,9 +60,23 @@ def drawn_path(observed: Observed, name: str, camera: str, times: tuple[float, .
 
 
 def moves(observed: Observed, name: str) -> bool:
-    """Whether a body moves by more than 2 mm between the first and the last shown picture."""
+    """Whether a body moves by more than 2 mm between the first and the last shown picture. To vanish is no motion."""
     path = observed.path(name)
+    gone = vanish_times(observed.scene).get(name, np.inf)
+    path = path[observed.times < gone - _MOMENT]
+    if not len(path):
+        return False
     return bool((np.linalg.norm(path - path[0], axis=1) > MIN_MOTION).any())
+
+
+def is_drawn_moving(observed: Observed, name: str) -> bool:
+    """Whether two successive pictures of one camera show a body."""
+    index = observed.index(name)
+    return any(
+        all(center(observed.picture(camera, time), index) is not None for time in each)
+        for camera, times in camera_times(observed).items()
+        for each in pairwise(times)
+    )
 
 
 def motion_measures(observed: Observed, movers: Iterable[str]) -> Iterator[Legibility]:

@@ -25,6 +25,14 @@ def vanished_bodies(scene: Scene, time: float) -> frozenset[str]:
     return frozenset(a.body for a in scene.actions if isinstance(a, Vanish) and a.start <= time + _SAME)
 
 
+def vanish_times(scene: Scene) -> dict[str, float]:
+    """Return the time (s) at which each body vanishes that does."""
+    times: dict[str, float] = {}
+    for action in (a for a in scene.actions if isinstance(a, Vanish)):
+        times[action.body] = min(action.start, times.get(action.body, action.start))
+    return times
+
+
 def _seen(body: Body, color: tuple[float, float, float] | None, gone: bool) -> Body:
     if gone:
         return replace(body, geoms=tuple(replace(geom, visible=False) for geom in body.geoms))
