@@ -48,7 +48,7 @@ SAID = {
     ),
     "an actuator": (
         BALL % ("b", "") + JOINT % (HELD, "") + 'def MjcActuator "servo" { rel mjc:target = </World/j> }',
-        "the type MjcActuator, acting on /World/j, is not supported: ignored; express it with UsdPhysics",
+        "an actuator that is no position or velocity actuator needs a control: left out",
     ),
     "a prim of an unknown type that acts on a body": (
         BALL % ("b", "") + 'def FancyMagnet "m" { rel magnet:body = </World/b> }',

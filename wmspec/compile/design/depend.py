@@ -17,7 +17,7 @@ from wmspec.lang.check.ir.ir import Call, Choices, Entity, Expr, Property, Ref, 
 from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MEASURES
 
 #: Properties that determine the form of an object or part.
-FORM = ("shape", *MEASURES, "file", "scale", "collision")
+FORM = ("shape", *MEASURES, "file", "scale", "units", "up", "collision")
 _TURN = ("yaw", "pitch", "roll")
 #: Properties that determine the position of an object.
 PLACEMENT = ("at", "on", "inside", *_TURN)

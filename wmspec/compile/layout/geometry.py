@@ -9,7 +9,7 @@ from wmspec.compile.layout.solids import PlacedShape
 from wmspec.core.canonical import dumps, loads
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import IDENTITY, Pose, from_ypr
-from wmspec.lang.check.tables.vocabulary import MEASURES
+from wmspec.lang.check.tables.vocabulary import MEASURES, MESH_UNITS, Y_UP
 from wmspec.lang.check.types.types import article, either
 from wmspec.sim.shapes import SHAPES, Shape
 from wmspec.sim.shapes.shape import UnfitError
@@ -73,8 +73,10 @@ def _solid(values: Evaluator, owner: str) -> Shape:
 
     path, touched, scale = values.text(owner, "file"), values.text(owner, "collision"), values.property(owner, "scale")
     assert isinstance(scale, float | tuple)
+    metres = MESH_UNITS[values.text(owner, "units")] if values.has(owner, "units") else None
+    up = values.text(owner, "up") if values.has(owner, "up") else "y" if path.lower().endswith(Y_UP) else "z"
     try:
-        return load(path, scale, touched, touchable(values, owner))
+        return load(path, scale, touched, touchable(values, owner), metres=metres, up=up)
     except ImpossibleValue as error:
         raise error.at(values.source_location(owner, "file")) from None
 

@@ -20,6 +20,9 @@ if TYPE_CHECKING:  # imported late: most specs have no meshes, and importing num
     import numpy as np
     from numpy.typing import NDArray
 
+#: Axes of the file along x, y and z of the object, and their signs, by the axis that points up: a turn about x or y.
+_AXES, _SIGNS = {"x": (2, 1, 0), "y": (0, 2, 1)}, {"x": (-1.0, 1.0, 1.0), "y": (1.0, -1.0, 1.0)}
+
 
 @dataclass(frozen=True, eq=False)
 class FileMesh(Mesh):
@@ -54,10 +57,13 @@ class FileMesh(Mesh):
         return np.asarray(super().bounds(turn) + np.array([[-self.radius], [self.radius]]))
 
 
-def load(path: str, scale: float | Vector, collision: str, solid: bool) -> FileMesh:
-    """Return the mesh of a file, scaled by `scale` (uniform or per axis), with its `collision` geometry.
+def load(
+    path: str, scale: float | Vector, collision: str, solid: bool, *, metres: float | None = None, up: str = "z"
+) -> FileMesh:
+    """Return the mesh of a file, turned so that its axis `up` is z, and scaled by `scale` (uniform or per axis).
 
-    Files are cached.
+    `collision` is the mode of its collision geometry. A unit of the file is `metres` long; by default as the file
+    declares, or 1. Files are cached.
 
     Raises: ImpossibleValue: if the file is missing, unsupported or broken, or has no volume though it is `solid`.
     """
@@ -74,19 +80,22 @@ def load(path: str, scale: float | Vector, collision: str, solid: bool) -> FileM
     import numpy as np
 
     with np.errstate(all="ignore"):  # extreme numbers are checked in `_load`
-        made = _load(path, status.st_mtime_ns, status.st_size, scale, collision)
+        made = _load(path, status.st_mtime_ns, status.st_size, scale, collision, metres, up)
     if solid and made.volume <= 0 and collision != "surface":
         raise ImpossibleValue(f"{path} has no volume", help="use a mesh that is not flat")
     return made
 
 
 @lru_cache(maxsize=256)
-def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision: str) -> FileMesh:
+def _load(
+    path: str, _changed: int, _size: int, scale: float | Vector, collision: str, metres: float | None, up: str
+) -> FileMesh:
     import numpy as np
 
     stretch = np.broadcast_to(np.asarray(scale, float), 3)
-    whole = _of_stage(path) if split_prim_name(path)[1] else _of_file(path)
-    points, faces = whole.points * stretch, whole.faces[:, :: -1 if np.sign(stretch).prod() < 0 else 1]
+    whole = _of_stage(path, metres) if split_prim_name(path)[1] else _of_file(path, metres)
+    points = whole.points if up == "z" else whole.points[:, _AXES[up]] * _SIGNS[up]
+    points, faces = points * stretch, whole.faces[:, :: -1 if np.sign(stretch).prod() < 0 else 1]
     low, high = points.min(axis=0), points.max(axis=0)
     if not (size := float((high - low).max())) <= MAX_LENGTH:
         what = f"{size / 1000:g} km large with this scale; the most is {MAX_LENGTH / 1000:g} km"
@@ -101,25 +110,29 @@ def _load(path: str, _changed: int, _size: int, scale: float | Vector, collision
     return FileMesh(points, np.asarray(faces, np.int32), whole.st, touched=touched, room=volume, radius=radius)
 
 
-def _of_stage(path: str) -> Mesh:
-    """Return the triangles of the mesh in a USD file. Raises ImpossibleValue if it is broken."""
+def _of_stage(path: str, metres: float | None) -> Mesh:
+    """Return the triangles of the mesh in a USD file, which has its own unit. Raises ImpossibleValue if broken."""
     from wmspec.lang.importers.usd_file import mesh
 
     name, prim = split_prim_name(path)
     read = mesh(resolve_display_path(name), None, name, prim)
     if isinstance(read, tuple):
         raise ImpossibleValue("; ".join(f"{mistake.place}: {mistake.message}" for mistake in read))
+    if metres is not None:
+        raise ImpossibleValue(f"{path} has the unit of its stage", help="remove `units`, or set `scale`")
     return read
 
 
-def _of_file(path: str) -> Mesh:
-    """Return the triangles of a file. Raises ImpossibleValue if it is broken."""
+def _of_file(path: str, metres: float | None) -> Mesh:
+    """Return the triangles of a file, in metres. Raises ImpossibleValue if it is broken."""
     import trimesh
 
     try:
         check_mesh_file(resolve_display_path(path))
         loaded: Any = trimesh.load(resolve_display_path(path), force="mesh", process=False, skip_materials=True)
-        if path.lower().endswith(".dae"):  # this format declares its unit; others use metres or none
+        if metres is not None:
+            loaded.apply_scale(metres)
+        elif path.lower().endswith(".dae"):  # this format declares its unit; others use metres or none
             loaded.apply_scale(trimesh.units.unit_conversion(loaded.units, "m"))
         if max(len(loaded.vertices), 3 * len(loaded.faces)) > POINTS.most:
             raise POINTS.exceeded()

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from itertools import combinations, pairwise
 
+from wmspec.compile.layout import geometry
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import bounds
@@ -13,13 +14,15 @@ from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import LintScene
 from wmspec.compile.lint.visibility import mentioned_words, relevant_boxes, relevant_objects, swept_boxes
 from wmspec.core.diagnostics import Note
-from wmspec.core.space import Vector, add, dot, inverse, rotate, scale, unit
+from wmspec.core.space import IDENTITY, Vector, add, dot, inverse, rotate, scale, unit
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.types import units
 from wmspec.sim.shapes import Shape
 
 #: Maximum and minimum plausible mass (kg) of an object.
 MAX_MASS, MIN_MASS = 20_000.0, 1e-6
+#: Maximum and minimum plausible size (m) of a movable mesh.
+MAX_MESH_SIZE, MIN_MESH_SIZE = 50.0, 5e-4
 #: Maximum plausible launch speed (m/s).
 MAX_LAUNCH_SPEED = 40.0
 #: Minimum visible size, as a share of the picture's side: 6 of 256 pixels.
@@ -119,6 +122,29 @@ def out_of_proportion(scene: LintScene) -> Iterator[Breach]:
                 )
 
 
+@rule("WMS606")
+def mesh_out_of_proportion(scene: LintScene) -> Iterator[Breach]:
+    """Find movable meshes of implausible size or mass, whose unit may be another."""
+    values = scene.values
+    for thing in values.spec.things:
+        if thing.kind != "object" or not values.is_present(thing.name) or values.flag(thing.name, "fixed"):
+            continue
+        meshes = [part for part in (thing.name, *values.parts(thing.name)) if values.has(part, "file")]
+        if not meshes or any(values.has(part, "units") for part in meshes):
+            continue
+        made = geometry.pieces(values, thing.name)
+        low, high = bounds(made, IDENTITY)
+        size = max(b - a for a, b in zip(low, high, strict=True))
+        mass = values.number(thing.name, "density") * sum(piece.solid.volume for piece in made)
+        mass = 0.0 if values.has(thing.name, "mass") else mass
+        if not MIN_MESH_SIZE <= size <= MAX_MESH_SIZE or mass > MAX_MASS:
+            length, weight = (float(f"{x:.3g}") for x in (size, mass))
+            what = f"the mesh of `{thing.name}` is {units.format_quantity(length, units.LENGTH)} long"
+            what += f" and weighs {units.format_quantity(weight, units.MASS)}" if weight else ""
+            remedy = "if its lengths are not metres, set `units`, such as `units: mm`"
+            yield Breach(f"{what} {scene.where}", values.source_location(meshes[0], "file"), remedy, about=thing.name)
+
+
 @rule("WMS607", "error")
 def launched_twice(scene: LintScene) -> Iterator[Breach]:
     """Find two simultaneous launches of one object: the later one in the text would win."""
@@ -139,6 +165,7 @@ RULES = (
     camera_far_away,
     object_far_away,
     out_of_proportion,
+    mesh_out_of_proportion,
     too_fast,
     launched_twice,
 )

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from wmspec.core.diagnostics import Diagnostic
 from wmspec.lang.check.tables.property_schema import APPEARANCE
+from wmspec.lang.check.tables.vocabulary import Y_UP
 from wmspec.lang.importers import model
 from wmspec.lang.importers.model import MAX_FAULTS, Form, Joint, Link, MeshFile, RejectedAsset, Shape
 from wmspec.lang.importers.tree import LinkTree, PlacedLink
@@ -174,7 +175,8 @@ class Blocks:
     def _form(self, form: Form, touched: s.Expr | None) -> dict[str, s.Expr]:
         if isinstance(form, MeshFile):
             way = touched or self.write.name(form.collision)
-            return {"file": self.write.text(form.file), "scale": self.write.numbers(form.scale), "collision": way}
+            made = {"file": self.write.text(form.file), "scale": self.write.numbers(form.scale), "collision": way}
+            return made | ({"up": self.write.name("z")} if form.file.lower().endswith(Y_UP) else {})
         units = {name: _SIZES.get(own.kind, "m") for name, own in form.properties.items()}
         sizes = {name: self.write.value(size, units.get(name, "m")) for name, size in form.words.items()}
         return {"shape": self.write.name(shape_word(form)), **sizes}

@@ -17,6 +17,7 @@ from pxr import Usd, UsdGeom
 
 from wmspec.core.diagnostics import Report
 from wmspec.core.spelling import closest_word
+from wmspec.sim.usd import actuators
 from wmspec.sim.usd.prims import applied_schemas, targets
 from wmspec.sim.usd.substitutions import Substitutions
 
@@ -90,6 +91,8 @@ def warn_ignored_attributes(stage: Usd.Stage, problems: Report, notes: Substitut
 def _ignored(prim: Usd.Prim) -> Iterator[tuple[tuple[str, str], str]]:
     """Yield kind and name of ignored opinions of a prim."""
     apis, type_ = applied_schemas(prim), str(prim.GetTypeName())
+    if type_ in actuators.TYPES:
+        return
     for api in apis:
         name = api.partition(":")[0]
         if name.startswith("Physics") and name not in _APIS.values() and not _FOREIGN_SCHEMAS.fullmatch(name):

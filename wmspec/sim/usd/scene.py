@@ -14,12 +14,13 @@ from wmspec.sim.scene.joints.loops import split_loops
 from wmspec.sim.scene.joints.momentum import project_velocities
 from wmspec.sim.scene.model import Action, Body, Camera, Joint, Observation, Scene
 from wmspec.sim.scene.physics.scene_warnings import scene_warnings
-from wmspec.sim.usd import actions, episode, joint_paths, joints
+from wmspec.sim.usd import actions, actuators, episode, joint_paths, joints
 from wmspec.sim.usd.bodies import bodies
 from wmspec.sim.usd.cameras import camera, daylight, overview
 from wmspec.sim.usd.filters import filtered_pairs
 from wmspec.sim.usd.frames import StageFrame
 from wmspec.sim.usd.ignored_attributes import warn_ignored_attributes, warn_up_axis
+from wmspec.sim.usd.layer_metrics import warn_layer_metrics
 from wmspec.sim.usd.prims import Names, targets, value
 from wmspec.sim.usd.stage_index import StageIndex, StageWalk
 from wmspec.sim.usd.substitutions import Substitutions
@@ -37,7 +38,9 @@ def scene(stage: Usd.Stage, notes: Substitutions) -> Scene:
     known = {body.path: body for body in everything}
     cameras = _cameras(census, known, world, problems, notes)
     chained = joints.joints(census.joints, known, world, problems, notes)
-    held, everything = chained.joints, (*everything, *chained.between)
+    acting = [prim for kind in actuators.TYPES for prim in census.of(kind)]
+    held = actuators.with_actuators(acting, chained.joints, problems, notes)
+    everything = (*everything, *chained.between)
     apart: tuple[tuple[str, str], ...] = ()
     with problems.collect_errors():
         apart = filtered_pairs(
@@ -53,6 +56,8 @@ def scene(stage: Usd.Stage, notes: Substitutions) -> Scene:
         light, background = daylight(census.of("DistantLight"), census.of("DomeLight"), world, notes)
     problems.stop_if_failed()
     warn_up_axis(stage, notes)
+    with problems.collect_errors():
+        warn_layer_metrics(stage, notes)
     warn_ignored_attributes(stage, problems, notes)
     problems.stop_if_failed()
     read = Scene(

@@ -10,12 +10,12 @@ from wmspec.lang.check.tables.vocabulary import MEASURES, PROPERTIES, PropertySp
 from wmspec.lang.check.types.types import A_LENGTH, AN_ANGLE
 
 _FORM = ("shape", *MEASURES)
-_MESH = ("file", "scale", "collision")
+_MESH = ("file", "scale", "units", "up", "collision")
 _TRAFFIC = ("roads", "lane", "keeps")
 _DRIVEN = ("axis", "low", "high", "start", "target", "stiffness", "damping", "pace", "strength")
 #: Properties that require another one, and the owner they are for.
 _REQUIREMENTS = {
-    "scale": ("file", "a mesh"),
+    **dict.fromkeys(("scale", "units", "up"), ("file", "a mesh")),
     "collision": ("file", "a mesh"),
     "axes": ("moments", "moments of inertia"),
     "repeats": ("image", "a picture"),

@@ -27,6 +27,8 @@ from wmspec.lang.check.types.types import (
     TRIPLE,
     TRUTH,
     TURNS,
+    UNITS,
+    UP,
     List,
     Quantity,
     Type,
@@ -79,11 +81,19 @@ COLLISIONS = {
     "surface": "none",
 }
 
+#: Length units of mesh files, in metres.
+MESH_UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "foot": 0.3048}
+
+#: Mesh formats whose standard has y up (glTF 2.0, section 3.4); in others z is up by default.
+Y_UP = (".glb", ".gltf")
+
 WORDS: dict[str, tuple[str, ...]] = {
     "shape": tuple(SHAPES),
     "color": (*COLORS, *SHADES),
     "material": tuple(MATERIALS),
     "collision": tuple(COLLISIONS),
+    "units": tuple(MESH_UNITS),
+    "up": ("x", "y", "z"),
     "direction": ("left", "right", "away", "nearer"),
     "path": ("straight", "arc", "zigzag", "circle", "back_and_forth", "square", "triangle"),
     "relation": ("left_of", "right_of", "in_front_of", "behind", "above", "below"),
@@ -214,9 +224,15 @@ _MESH: dict[str, PropertySpec] = {
     ),
     "scale": PropertySpec(
         (A_NUMBER, TRIPLE),
-        "of the mesh, whose lengths are metres, along all of its axes or each; below 0 it is mirrored",
+        "of the mesh, along all axes of the object or each; below 0 it is mirrored",
         "1",
         nonzero=True,
+    ),
+    "units": PropertySpec(
+        (UNITS,), "the unit of the mesh's lengths; metres, and what a COLLADA file says, if left out", optional=True
+    ),
+    "up": PropertySpec(
+        (UP,), "the axis of the mesh that points up; y for glb and gltf, else z, if left out", optional=True
     ),
     "collision": PropertySpec(
         (COLLISION,),

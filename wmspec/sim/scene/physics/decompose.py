@@ -18,6 +18,7 @@ from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Array, Inertia, Pose
 from wmspec.sim.scene.model.transform import apply, multiply
 from wmspec.sim.scene.physics.inertia import inertia, principal
+from wmspec.sim.scene.physics.shells import enclosed_solid
 from wmspec.sim.shapes import Mesh
 
 CONCAVITY = 0.05  # largest concavity of a part, relative to the size of the mesh
@@ -54,10 +55,11 @@ def _hull(corners: Array) -> Mesh:
 def mesh_mass_properties(mesh: Mesh, pose: Pose, taken_apart: Callable[[], Sequence[Mesh]]) -> tuple[float, Inertia]:
     """Return the volume (m³) of a mesh and its mass properties for 1 kg, transformed by `pose`.
 
-    A closed mesh counts as the solid inside; otherwise its convex parts count, or its hull if there are none.
+    Closed shells count as the solid that they enclose together; otherwise the convex parts of the mesh count, or its
+    hull if there are none.
     """
-    solid = trimesh.Trimesh(mesh.points, mesh.faces)
-    if not (solid.is_watertight and solid.volume > 0):
+    solid = enclosed_solid(mesh)
+    if solid is None:
         parts = taken_apart() or [mesh]
         sizes = [part.volume for part in parts]
         return sum(sizes), inertia([(part, pose, size / sum(sizes)) for part, size in zip(parts, sizes, strict=True)])
