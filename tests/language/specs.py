@@ -154,6 +154,11 @@ OTHERS = (
   object ring  { shape: torus  size: big  thickness: half / 3  color: tone  at: (80 cm, -20 cm, place) }
   object soap  { shape: box  size: (big, 6 cm, 2 cm)  round: half / 8  at: (80 cm, 40 cm, big)  yaw: turn }""",
     """
+  objects coins[n] { shape: cylinder  radius: 1 cm  height: half  at: (70 cm + 5 cm * index, hop[index], place) }
+  nuisance hop[n] in -1 cm .. 1 cm
+  actions toss[n] = launch(coins[index], direction: turn, speed: pace * (index + 1)) at 0.1 s * n when which == a
+  action tint     = paint(spare, color: green) at 0.3 s when n > 1 and lean > 0 deg""",
+    """
   object lid { shape: box  size: (big, 4 cm, 1 cm)  at: (-80 cm, 20 cm, place) }
   joint rail : slider { of: lid  at: (-80 cm, 20 cm, place)  axis: (1, 0, 0)  low: 0 cm  high: half }""",
 )

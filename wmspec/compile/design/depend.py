@@ -157,6 +157,8 @@ class Dependencies:
 
     def _there(self, action: Entity) -> Iterator[str]:
         """Yield the sources that determine whether an action happens."""
+        if "when" in action.properties:
+            yield f"{action.name}.when"
         if "object" in action.properties:
             yield f"{action.name}.object"
             yield from (f"{owner}.present" for owner in self._named(action.properties["object"].value))

@@ -198,12 +198,16 @@ class Evaluator:
         return self._parts.get(owner, ())
 
     def is_present(self, name: str) -> bool:
-        """Whether an object or action is present; an action needs its object, and a counterfactual may omit it."""
+        """Whether an object or action is present.
+
+        An action needs its condition and its object, and a counterfactual may omit it.
+        """
         thing = self._things[name]
         if thing.kind == "action":
             change = self.change
             about = change is not None and change.owner == name
             happens = about if thing.added else not (about and change is not None and change.change == "without")
+            happens = happens and ("when" not in thing.properties or self.flag(name, "when"))
             return happens and ("object" not in thing.properties or self.is_present(self.reference(name, "object")))
         return "present" not in thing.properties or self.flag(name, "present")
 

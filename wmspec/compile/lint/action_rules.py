@@ -40,6 +40,8 @@ def acts_on_nothing(scene: LintScene) -> Iterator[Breach]:
     for action in values.spec.things:
         if action.kind != "action" or "object" not in action.properties or action.added:
             continue
+        if "when" in action.properties and not values.flag(action.name, "when"):
+            continue
         name = values.reference(action.name, "object")
         place = values.source_location(action.name, "object")
         if not values.is_present(name):

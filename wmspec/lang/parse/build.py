@@ -77,7 +77,7 @@ class _Builder:
         return s.Factor(self(c[0]), self(c[1]), False, span, self.maybe(c[2]))
 
     def nuisance(self, c: Any, span: Span) -> s.Factor:
-        return s.Factor(self(c[0]), self(c[1]), True, span, self.maybe(c[2]))
+        return s.Factor(self(c[0]), self(c[2]), True, span, self.maybe(c[3]), self.maybe(c[1]))
 
     def about(self, c: Any, span: Span) -> s.Word:  # noqa: ARG002  the word alone
         return self.word(c[0])
@@ -135,6 +135,9 @@ class _Builder:
 
     def action(self, c: Any, span: Span) -> s.Action:
         return s.Action(self(c[0]), self(c[1]), self.every(c[2:]), span)
+
+    def actions(self, c: Any, span: Span) -> s.Action:
+        return s.Action(self(c[0]), self(c[2]), self.every(c[3:]), span, self(c[1]))
 
     def timing(self, c: Any, span: Span) -> s.Timing:
         return s.Timing(c[0].text, self(c[1]), span)

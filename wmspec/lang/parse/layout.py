@@ -160,7 +160,7 @@ class Layout:
         match x:
             case s.Factor() | s.Let() | s.Parameter():
                 self.cells[x.name.span.start] = "name"
-                self.cells[self._after(x.name.span.start)] = "="
+                self.cells[self._equals(x)] = "="
                 if isinstance(x, s.Factor) and x.about is not None:
                     self.cells[self._before(x.about.span.start)] = "about"
             case s.Action():
@@ -181,12 +181,17 @@ class Layout:
                 self.cells[change.value.span.start] = "value"
 
     def _action(self, action: s.Action) -> None:
-        self.cells[self._after(action.name.span.start)] = "="
+        self.cells[self._equals(action)] = "="
         if isinstance(action.call, s.Call):
             for i, argument in enumerate(action.call.arguments[1:]):
                 self.cells[argument.span.start] = f"argument {argument.name.id if argument.name else i}"
         for timing in action.timings:
             self.cells[timing.span.start] = timing.kind
+
+    def _equals(self, x: s.Factor | s.Let | s.Parameter | s.Action) -> int:
+        """Return the offset of the `=` or `in` of a declaration, after its name and the number of a set."""
+        counted = x.count if isinstance(x, s.Factor | s.Action) else None
+        return self._after(x.name.span.start if counted is None else self._after(self._before(counted.span.end)))
 
     # ------------------------------------------------------------ blocks
 

@@ -154,13 +154,17 @@ class Word(Node):
 
 
 class Factor(Node):
-    """`factor name in domain about color`, or the same with `nuisance`; `about` is optional."""
+    """`factor name in domain about color`, or the same with `nuisance`; `about` is optional.
+
+    `count` is set for `nuisance name[count] in domain`.
+    """
 
     name: Name
     domain: Expr
     nuisance: bool
     span: Span
     about: Word | None = None
+    count: Expr | None = None
 
 
 class Let(Node):
@@ -260,7 +264,7 @@ class Tolerance(Node):
 
 
 class Timing(Node):
-    """`at 0.2 s`, `for 2 s`, `after push`, `with push`."""
+    """`at 0.2 s`, `for 2 s`, `after push`, `with push`, `when kind == "moved"`."""
 
     kind: str
     value: Expr
@@ -268,12 +272,13 @@ class Timing(Node):
 
 
 class Action(Node):
-    """`action name = verb(arguments) timings`."""
+    """`action name = verb(arguments) timings`; `count` is set for `actions name[count] = verb(arguments) timings`."""
 
     name: Name
     call: Expr
     timings: tuple[Timing, ...]
     span: Span
+    count: Expr | None = None
 
 
 class Observe(Node):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from wmspec.core.diagnostics import suggestion
 from wmspec.core.places import Span
@@ -61,6 +61,8 @@ class ResolvedAction:
 def resolve_action(check: Expressions, action: s.Action) -> ResolvedAction:
     """Return the resolved action, or report an error."""
     call = action.call
+    if isinstance(call, s.Operation) and call.operator == "if":
+        _fail_conditional(check, action, call)
     if not isinstance(call, s.Call) or not isinstance(call.function, s.Name | s.Member):
         check.fail("WMS204", "an action is a verb with its arguments", call.span, "write `launch(ball, ...)`")
     if isinstance(call.function, s.Member):
@@ -74,6 +76,15 @@ def resolve_action(check: Expressions, action: s.Action) -> ResolvedAction:
             hint += f"; nobody is needed for `{OBJECT_VERBS[name]}(...)`" if name in OBJECT_VERBS else ""
         check.fail("WMS204", f"there is no verb `{name}`", call.function.span, hint)
     return ResolvedAction(name, VERBS[name], "", call)
+
+
+def _fail_conditional(check: Expressions, action: s.Action, call: s.Operation) -> NoReturn:
+    """Report an action written as a choice between verbs."""
+    condition, verb, other = (operand.span.text for operand in call.operands)
+    remedy = f"write `action {action.name.id} = {verb} when {condition}`"
+    if isinstance(call.operands[2], s.Call):
+        remedy += f", and another action `{other} when not ({condition})`"
+    check.fail("WMS204", "a condition follows the verb", call.span, remedy)
 
 
 def _resolve_robot_verb(check: Expressions, call: s.Call, function: s.Member) -> ResolvedAction:
@@ -167,7 +178,7 @@ def _types(
 
 def start(check: Expressions, action: s.Action) -> tuple[Typed, Span]:
     """Return the start of an action and its source: `at` a time, `after` an action's end, `with` its start."""
-    timing = next((t for t in reversed(action.timings) if t.kind != "for"), None)
+    timing = next((t for t in reversed(action.timings) if t.kind not in ("for", "when")), None)
     if timing is None:
         return Typed(ir.Value(value=0.0), A_TIME), action.name.span
     span = timing.value.span

@@ -88,6 +88,10 @@ class Expressions:
             case s.Range():
                 return lists.range_(self, e)
 
+    def all_of(self, e: s.Name, declared: s.Action | s.Factor) -> Typed:
+        """Return all members of a set of actions or nuisances."""
+        return members.all_of(self, e, declared)
+
     def measuring(self, e: s.Expr, expected: tuple[Type, ...] = (), what: str = "") -> Typed:
         """Check an expression that may contain measured functions; of any type if none is expected."""
         before, self.measured = self.measured, True

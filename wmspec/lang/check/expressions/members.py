@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from wmspec.core.diagnostics import suggestion
+from wmspec.core.places import Span
 from wmspec.lang.check.expressions import actions
 from wmspec.lang.check.expressions.names import BLOCKS, may_be_undeclared_name, present
 from wmspec.lang.check.expressions.owners import Owner, owner, part_owners
@@ -18,6 +19,7 @@ from wmspec.lang.check.types.types import (
     JOINT,
     OBJECT,
     PART,
+    List,
     Quantity,
     Type,
     Vector,
@@ -133,10 +135,8 @@ def setting(check: Expressions, of: Owner, p: s.Property, slot: PropertySpec) ->
 def index(check: Expressions, e: s.Index) -> Typed:
     """Check `blocks[2]`, a member of a set; `blocks[-1]` is the last present one."""
     declared = check.scope.names.get(e.value.id) if isinstance(e.value, s.Name) else None
-    if not isinstance(declared, s.Block) or declared.count is None:
-        container = check.infer(e.value)
-        message = f"only a set of objects or joints has members, and this is {article(str(container.type))}"
-        check.fail("WMS302", message, e.value.span, "declare it with `objects NAME[NUMBER] { ... }`")
+    if not isinstance(declared, s.Block | s.Action | s.Factor) or declared.count is None:
+        _fail_no_set(check, e, declared)
     members = check.scope.members(declared.name.id)
     if not members:  # its wrong count was reported
         raise Failed
@@ -147,7 +147,52 @@ def index(check: Expressions, e: s.Index) -> Typed:
     if number != int(number) or not -len(members) <= number < len(members):
         message = f"`{declared.name.id}` has members 0 to {len(members) - 1}"
         check.fail("WMS304", message, e.index.span, "count from the end with `-1`, the last that is there")
-    if number < 0:
+    if isinstance(declared, s.Block):
+        if number >= 0:
+            return Typed(ir.Value(value=members[int(number)]), BLOCKS[SETS[declared.kind]])
         last = ir.Call(function="nth", arguments=(present(members), ir.Value(value=number)))
         return Typed(last, BLOCKS[SETS[declared.kind]])
-    return Typed(ir.Value(value=members[int(number)]), BLOCKS[SETS[declared.kind]])
+    if number < 0 and _varies(check, declared):
+        message = f"how many members `{declared.name.id}` has depends on a factor, so its last one does too"
+        check.fail("WMS304", message, e.index.span, "count from the start, from 0 on")
+    return _member(check, declared, members[int(number)], e.span)
+
+
+def all_of(check: Expressions, e: s.Name, declared: s.Action | s.Factor) -> Typed:
+    """Return the list of all members of a set of actions or nuisances, whose number must be constant."""
+    members = check.scope.members(e.id)
+    if not members:  # its wrong count was reported
+        raise Failed
+    if _varies(check, declared):
+        message = f"how many members `{e.id}` has depends on a factor"
+        check.fail("WMS302", message, e.span, f"name one member, as in `{e.id}[0]`, in a set `{e.id}[index]`")
+    typed = [_member(check, declared, name, e.span) for name in members]
+    return Typed(ir.Items(items=tuple(each.expr for each in typed)), List(typed[0].type))
+
+
+def _member(check: Expressions, declared: s.Action | s.Factor, name: str, span: Span) -> Typed:
+    """Return a member of a set of actions or nuisances."""
+    if isinstance(declared, s.Action):
+        return Typed(ir.Value(value=name), ACTION)
+    return check.infer(s.Name(name, span))
+
+
+def _varies(check: Expressions, declared: s.Action | s.Factor) -> bool:
+    """Whether the number of members depends on a factor."""
+    assert declared.count is not None
+    return constant(check.value(declared.count, (A_NUMBER,), "the number of a set").expr) is None
+
+
+def _fail_no_set(check: Expressions, e: s.Index, declared: object) -> NoReturn:
+    """Report an index of something that is no set."""
+    container = check.infer(e.value)
+    what, remedy = article(str(container.type)), "declare it with `objects NAME[NUMBER] { ... }`"
+    if isinstance(container.type, List):
+        written = e.value.span.text
+        remedy = f"write `pick({written}, {e.index.span.text})`"
+    elif isinstance(declared, s.Action):
+        remedy = "declare it with `actions NAME[NUMBER] = ...`"
+    elif isinstance(declared, s.Factor) and declared.nuisance:
+        remedy = "declare it with `nuisance NAME[NUMBER] in ...`"
+    message = f"only a set of objects, joints, actions or nuisances has members, and this is {what}"
+    check.fail("WMS302", message, e.value.span, remedy)

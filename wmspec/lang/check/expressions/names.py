@@ -67,6 +67,8 @@ def may_be_undeclared_name(check: Expressions, e: s.Expr, given: Type) -> bool:
 
 def _declared(check: Expressions, e: s.Name, declared: Declaration) -> Typed:
     match declared:
+        case s.Factor(count=count) | s.Action(count=count) if count is not None:
+            return check.all_of(e, declared)
         case s.Factor():
             made = check.memoized(("factor", e.id), e.span, lambda: Typed(ir.Ref(name=e.id), check.domain_of(declared)))
             return Typed(ir.Ref(name=e.id), made.type)

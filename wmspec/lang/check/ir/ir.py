@@ -191,6 +191,8 @@ class Entity(Node):
     `verb` is set for actions; an `added` action occurs only under the counterfactual that adds it. `model` is the kind
     of a joint (hinge, slider, ball, fixed) or the model of a robot.
 
+    An action with a condition has the property `when`.
+
     A part is named `object.part` and `of` is its object. `of` of an action is the acting robot, if any. A member of a
     set is named `set_index` and has the set's name in `set`. Links and joints of an asset are objects and joints whose
     `of` is the asset's base. Their poses are relative to the asset's frame, with all joints at 0.

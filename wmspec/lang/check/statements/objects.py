@@ -20,7 +20,7 @@ from wmspec.lang.check.statements.defaults import default_value
 from wmspec.lang.check.tables.property_schema import inherited_appearance
 from wmspec.lang.check.tables.verbs import ROBOTS
 from wmspec.lang.check.tables.vocabulary import COLORS, FILES, JOINTS, MEASURES, PROPERTIES, PropertySpec
-from wmspec.lang.check.types.types import A_TIME, article, either
+from wmspec.lang.check.types.types import A_TIME, TRUTH, article, either
 from wmspec.lang.parse import syntax as s
 from wmspec.sim.shapes import SHAPES
 
@@ -212,6 +212,7 @@ class Entities:
             name=action.name.id,
             verb=does.name,
             of=does.robot,
+            set=self.scope.sets.get(action.name.id, ""),
             properties=properties | self._timings(action, does),
             place=Location.of(action.name.span),
         )
@@ -246,15 +247,14 @@ class Entities:
             self.report.add("WMS206", message, does.call.span, "add `stiffness:` to the joint", notes)
 
     def _timings(self, action: s.Action, does: ResolvedAction) -> dict[str, ir.Setting]:
-        """Return the start and duration of an action, from `at`, `for`, `after` and `with`."""
-        spans: dict[bool, Span] = {}
+        """Return the start, duration and condition of an action, from `at`, `for`, `after`, `with` and `when`."""
+        spans: dict[str, Span] = {}
         for timing in action.timings:
-            lasts = timing.kind == "for"
-            if lasts in spans:
-                notes = (Note("first set here", spans[lasts]),)
-                what = "how long this lasts" if lasts else "when this starts"
+            what = {"for": "how long this lasts", "when": "the condition of this"}.get(timing.kind, "when this starts")
+            if what in spans:
+                notes = (Note("first set here", spans[what]),)
                 self.report.add("WMS202", f"{what} is set twice", timing.span, "remove one", notes)
-            spans.setdefault(lasts, timing.span)
+            spans.setdefault(what, timing.span)
         begin, span = actions.start(self.check, action)
         check_bounds(self.check, begin.expr, START, span, "`at`")
         settings = {"start": ir.Setting(value=begin.expr, place=Location.of(span))}
@@ -269,4 +269,7 @@ class Entities:
             typed = self.check.value(lasting.value, (A_TIME,), "`for`")
             check_bounds(self.check, typed.expr, DURATION, lasting.value.span, "`for`")
             settings["duration"] = ir.Setting(value=typed.expr, place=Location.of(lasting.value.span))
+        if (when := next((t for t in action.timings if t.kind == "when"), None)) is not None:
+            condition = self.check.value(when.value, (TRUTH,), "`when`").expr
+            settings["when"] = ir.Setting(value=condition, place=Location.of(when.value.span))
         return settings

@@ -1,11 +1,15 @@
-"""Expands sets of objects and joints: the maximum number of members, each present if its index is below `count`."""
+"""Expands sets of objects, joints, actions and nuisances into the maximum number of members.
+
+An object or joint is present, and an action happens, if its index is below `count`. Nuisances are drawn for all members.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import product
 from math import prod
-from typing import Any
+from typing import Any, TypeVar
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.expressions.expressions import Expressions
@@ -18,6 +22,8 @@ from wmspec.lang.check.tables.vocabulary import SETS
 from wmspec.lang.check.types.types import A_NUMBER
 from wmspec.lang.parse import syntax as s
 
+#: A statement that may declare a set.
+Whole = TypeVar("Whole", s.Block, s.Action, s.Factor)
 #: Maximum number of members, and of factor combinations tried to find the largest count.
 MAX_MEMBERS, MAX_COMBINATIONS = 500, 10_000
 
@@ -30,30 +36,37 @@ class Sets:
         self.factors = factors
         self.substitute = substitute
 
-    def members(self, whole: s.Block) -> tuple[s.Block, ...]:
-        """Return a set's members as blocks, none if its count is wrong; other blocks are unchanged. Raises Failed."""
+    def members(self, whole: Whole) -> tuple[Whole, ...]:
+        """Return the members of a set, none if its count is wrong; other statements are unchanged. Raises Failed."""
         if whole.count is None:
             return (whole,)
         count = self.check.value(whole.count, (A_NUMBER,), "the number of a set").expr
         largest = self._largest(whole.count, count)
         varies = constant(count) is None
         try:
-            members = tuple(self._member(whole, i, varies) for i in range(largest))
+            members = tuple(self._member(whole, whole.count, i, varies) for i in range(largest))
         except TooLarge:
             self.check.fail("WMS105", "this set is too large for what is in it", whole.name.span, "make it simpler")
         for member in members:
             self.check.scope.declare(member, whole.name.id)
         return members
 
-    def _member(self, whole: s.Block, i: int, varies: bool) -> s.Block:
-        assert whole.count is not None
+    def _member(self, whole: Whole, count: s.Expr, i: int, varies: bool) -> Whole:
         self.substitute.count_entity()
         values = {"index": s.Number(float(i), None, whole.name.span)}
-        properties = tuple(self.substitute.property(p, values) for p in whole.properties)
-        if varies:
-            properties = _present(properties, values["index"], whole.count)
-        made = tuple(self.substitute.part(p, values) for p in whole.parts)
         name = s.Name(f"{whole.name.id}_{i}", whole.name.span)
+        below = s.Operation("<", (values["index"], count), count.span) if varies else None
+        match whole:
+            case s.Factor():
+                return replace(whole, name=name, domain=self.substitute.expression(whole.domain, values), count=None)
+            case s.Action():
+                call = self.substitute.expression(whole.call, values)
+                timings = tuple(replace(t, value=self.substitute.expression(t.value, values)) for t in whole.timings)
+                timings = _happens(timings, below) if below else timings
+                return replace(whole, name=name, call=call, timings=timings, count=None)
+        properties = tuple(self.substitute.property(p, values) for p in whole.properties)
+        properties = _present(properties, below) if below else properties
+        made = tuple(self.substitute.part(p, values) for p in whole.parts)
         return s.Block(SETS[whole.kind], name, properties, whole.span, whole.model, parts=made)
 
     def _largest(self, written: s.Expr, count: ir.Expr) -> int:
@@ -125,11 +138,18 @@ class _Numbers:
     call = property
 
 
-def _present(properties: tuple[s.Property, ...], index: s.Expr, count: s.Expr) -> tuple[s.Property, ...]:
-    """Return the properties with `present: index < count`, combined with a written `present`."""
-    there: s.Expr = s.Operation("<", (index, count), count.span)
+def _present(properties: tuple[s.Property, ...], below: s.Expr) -> tuple[s.Property, ...]:
+    """Return the properties with `present` where `below` holds, combined with a written `present`."""
     present = next((p for p in properties if p.name.id == "present"), None)
-    if present is not None:
-        there = s.Operation("and", (there, present.value), present.value.span)
-    name = s.Name("present", count.span)
-    return *(p for p in properties if p is not present), s.Property(name, there, None, count.span)
+    there = s.Operation("and", (below, present.value), present.value.span) if present is not None else below
+    name = s.Name("present", below.span)
+    return *(p for p in properties if p is not present), s.Property(name, there, None, below.span)
+
+
+def _happens(timings: tuple[s.Timing, ...], below: s.Expr) -> tuple[s.Timing, ...]:
+    """Return the timings with `when` limited to members where `below` holds."""
+    when = next((t for t in timings if t.kind == "when"), None)
+    if when is None:
+        return *timings, s.Timing("when", below, below.span)
+    both = s.Operation("and", (below, when.value), when.value.span)
+    return tuple(replace(t, value=both) if t is when else t for t in timings)

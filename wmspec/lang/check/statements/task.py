@@ -147,17 +147,17 @@ class _Task:
         self.things = Entities(self.check)
         self.questions = Questions(self.check, modules, self.things)
         self.observations = Observations(self.check)
-        self._replace(Sets(self.check, self.factors, substitute).members)
-        self._replace(Assets(self.check, substitute).expanded)
+        self._replace(Sets(self.check, self.factors, substitute).members, s.Block, s.Action, s.Factor)
+        self._replace(Assets(self.check, substitute).expanded, s.Block)
         self.unused = list(templates.unused())
         report.names |= modules.written() | self.scope.written(modules.written())
 
-    def _replace(self, made: Callable[[s.Block], tuple[s.Block, ...]]) -> None:
-        """Replace blocks by their expansion, and by nothing where that fails."""
+    def _replace(self, made: Callable[[S], tuple[S, ...]], *sorts: type[S]) -> None:
+        """Replace statements of some types by their expansion, and by nothing where that fails."""
         statements: list[s.Statement] = []
         for statement in self.statements:
             with suppress(Failed):
-                statements += made(statement) if isinstance(statement, s.Block) else (statement,)
+                statements += made(statement) if isinstance(statement, sorts) else (statement,)
         self.statements = statements
 
     def library(self) -> None:
