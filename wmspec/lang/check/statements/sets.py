@@ -1,6 +1,6 @@
 """Expands sets of objects, joints, actions and nuisances into the maximum number of members.
 
-An object or joint is present, and an action happens, if its index is below `count`. Nuisances are drawn for all members.
+An object or joint is present, and an action happens, if its index is below `count`. All members have their nuisances.
 """
 
 from __future__ import annotations
