@@ -1,6 +1,6 @@
 """Expands sets of objects, joints, actions and nuisances into the maximum number of members.
 
-An object or joint is present, and an action happens, if its index is below `count`. All members have their nuisances.
+An object or joint is present, and an action happens, if its index is below `count`. All members draw nuisances.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 from math import prod
-from typing import Any, TypeVar
+from typing import Any
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.expressions.expressions import Expressions
@@ -23,7 +23,7 @@ from wmspec.lang.check.types.types import A_NUMBER
 from wmspec.lang.parse import syntax as s
 
 #: A statement that may declare a set.
-Whole = TypeVar("Whole", s.Block, s.Action, s.Factor)
+Whole = s.Block | s.Action | s.Factor
 #: Maximum number of members, and of factor combinations tried to find the largest count.
 MAX_MEMBERS, MAX_COMBINATIONS = 500, 10_000
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from wmspec.core.diagnostics import Diagnostic, Note, Report
 from wmspec.core.limits import EPISODE_SECONDS
@@ -152,7 +152,7 @@ class _Task:
         self.unused = list(templates.unused())
         report.names |= modules.written() | self.scope.written(modules.written())
 
-    def _replace(self, made: Callable[[S], tuple[S, ...]], *sorts: type[S]) -> None:
+    def _replace(self, made: Callable[[Any], Iterable[s.Statement]], *sorts: type[s.Statement]) -> None:
         """Replace statements of some types by their expansion, and by nothing where that fails."""
         statements: list[s.Statement] = []
         for statement in self.statements:
