@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from wmspec.core import disk_cache
 from wmspec.core.diagnostics import Diagnostic, Note, Remedy, Report, WmsError
 from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Source, Span
-from wmspec.core.safe_io import folders_searched
+from wmspec.core.safe_io import files_searched
 from wmspec.lang.parse.files import find_library, read_source, spec_files
 
 if TYPE_CHECKING:
@@ -79,10 +79,10 @@ def _checked(path: Path) -> Checked:
         return cached
     from wmspec.api.loading import diagnose_file
 
-    with folders_searched() as searched:
+    with files_searched() as searched:
         diagnosis, program = diagnose_file(path)
     checked = _of(diagnosis)
-    if (record := _record(path, checked, program, searched)) is not None:
+    if (record := _record(path, checked, program, searched.folders)) is not None:
         disk_cache.write(entry, json.dumps(record).encode())
     return checked
 

@@ -12,6 +12,7 @@ from wmspec.api.task import Task
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError, suggestion
 from wmspec.core.places import Source
+from wmspec.core.safe_io import files_searched
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.files import catalogue_folders, display_path, spec_files
 from wmspec.lang.parse.load import Program, load_source
@@ -201,8 +202,9 @@ def _tasks(specs: Iterable[Path | Source], seed: int, tell: Tell) -> tuple[Task,
 
 def _checked(spec: Path | Source, seed: int, report: Report) -> list[Task]:
     own = Report()  # per file, so that mistakes in one do not prevent the check of another
-    program = _program(spec, own)
-    checked = check_program(program, own)
+    with files_searched() as searched:
+        program = _program(spec, own)
+        checked = check_program(program, own)
     report.merge(own)
     path = spec if isinstance(spec, Path) else None
-    return [Task(task, program, path, seed) for task in checked]
+    return [Task(task, program, path, seed, frozenset(searched.files)) for task in checked]

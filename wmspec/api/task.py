@@ -59,13 +59,15 @@ class Factor:
 class Task(Sequence["Instance"]):
     """A checked task: the sequence of its instances, each built on access.
 
-    `spec` is the checked task, `program` the parsed text, `path` its file (None for a text).
+    `spec` is the checked task, `program` the parsed text, `path` its file (None for a text), `assets` the paths of the
+    files other than specs that it names.
     """
 
     spec: TaskSpec
     program: Program
     path: Path | None
     seed: int = 0
+    assets: frozenset[Path] = frozenset()
 
     def __repr__(self) -> str:
         return f"<Task {self.name} from {self.file}>"

@@ -20,7 +20,14 @@ if TYPE_CHECKING:
 
 @click.command("check")
 @click.argument("specs", nargs=-1, required=True, type=click.Path(path_type=Path, allow_dash=True))
-@click.option("--format", "form", type=click.Choice(["text", "json", "sarif"]), default="text", show_default=True)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["text", "json", "sarif", "github", "gitlab"]),
+    default="text",
+    show_default=True,
+    help="Format of the output: also SARIF, annotations for GitHub, and code quality reports for GitLab.",
+)
 @click.option("--json", "form", flag_value="json", help="Same as --format json.")
 @click.option(
     "--timeout",
@@ -56,7 +63,7 @@ def check_command(
     from wmspec.api.checking import check_files, check_text
     from wmspec.core.disk_cache import disabled
 
-    if count and (form == "sarif" or specs == (Path("-"),)):
+    if count and (form not in ("text", "json") or specs == (Path("-"),)):
         raise WmsError("--try needs spec files, and prints text or JSON")
     if backend and not count:
         raise WmsError("--backend selects the engine of --try", help="add --try")
@@ -73,6 +80,11 @@ def check_command(
         from wmspec.cli.sarif import sarif
 
         click.echo(json.dumps(sarif(checked.diagnostics), indent=2))
+    elif form in ("github", "gitlab"):
+        from wmspec.cli.annotations import github, gitlab
+
+        shown = github(checked.diagnostics) if form == "github" else json.dumps(gitlab(checked.diagnostics), indent=2)
+        click.echo(shown.rstrip("\n"))
     else:
         _print(checked)
         print_trials(trials)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from pathlib import Path
+from collections.abc import Iterable, Mapping
 from typing import Any
 from urllib.parse import quote
 
 from wmspec import __version__
+from wmspec.cli.report_paths import file_of, source_root
 from wmspec.core.diagnostics import Diagnostic
 from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Span
 from wmspec.lang.parse.codes import CODES
@@ -15,26 +15,31 @@ from wmspec.lang.parse.codes import CODES
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 
 
-def sarif(diagnostics: Iterable[Diagnostic]) -> dict[str, Any]:
-    """Return a SARIF log with one run; its rules are all codes of the language."""
-    rules = [
-        {"id": code, "shortDescription": {"text": meaning}, "help": {"text": f"wmspec explain {code}"}}
-        for code, meaning in CODES.items()
-    ]
-    driver = {"name": "wmspec", "semanticVersion": __version__, "rules": rules}
+#: The base of relative URIs: the root of the repository.
+_BASE = "SRCROOT"
+
+
+def sarif(diagnostics: Iterable[Diagnostic], rules: Mapping[str, str] = CODES) -> dict[str, Any]:
+    """Return a SARIF log with one run. `rules` are the meanings of all codes, those of the language by default."""
+    described: list[dict[str, Any]] = []
+    for code, meaning in rules.items():
+        help = {"help": {"text": f"wmspec explain {code}"}} if code in CODES else {}
+        described.append({"id": code, "shortDescription": {"text": meaning}, **help})
+    driver = {"name": "wmspec", "semanticVersion": __version__, "rules": described}
     run = {
         "tool": {"driver": driver},
+        "originalUriBaseIds": {_BASE: {"uri": f"{source_root().as_uri()}/"}},
         "columnKind": "unicodeCodePoints",
-        "results": [_result(diagnostic) for diagnostic in diagnostics],
+        "results": [_result(diagnostic, list(rules)) for diagnostic in diagnostics],
     }
     return {"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}
 
 
-def _result(diagnostic: Diagnostic) -> dict[str, Any]:
+def _result(diagnostic: Diagnostic, rules: list[str]) -> dict[str, Any]:
     help = f" (help: {diagnostic.help})" if diagnostic.help else ""
     result: dict[str, Any] = {
         "ruleId": diagnostic.code,
-        "ruleIndex": list(CODES).index(diagnostic.code),
+        "ruleIndex": rules.index(diagnostic.code),
         "level": diagnostic.severity,
         "message": {"text": diagnostic.message + help},
     }
@@ -63,11 +68,16 @@ def _location(place: Place) -> dict[str, Any]:
 
 
 def _physical(name: str, region: dict[str, int]) -> dict[str, Any]:
-    where = {"artifactLocation": {"uri": _uri(name)}}
+    where = {"artifactLocation": _artifact(name)}
     return {"physicalLocation": where | ({"region": region} if region else {})}
 
 
-def _uri(name: str) -> str:
-    """Return a path as a URI: relative to the working folder, or with a scheme."""
-    path = Path(name)
-    return path.as_uri() if path.is_absolute() else quote(path.as_posix())
+def _artifact(name: str) -> dict[str, str]:
+    """Return the URI of a file: relative to the root of the repository, or absolute if it is elsewhere."""
+    path = file_of(name)
+    root = source_root()
+    if path is None:
+        return {"uri": quote(name)}
+    if path.is_relative_to(root):
+        return {"uri": quote(path.relative_to(root).as_posix()), "uriBaseId": _BASE}
+    return {"uri": path.as_uri()}

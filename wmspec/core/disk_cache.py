@@ -24,6 +24,8 @@ import wmspec
 
 #: With more entries than this, the older half is removed.
 MAX_ENTRIES = 4000
+#: Number of entries that one object writes between two searches for old ones.
+_PRUNING_INTERVAL = 200
 _CHECKSUM = hashlib.sha256().digest_size
 _WRITABLE_BY_OTHERS = stat.S_IWGRP | stat.S_IWOTH
 
@@ -49,53 +51,68 @@ def folder() -> Path:
 
 
 def read(name: str) -> bytes | None:
-    """Return the content of an entry; None if there is none or it is not trusted."""
-    if _disabled:
-        return None
-    with suppress(OSError):
-        place = folder()
-        if not _ours(place.stat()):
-            return None
-        handle = os.open(place / name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
-        with os.fdopen(handle, "rb") as file:
-            status = os.fstat(handle)
-            if not stat.S_ISREG(status.st_mode) or not _ours(status):
-                return None
-            checksum, content = file.read(_CHECKSUM), file.read()
-        if checksum == hashlib.sha256(content).digest():
-            return content
-    return None
+    """Return the content of an entry in the user's folder; None if there is none or it is not trusted."""
+    return DiskCache(folder()).read(name)
 
 
 def write(name: str, content: bytes) -> None:
-    """Make an entry, whole or not at all: another process may read it at any time."""
-    if _disabled:
-        return
-    import tempfile
+    """Make an entry in the user's folder."""
+    DiskCache(folder()).write(name, content)
 
-    with suppress(OSError):
-        place = folder()
-        place.mkdir(parents=True, exist_ok=True, mode=0o700)
-        if not _ours(place.stat()):
+
+class DiskCache:
+    """Entries in one folder, at most `most` of them. `refused` counts the entries that were not trusted."""
+
+    def __init__(self, place: Path, most: int | None = None) -> None:
+        self.place = place
+        self.refused = self._written = 0
+        self._most = MAX_ENTRIES if most is None else most
+
+    def read(self, name: str) -> bytes | None:
+        """Return the content of an entry; None if there is none or it is not trusted."""
+        if _disabled:
+            return None
+        with suppress(OSError):
+            handle = os.open(self.place / name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+            with os.fdopen(handle, "rb") as file:
+                status = os.fstat(handle)
+                if stat.S_ISREG(status.st_mode) and _ours(status) and _ours(self.place.stat()):
+                    checksum, content = file.read(_CHECKSUM), file.read()
+                    if checksum == hashlib.sha256(content).digest():
+                        return content
+            self.refused += 1
+        return None
+
+    def write(self, name: str, content: bytes) -> None:
+        """Make an entry, whole or not at all: another process may read it at any time."""
+        if _disabled:
             return
-        handle, temporary = tempfile.mkstemp(dir=place, suffix=".part")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(hashlib.sha256(content).digest() + content)
-            Path(temporary).replace(place / name)
-        except OSError:
-            Path(temporary).unlink(missing_ok=True)
-            raise
-        _prune(place)
+        import tempfile
+
+        with suppress(OSError):
+            self.place.mkdir(parents=True, exist_ok=True, mode=0o700)
+            if not _ours(self.place.stat()):
+                return
+            handle, temporary = tempfile.mkstemp(dir=self.place, suffix=".part")
+            try:
+                with os.fdopen(handle, "wb") as file:
+                    file.write(hashlib.sha256(content).digest() + content)
+                Path(temporary).replace(self.place / name)
+            except OSError:
+                Path(temporary).unlink(missing_ok=True)
+                raise
+            if self._written % _PRUNING_INTERVAL == 0:
+                _prune(self.place, self._most)
+            self._written += 1
 
 
 def _ours(status: os.stat_result) -> bool:
     return status.st_uid == os.geteuid() and not status.st_mode & _WRITABLE_BY_OTHERS
 
 
-def _prune(place: Path) -> None:
+def _prune(place: Path, most: int) -> None:
     names = os.listdir(place)  # noqa: PTH208  names are enough
-    if len(names) > MAX_ENTRIES:
+    if len(names) > most:
         written = []
         for name in names:
             with suppress(OSError):  # another process was quicker

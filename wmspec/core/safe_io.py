@@ -11,6 +11,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,17 +29,25 @@ def is_file_name(text: object) -> bool:
     return isinstance(text, str) and _NAME.fullmatch(text) is not None
 
 
-#: The folders that were searched for files other than specs, while they are collected.
-_searched: ContextVar[set[Path] | None] = ContextVar("_searched", default=None)
+@dataclass(frozen=True)
+class Searched:
+    """The `folders` in which files other than specs were searched, and the paths of these `files`."""
+
+    folders: set[Path] = field(default_factory=set)
+    files: set[Path] = field(default_factory=set)
+
+
+#: The searches for files other than specs, while they are collected.
+_searched: ContextVar[Searched | None] = ContextVar("_searched", default=None)
 
 
 @contextmanager
-def folders_searched() -> Iterator[set[Path]]:
-    """Collect the folders that the block searches for files other than specs."""
-    folders = set[Path]()
-    token = _searched.set(folders)
+def files_searched() -> Iterator[Searched]:
+    """Collect the files other than specs that the block searches, and their folders."""
+    searched = Searched()
+    token = _searched.set(searched)
     try:
-        yield folders
+        yield searched
     finally:
         _searched.reset(token)
 
@@ -46,7 +55,8 @@ def folders_searched() -> Iterator[set[Path]]:
 def is_within(folder: Path, path: Path) -> bool:
     """Whether a path is a file below the folder after symbolic links are resolved."""
     if (searched := _searched.get()) is not None and path.suffix != ".wms":
-        searched.add(folder)
+        searched.folders.add(folder)
+        searched.files.add(path)
     try:
         return path.is_file() and path.resolve().is_relative_to(folder.resolve())
     except (OSError, ValueError, RuntimeError):  # a name that is too long, a null character, links in a circle

@@ -54,6 +54,14 @@ def run_name(spec: TaskSpec, q: int, change: Counterfactual) -> str:
     return change.name if len(spec.questions) == 1 else f"{change.name} ({q + 1})"
 
 
+def runs(spec: TaskSpec, instance: Instance) -> dict[str, Counterfactual | None]:
+    """Return what is executed of an instance, by name: the truth, and the counterfactuals of all questions."""
+    changes: dict[str, Counterfactual | None] = {TRUTH: None}
+    for q, question in enumerate(spec.questions):
+        changes |= {run_name(spec, q, change): change for change in _changes(question, instance)}
+    return changes
+
+
 def _changes(question: Question, instance: Instance) -> tuple[Counterfactual, ...]:
     """Return the counterfactuals that a question executes."""
     return KINDS[question.kind].executed(question, instance.factors)
@@ -61,12 +69,8 @@ def _changes(question: Question, instance: Instance) -> tuple[Counterfactual, ..
 
 def _scenes(design: Design, instance: Instance) -> tuple[dict[str, Scene], list[Failure]]:
     """Return the scenes to execute, by run, and those that cannot be built."""
-    spec = design.spec
-    changes: dict[str, Counterfactual | None] = {TRUTH: None}
-    for q, question in enumerate(spec.questions):
-        changes |= {run_name(spec, q, change): change for change in _changes(question, instance)}
     scenes, failures = {}, []
-    for run, change in changes.items():
+    for run, change in runs(design.spec, instance).items():
         try:
             scenes[run] = _reader().of(values_of(design, instance, change))
         except WmsError as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import degrees
 
-from wmspec.runtime.compare.model import Cause, CheckResult, Comparison, Failure, Gap, Verdict
+from wmspec.runtime.compare.model import Cause, Comparison, Failure, Gap, Verdict
 from wmspec.runtime.questions.kinds import KINDS
 
 
@@ -50,16 +50,6 @@ def cause(why: Cause) -> str:
         f"{where}, after touching `{why.other}` at {why.touched:.3f} s "
         f"(mass {masses}, friction {why.friction:.3g}, restitution {why.restitution:.3g}): {why.hint}"
     )
-
-
-def complaints(checked: CheckResult, strict: bool) -> list[str]:
-    """Return all reasons why an instance does not pass; empty if it does."""
-    if checked.passes(strict):
-        return []
-    reasons = [failure(f) for f in checked.failures] + [dispute(v) for v in checked.disputed]
-    if strict or not checked.verdicts:
-        reasons += [parting(c) for c in checked.parted]
-    return reasons
 
 
 def _apart(gap: Gap) -> str:

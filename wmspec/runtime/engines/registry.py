@@ -9,6 +9,7 @@ from importlib.metadata import EntryPoint, entry_points, version
 from typing import cast, get_args
 
 from wmspec import __version__
+from wmspec.core.code_digest import package_digest
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.native_output import silence
 from wmspec.sim.photo import library as photo
@@ -150,6 +151,14 @@ def require_look(engines: Sequence[str], look: Look) -> tuple[str, ...]:
 def engine_version(name: str) -> str:
     """Return the version of the backend's engine package."""
     return version(info(name).distribution)
+
+
+def backend_digest(name: str) -> str:
+    """Return the digest of a backend's code; '' for one of wmspec, whose code `code_digest` has."""
+    entry = _entries().get(name)
+    if entry is None or (entry.dist is not None and entry.dist.name == "wmspec"):
+        return ""
+    return package_digest(entry.module)
 
 
 def versions(engines: Iterable[str], look: Look) -> dict[str, str]:

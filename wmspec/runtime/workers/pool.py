@@ -265,6 +265,17 @@ class LocalWorkers:
             job.future = self._pool.schedule(_run_job, args=(job.work, *job.piece), timeout=job.timeout)
 
 
+class PersistentWorkers(LocalWorkers):
+    """A worker process that several calls of `map_batches` use in turn, until it is closed."""
+
+    def finish(self) -> None:
+        """Keep the process: all of its jobs are done."""
+
+    def close(self) -> None:
+        """Kill the process."""
+        self.stop()
+
+
 def _relax_gc() -> None:
     """Raise GC thresholds: specs and scenes are acyclic, and collection costs ~20 %."""
     gc.set_threshold(100_000, 20, 100)
