@@ -7,7 +7,11 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 PAIR = "mujoco,sapien"
-LIBRARY = '"""A plate that bounces."""\n\nobject plate { shape: box  size: (6 m, 6 m, 2 cm)  restitution: 0.9  on: floor  fixed: true }\n'
+LIBRARY = '''"""A plate that bounces."""
+use room
+
+object plate { shape: box  size: (6 m, 6 m, 2 cm)  restitution: 0.9  on: floor  fixed: true }
+'''
 
 
 def git(folder: Path, *arguments: str) -> str:
@@ -24,7 +28,7 @@ def make(folder: Path) -> Path:
     tumble = (HERE / "tumble.wms").read_text().splitlines(keepends=True)
     text = "".join(line for line in tumble if "object plate" not in line).replace("use room\n", "use room\nuse plate\n")
     (specs / "tumble.wms").write_text(text)
-    (specs / "plate.wms").write_text(LIBRARY.replace("\n\nobject", "\nuse room\n\nobject"))
+    (specs / "plate.wms").write_text(LIBRARY)
     git(folder, "init", "--quiet", "--initial-branch", "main")
     commit(folder)
     return folder

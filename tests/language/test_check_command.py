@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlparse
+from urllib.parse import unquote, urlparse
 
 import pytest
 from click.testing import CliRunner
@@ -43,7 +43,8 @@ def test_sarif_keeps_the_rules_of_its_schema(name: str) -> None:
     assert set(log) == {"$schema", "version", "runs"}
     assert log["version"] == "2.1.0"
     (sarif_run,) = log["runs"]
-    assert set(sarif_run) == {"tool", "columnKind", "results"}
+    assert set(sarif_run) == {"tool", "originalUriBaseIds", "columnKind", "results"}
+    bases = {name: base["uri"] for name, base in sarif_run["originalUriBaseIds"].items()} | {"": ""}
     rules = sarif_run["tool"]["driver"]["rules"]
     assert [r["id"] for r in rules] == list(CODES)
     expected = (CORPUS / name).with_suffix(".expected").read_text().splitlines()
@@ -54,7 +55,8 @@ def test_sarif_keeps_the_rules_of_its_schema(name: str) -> None:
         assert result["message"]["text"]
         for location in [*result["locations"], *result.get("relatedLocations", [])]:
             place = location["physicalLocation"]
-            assert urlparse(place["artifactLocation"]["uri"]).path.endswith(".wms")
+            file = place["artifactLocation"]
+            assert Path(unquote(urlparse(bases[file.get("uriBaseId", "")] + file["uri"]).path)).is_file()
             region = place["region"]
             assert region["startLine"] >= 1
             assert (region["endLine"], region["endColumn"]) >= (region["startLine"], region["startColumn"])

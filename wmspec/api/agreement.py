@@ -65,7 +65,7 @@ class Agreement:
     """Cache entries that were damaged or not trusted."""
     lost: frozenset[tuple[str, int]] = frozenset()
     """Task and index of the instances that failed by an internal error, a crash or a timeout."""
-    baseline: Baseline = Baseline(0)
+    baseline: Baseline = field(default_factory=lambda: Baseline(0))
     fail_under: float = 100.0
     tasks: tuple[Task, ...] = field(default=(), repr=False, compare=False)
 
@@ -197,9 +197,7 @@ def crosscheck(
     job = SweepConfig(tuple((s.name, to_json(s)) for s in specs), every[0].seed, engines, limits)
     results = _cache(cache, job, chosen)
     with progress(sum(min(sample, len(task)) for task in chosen), "crosschecking") as advance:
-        settings = (
-            PoolConfig(1, timeout, workers) if callable(workers) else worker_settings(workers, timeout, engines)
-        )
+        settings = PoolConfig(1, timeout, workers) if callable(workers) else worker_settings(workers, timeout, engines)
         swept = sweep(specs, sample, job, settings, advance, results, deadline)
     return Agreement(
         job=job,

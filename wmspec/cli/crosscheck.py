@@ -166,14 +166,7 @@ def _print(agreement: Agreement, changed_since: str) -> None:
         click.echo(f"no task has changed since {changed_since}")
         return
     _print_table(agreement)
-    failed = agreement.failed
-    for instance in failed[:MAX_PRINTED]:
-        settings = ", ".join(f"{k} {_short(v)}" for k, v in instance.factors.items())
-        click.echo(f"\n{instance.task}, instance {instance.index} ({settings})")
-        for complaint in agreement.complaints(instance):
-            click.echo(f"  {complaint}")
-    if len(failed) > MAX_PRINTED:
-        click.echo(f"\n... and {len(failed) - MAX_PRINTED} more instances; --json FILE writes all")
+    _print_failures(agreement)
     if agreement.suspects:
         click.echo("\nmore often with:")
     for s in agreement.suspects:
@@ -188,6 +181,17 @@ def _print(agreement: Agreement, changed_since: str) -> None:
     for gone in agreement.vanished:
         click.echo(f"  {gone.task}, instance {gone.index}: {gone.reason}")
     _print_counts(agreement)
+
+
+def _print_failures(agreement: Agreement) -> None:
+    failed = agreement.failed
+    for instance in failed[:MAX_PRINTED]:
+        settings = ", ".join(f"{k} {_short(v)}" for k, v in instance.factors.items())
+        click.echo(f"\n{instance.task}, instance {instance.index} ({settings})")
+        for complaint in agreement.complaints(instance):
+            click.echo(f"  {complaint}")
+    if len(failed) > MAX_PRINTED:
+        click.echo(f"\n... and {len(failed) - MAX_PRINTED} more instances; --json FILE writes all")
 
 
 def _print_table(agreement: Agreement) -> None:

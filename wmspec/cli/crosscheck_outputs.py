@@ -65,8 +65,8 @@ def diagnostics(agreement: Agreement) -> list[Diagnostic]:
         spec = specs[str(task)]
         place = spec.questions[question].place if isinstance(question, int) else spec.things[0].place
         index, reason = every[0]
-        few = f"{len({i for i, _ in every})} of {counts[str(task)]} instances"
-        made.append(Diagnostic(f"{task}: {few}; in instance {index}: {reason}", place, code=f"crosscheck-{kind}"))
+        few = f"{len({i for i, _ in every})} of {counts[str(task)]} instances of `{task}` disagree"
+        made.append(Diagnostic(f"{few}; in instance {index}: {reason}", place, code=f"crosscheck-{kind}"))
     return made
 
 

@@ -65,9 +65,9 @@ def path_chart(traces: tuple[Trace, Trace], bodies: Sequence[int]) -> Chart:
         for body in bodies:
             points = place(_thinned(trace.position[:, body]))
             lines.append(Line(_points(points), f"engine{number}", f"{trace.bodies[body]} in {trace.engine}"))
-            marks.append(Mark(*points[-1].tolist(), "", f"engine{number}"))
+            marks.append(Mark(points[-1, 0], points[-1, 1], "", f"engine{number}"))
             if number == 0:
-                marks.append(Mark(*points[0].tolist(), trace.bodies[body], "start"))
+                marks.append(Mark(points[0, 0], points[0, 1], trace.bodies[body], "start"))
     title = f"paths along {_AXES[a]} and {_AXES[b]}, {reach * 100:.3g} cm across"
     return Chart(title, tuple(lines), tuple(marks))
 
@@ -92,9 +92,13 @@ def distance_chart(traces: tuple[Trace, Trace], bodies: Sequence[int], began: fl
         Mark(MARGIN, MARGIN - 8, f"{most * 100:.3g} cm", "label"),
         Mark(WIDTH - MARGIN, HEIGHT - MARGIN + 18, f"{end:.3g} s", "label"),
     ]
+    for n, (i, gap) in enumerate(apart.items()):
+        marks.append(Mark(WIDTH - 4, float(place(time[-1:], gap[-1:])[0, 1]) - 6, traces[0].bodies[i], f"end body{n}"))
     if began is not None:
         x = MARGIN + began / end * (WIDTH - 2 * MARGIN)
-        lines.append(Line(_points(np.array([[x, MARGIN], [x, HEIGHT - MARGIN]])), "began", f"divergence at {began:.3g} s"))
+        lines.append(
+            Line(_points(np.array([[x, MARGIN], [x, HEIGHT - MARGIN]])), "began", f"divergence at {began:.3g} s")
+        )
         marks.append(Mark(x, HEIGHT - MARGIN + 18, f"{began:.3g} s", "label"))
     return Chart("distance between the engines over time", tuple(lines), tuple(marks))
 
