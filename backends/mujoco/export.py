@@ -10,7 +10,7 @@ from wmspec.sim.scene.script import episode_script
 from .clearance import CLEARANCE, box_distance, is_clear
 from .mjcf import mjcf
 from .physics import prepare
-from .world import HEAVY, World, rates
+from .world import HEAVY, NEVER, World, rates
 
 WORLD = """model = mujoco.MjModel.from_xml_path(str(Path(__file__).with_name("scene.xml")))
 world = World(model, ASSEMBLY)"""
@@ -22,7 +22,7 @@ def native(scene: Scene) -> dict[str, str]:
     Raises WmsError for a scene that MuJoCo does not support.
     """
     whole, timeline = prepare(scene)
-    values = {"HEAVY": HEAVY, "CLEARANCE": CLEARANCE, "ASSEMBLY": whole, "EPISODE": timeline}
+    values = {"HEAVY": HEAVY, "NEVER": NEVER, "CLEARANCE": CLEARANCE, "ASSEMBLY": whole, "EPISODE": timeline}
     run = episode_script(
         "MuJoCo",
         "mujoco",

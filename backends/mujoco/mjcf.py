@@ -39,8 +39,9 @@ def mjcf(scene: Scene, episode: Episode, whole: Assembly, *, seen: bool = True) 
     ET.SubElement(root, "compiler", angle="radian", autolimits="true")
     driven = any(limb.drive for tree in trees for limb in tree)
     integrator = "implicitfast" if driven else "RK4" if _is_free_tumbling(scene) else "Euler"
-    # jointed and held bodies may start to move slower than the sleep threshold
-    _options(root, episode, integrator, sleep=integrator == "Euler" and not (scene.joints or episode.holds))
+    # jointed and held bodies may start to move slower than the sleep threshold; a passage opens below sleeping ones
+    wakeful = bool(scene.joints or episode.holds or episode.passages)
+    _options(root, episode, integrator, sleep=integrator == "Euler" and not wakeful)
     asset, world, contact = (ET.SubElement(root, tag) for tag in ("asset", "worldbody", "contact"))
     _light(world, scene.light)
     bodies = tuple(com_frame(body if seen else _collision_body(body)) for body in scene.bodies)

@@ -50,7 +50,7 @@ Paths = dict[int, tuple[Any, Any, Any]]
 
 def is_uneventful(scene: Scene, timeline: Episode) -> bool:
     """Whether all actions fall between steps, so that MuJoCo can step alone most of the time."""
-    lasting = (timeline.pushes, timeline.drags, timeline.grips, timeline.aims)
+    lasting = (timeline.pushes, timeline.drags, timeline.grips, timeline.aims, timeline.passages)
     few = sum(1 for _ in colliding_geoms(scene)) <= MAX_PAIRS
     alone = bool(timeline.dynamic) and not any(lasting) and not scene.joints and few
     return alone and _moving_time(timeline) <= MAX_MOVING_FRACTION * (timeline.samples - 1) / timeline.rate

@@ -18,6 +18,7 @@ from .clearance import is_clear
 with silence():
     import mujoco
 
+NEVER = -1e6  # m: margin of a pair of geoms without contacts
 HEAVY = 1e6  # kg and kg m²: immovable by other bodies
 
 
@@ -48,7 +49,7 @@ class World:
         self.movable = model.body_treeid[self.ids[[i for i, b in enumerate(assembly.bodies) if b.motion == "dynamic"]]]
         self.slept, self.idle, self.late, self.last = False, False, 0, 0
         self.clear: Any = None
-        self.start = self.data.qpos.copy()
+        self.start, self.margins = self.data.qpos.copy(), model.pair_margin.copy()
         self.drives = {limb.joint: limb.drive for tree in assembly.trees for limb in tree if limb.drive}
         for limb in (limb for tree in assembly.trees for limb in tree):
             begun = rates(limb, assembly.bodies[limb.body])
@@ -135,6 +136,13 @@ class World:
         self.stir()
         stiffness, damping, _, velocity, _ = self.drives[joint]
         self.data.ctrl[self.actuators[joint]] = stiffness * target + damping * velocity
+
+    def collide(self, one: int, other: int, collides: bool) -> None:
+        """Set whether two bodies collide: with a margin far below zero, MuJoCo finds no contact of a pair."""
+        self.stir()
+        bodies = self.model.geom_bodyid[np.stack([self.model.pair_geom1, self.model.pair_geom2], axis=1)]
+        between = (np.sort(bodies, axis=1) == np.sort(self.ids[[one, other]])).all(axis=1)
+        self.model.pair_margin[between] = self.margins[between] if collides else NEVER
 
     def hold(self, body: int, at: Any = None) -> None:
         """Reset a dynamic body to its start or to `at`.

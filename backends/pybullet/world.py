@@ -258,6 +258,12 @@ class World:
         self.stir()
         self.targets[joint] = target
 
+    def collide(self, one: int, other: int, collides: bool) -> None:
+        """Set whether two bodies collide."""
+        self.stir()
+        for a, b in [(a, b) for a in self.parts[one] for b in self.parts[other]]:
+            pybullet.setCollisionFilterPair(a[0], b[0], a[1], b[1], int(collides), physicsClientId=self.client)
+
     def hold(self, body: int, at: Any = None) -> None:
         """Reset a dynamic body to its start or to `at`; a free one becomes as heavy as a kinematic one."""
         place = tuple(self.bodies[body].start if at is None else at)

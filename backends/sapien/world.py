@@ -59,7 +59,8 @@ class World:
         self.places: dict[int, tuple[float, ...]] = {}
         self.skipped: int | None = None
         self.lanes = lanes(assembly.bodies)
-        self.ignored = collision_words(assembly.non_colliding_pairs, len(self.bodies))
+        self.apart = set(assembly.non_colliding_pairs)
+        self.ignored = collision_words(tuple(sorted(self.apart)), len(self.bodies))
         self.mimic_constraints, self.seconds = assembly.mimic_constraints, assembly.step
         self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
         self.joints: dict[int, Any] = {}
@@ -256,6 +257,14 @@ class World:
         """Set the target of a drive."""
         self.stir()
         self.joints[joint].set_drive_target(target)
+
+    def collide(self, one: int, other: int, collides: bool) -> None:
+        """Set whether two bodies collide: all shapes get the collision groups of the new set of pairs."""
+        self.stir()
+        (self.apart.discard if collides else self.apart.add)((min(one, other), max(one, other)))
+        for part, words in zip(self.parts, collision_words(tuple(sorted(self.apart)), len(self.bodies)), strict=True):
+            for each in part.collision_shapes:
+                each.set_collision_groups([*each.get_collision_groups()[:2], *words])
 
     def hold(self, body: int, at: Any = None) -> None:
         """Reset a dynamic body to its start or to `at`, and make a free one kinematic."""

@@ -201,6 +201,7 @@ _CHANGES = (
     "counterfactual stopped { add stop(spare) at 0.6 s }",
     "counterfactual dyed    { add paint(spare, color: green) at 0.2 s * n }",
     "counterfactual gone    { add vanish(spare) at 0.9 s }",
+    "counterfactual ghost   { add pass_through(spare, a) for 0.1 s * n at 0.5 s }",
     "counterfactual struck  { add impulse(spare, direction: turn, impulse: 0.1 kg * pace) at 0.5 s }",
 )
 

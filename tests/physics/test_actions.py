@@ -18,6 +18,7 @@ from wmspec.sim.scene.model import (
     Glide,
     Impulse,
     Launch,
+    PassThrough,
     Pose,
     Release,
     Scene,
@@ -153,7 +154,7 @@ def test_a_long_way_with_turns_is_a_way_of_slerps(execute: Execute) -> None:
 
 WRONG: dict[str, tuple[tuple[Action, ...], str]] = {
     "overlap": (
-        (Glide("a", "k", 0, 1, np.zeros(3)), Teleport("b", "k", 0.5, AWAY)),
+        (Glide("a", "k", 0, 1, np.zeros(3)), Glide("b", "k", 0.5, 0.8, np.zeros(3))),
         "action b: it starts while a still moves 'k'",
     ),
     "astray": (
@@ -202,3 +203,49 @@ def test_what_is_carried_vanishes_on_its_way(execute: Execute) -> None:
     assert np.abs(trace.position[t < 0.5, 0, 0] - t[t < 0.5]).max() < 1e-9
     assert trace.position[t >= 0.5, 0, 2].min() > 100
     assert not trace.linear_velocity[t >= 0.5].any()
+
+
+def test_what_goes_through_a_wall_flies_on_as_if_it_were_not_there(execute: Execute) -> None:
+    wall = body("wall", Box((0.02, 0.2, 0.2)), (0.5, 0, 0), motion="static")
+    ball = body("ball", Sphere(0.05), velocity=(1.0, 0, 0))
+    through = PassThrough("p", "ball", "wall", 0.2, 0.8)
+    trace = execute(scene(wall, ball, gravity=0, duration=1, actions=(through,)))
+    assert np.abs(trace.position[:, 1, 0] - trace.time).max() < 1e-4
+    assert not trace.contacts
+
+
+def test_a_passage_opens_below_what_rests_and_closes_again(execute: Execute) -> None:
+    """A cube rests on a plate, falls freely through it once it may, and then lies on the floor; another one stays."""
+    plate = body("plate", Box((0.5, 0.2, 0.01)), (0, 0, 0.5), motion="static")
+    cubes = [body(name, CUBE, (x, 0, 0.56)) for name, x in (("cube", -0.2), ("other", 0.2))]
+    thrown = body("late", Sphere(0.04), (0, 0, 1.0))
+    passages = (PassThrough("p", "cube", "plate", 0.5, 2.0), PassThrough("q", "late", "plate", 0.0, 0.1))
+    trace = execute(scene(floor(), plate, *cubes, thrown, duration=1.5, actions=passages))
+    t, height = trace.time, trace.position[:, 2, 2]
+    assert np.abs(height[t <= 0.5] - 0.56).max() < 1e-3
+    falling = (t > 0.5) & (t < 0.5 + np.sqrt(2 * 0.51 / G) - 0.01)
+    assert np.abs(height[falling] - (0.56 - G * (t[falling] - 0.5) ** 2 / 2)).max() < 3e-3
+    assert height[-1] == pytest.approx(0.05, abs=2e-3)
+    assert np.abs(trace.position[:, 3, 2] - 0.56).max() < 1e-3
+    assert trace.position[-1, 4, 2] == pytest.approx(0.55, abs=2e-3), "it arrives when the passage is closed"
+    stops = [c.stop for c in trace.contacts if {c.first, c.second} == {"plate", "cube"}]
+    assert max(stops) < 0.52
+
+
+def test_a_passage_within_another_stays_open(execute: Execute) -> None:
+    wall = body("wall", Box((0.02, 0.2, 0.2)), (0.5, 0, 0), motion="static")
+    ball = body("ball", Sphere(0.05), velocity=(1.0, 0, 0))
+    passages = (PassThrough("p", "ball", "wall", 0.0, 0.9), PassThrough("q", "ball", "wall", 0.1, 0.3))
+    trace = execute(scene(wall, ball, gravity=0, duration=1, actions=passages))
+    assert np.abs(trace.position[:, 1, 0] - trace.time).max() < 1e-4
+
+
+def test_a_glide_goes_on_from_where_a_teleport_puts_the_body(execute: Execute) -> None:
+    glide = Glide("g", "b", 0.1, 0.9, np.array([1.0, 0, 0]))
+    jump = Teleport("t", "b", 0.5, Pose(np.array([2.0, 1.0, 1.0]), UPRIGHT))
+    trace = execute(scene(body("b", CUBE, (0, 0, 1), motion="kinematic"), duration=1, actions=(glide, jump)))
+    t = trace.time
+    assert np.abs(trace.position[t < 0.5, 0, 0] - np.clip(t[t < 0.5] - 0.1, 0, None)).max() < 1e-9
+    after = trace.position[t > 0.5, 0]
+    assert np.abs(after[:, 0] - (2.0 + np.clip(t[t > 0.5] - 0.5, 0, 0.4))).max() < 1e-9
+    assert np.allclose(after[:, 1:], 1.0)

@@ -15,7 +15,20 @@ import pytest
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, body, floor, scene, turn
 from tests.physics.test_joints import joint, rod
-from wmspec.sim.scene.model import Drive, Follow, Force, Glide, Impulse, Launch, Pose, Release, Scene, Steer, Teleport
+from wmspec.sim.scene.model import (
+    Drive,
+    Follow,
+    Force,
+    Glide,
+    Impulse,
+    Launch,
+    PassThrough,
+    Pose,
+    Release,
+    Scene,
+    Steer,
+    Teleport,
+)
 from wmspec.sim.shapes import Box, Capsule, Cone, Cylinder, Sphere
 
 RISE = np.array([[0.8, 0, 0.021], [0.8, 0, 0.1], [0.8, 0.05, 0.1]])
@@ -43,6 +56,7 @@ def lively() -> Scene:
         Force("draught", "can", 0.1, 0.3, np.array([0, 3.0, 0])),
         Impulse("hit", "pill", 0.2, np.array([0, 0.05, 0.1])),
         Release("drop", "bomb", 0.15),
+        PassThrough("ghost", "bomb", "block", 0.3, 0.45),
     )
     return scene(*bodies, duration=0.5, actions=actions)
 

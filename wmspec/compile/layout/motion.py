@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -52,7 +53,22 @@ def placement_before(values: Evaluator, action: Entity) -> Placement:
     moves = sorted((a for verb in CARRYING for a in values.actions_on(verb, owner)), key=lambda a: _start(values, a))
     for move in moves[: next(i for i, m in enumerate(moves) if m.name == action.name)]:
         stand = placement_after(values, move, stand)
+        if move.verb == "teleport":
+            stand = replace(stand, pose=_carried_on(values, moves, move, stand.pose))
     return stand
+
+
+def _carried_on(values: Evaluator, moves: Sequence[Entity], teleport: Entity, pose: Pose) -> Pose:
+    """Return where the glides that a teleport interrupts end, given where it puts the object."""
+    time = _start(values, teleport)
+    for glide in (move for move in moves if move.verb == "glide"):
+        left = _start(values, glide) + values.number(glide.name, "duration") - time
+        if _start(values, glide) < time and left > 0:
+            gone = scale(
+                values.number(glide.name, "speed") * left, heading_vector(heading_of(values.direction(glide.name)))
+            )
+            pose = Pose(add(pose.position, gone), pose.orientation)
+    return pose
 
 
 def _start(values: Evaluator, action: Entity) -> float:

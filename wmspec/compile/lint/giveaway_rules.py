@@ -10,6 +10,7 @@ from wmspec.compile.lint.scene_rules import LintScene
 from wmspec.compile.lint.task_rules import LintTask
 from wmspec.lang.check.ir.evaluate import evaluate, subexpressions
 from wmspec.lang.check.ir.ir import Interpolation, Question, Ref, time_of_last_picture
+from wmspec.lang.check.statements.question_kinds import asks_possibility
 from wmspec.lang.check.types import units
 
 #: Properties that are visible in every picture.
@@ -51,6 +52,16 @@ def answer_in_appearance(task: LintTask) -> Iterator[Breach]:
 
 
 @rule("WMS510")
+def answer_in_one_picture(task: LintTask) -> Iterator[Breach]:
+    """Find possible and impossible episodes whose pictures are not balanced in groups."""
+    for question in task.spec.questions:
+        if asks_possibility(question) and not (task.spec.plan.kind == "groups" and task.spec.plan.cross):
+            what = "a single picture may tell whether the episode is possible"
+            remedy = "cross what is before and what is after in groups: `design groups of N { cross: [before, later] }`"
+            yield Breach(what, question.place, remedy, about=("possible", question.place))
+
+
+@rule("WMS510")
 def answer_in_pictures(scene: LintScene) -> Iterator[Breach]:
     """Find pictures that show the answer; in a prediction, any picture at or after the answer's time."""
     values = scene.values
@@ -79,7 +90,7 @@ def _painted(task: LintTask) -> Iterator[str]:
                     yield str(part.value)
 
 
-TASK_RULES = (answer_in_text, answer_in_appearance)
+TASK_RULES = (answer_in_text, answer_in_appearance, answer_in_one_picture)
 SCENE_RULES = (answer_in_pictures,)
 
 

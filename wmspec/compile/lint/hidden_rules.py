@@ -9,7 +9,7 @@ from wmspec.compile.design.about import referenced_objects
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import all_pieces, pieces
 from wmspec.compile.layout.solids import bounds, corners
-from wmspec.compile.lint.question_rules import is_posed
+from wmspec.compile.lint.question_rules import is_posed, required_objects
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import LintScene
 from wmspec.compile.lint.visibility import moved_objects
@@ -30,7 +30,11 @@ def hidden_object(scene: LintScene) -> Iterator[Breach]:
     walls = [(name, half, pose) for name in things for half, pose in _boxes(values, name)]
     questions = (question for question in values.spec.questions if is_posed(question, values))
     needed = {
-        name for question in questions for name in referenced_objects(question, values).union(moved_objects(values))
+        name
+        for question in questions
+        for name in required_objects(
+            question, values, referenced_objects(question, values).union(moved_objects(values)), 0.0
+        )
     }
     for name in (name for name in things if name in needed and not things[name].set):
         around = list(corners(bounds(pieces(values, name), values.pose(name))))

@@ -10,6 +10,7 @@ from wmspec.compile.layout import geometry
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import bounds
+from wmspec.compile.lint.question_rules import required_objects
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import LintScene
 from wmspec.compile.lint.visibility import mentioned_words, relevant_boxes, relevant_objects, swept_boxes
@@ -77,7 +78,9 @@ def object_far_away(scene: LintScene) -> Iterator[Breach]:
         return  # a riding camera may come near
     needed = {name for q in values.spec.questions for e in q.ensures for name in mentioned_words(values, e.condition)}
     things = [t for t in values.spec.things if t.kind == "object" and not t.set and values.is_present(t.name)]
-    for name in (t.name for t in things if t.name in needed.union(relevant_objects(values))):
+    needed = needed.union(relevant_objects(values))
+    needed = set().union(*(required_objects(question, values, needed) for question in values.spec.questions))
+    for name in (t.name for t in things if t.name in needed):
         boxes = list(swept_boxes(values, name))
         if cameras and all(
             _covered_share(values, camera, box) < MIN_VISIBLE_SHARE for camera in cameras for box in boxes

@@ -9,6 +9,7 @@ from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.lang.check.expressions.measured import is_measured
 from wmspec.lang.check.ir.ir import Choices, Expr, Interpolation, TaskSpec
+from wmspec.lang.check.statements.question_kinds import asks_possibility
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,8 @@ def constant_answer(task: LintTask) -> Iterator[Breach]:
     """Find answers that are known beforehand and depend on no factor."""
     varying = {f.name for f in task.spec.factors}
     for question in task.spec.questions:
+        if asks_possibility(question):
+            continue  # `require_violation` checks these
         if not is_measured(task.spec, question.answer) and not task.depend.expression(question.answer) & varying:
             message = "the answer to this is the same in every instance"
             yield Breach(message, question.place, "let it depend on a factor, or measure it on the episode")

@@ -179,6 +179,14 @@ def vanish(_prim: Prim, _action: Entity, _values: Evaluator) -> None:
     """Add nothing: the object is removed by the verb itself."""
 
 
+def pass_through(prim: Prim, action: Entity, values: Evaluator) -> None:
+    """Set what the object goes through."""
+    target, through = values.reference(action.name, "object"), values.reference(action.name, "through")
+    if target == through:
+        raise ImpossibleValue(f"`{target}` cannot go through itself", action.place, "name another object")
+    prim.relate("wms:through", object_path(through), f"{action.name}.through")
+
+
 # ---------------------------------------------------------------- pushed, released, driven
 
 

@@ -24,7 +24,20 @@ from wmspec.sim.scene.capability import (
     approximation_warnings,
 )
 from wmspec.sim.scene.joints.articulations import trees
-from wmspec.sim.scene.model import Body, Contact, Force, Impulse, JointKind, Launch, Pose, Release, Scene, Trace, Vanish
+from wmspec.sim.scene.model import (
+    Body,
+    Contact,
+    Force,
+    Impulse,
+    JointKind,
+    Launch,
+    PassThrough,
+    Pose,
+    Release,
+    Scene,
+    Trace,
+    Vanish,
+)
 from wmspec.sim.scene.model.transform import conjugate, rotate
 from wmspec.sim.scene.physics.contact import colliders, combine_friction
 from wmspec.sim.scene.physics.initial_drops import initial_drops, is_inelastic
@@ -187,7 +200,7 @@ def _spins(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
             yield f"`{name}` spins, its energy wrong from {trace.time[off][0]:.3g} s on"
 
 
-_PUSHES = (Launch, Impulse, Force, Release, Vanish)
+_PUSHES = (Launch, Impulse, Force, Release, Vanish, PassThrough)
 
 
 def _energy(scene: Scene, trace: Trace, i: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -11,7 +11,7 @@ from wmspec.compile.design.about import referenced_objects
 from wmspec.compile.design.design import Design, Instance
 from wmspec.core.diagnostics import GraphicsError, WmsError
 from wmspec.core.rng import Permutation, bits, permuted
-from wmspec.lang.check.expressions.measured import is_measured, moments
+from wmspec.lang.check.expressions.measured import COURSE, is_measured, moments
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Channel, Level, TaskSpec
 from wmspec.runtime.questions.answer_label import answer_label, member_label
@@ -196,8 +196,8 @@ class _Row:
             answer=next((i for i, option in enumerate(options) if option.kind == "truth"), None),
             value=kind.words(asking, answer),
             number=kind.number(asking, answer),
-            standing=not is_measured(spec, question.answer),
-            moments=moments(spec, question.answer),
+            standing=not (kind.watched or is_measured(spec, question.answer)),
+            moments=COURSE if kind.watched else moments(spec, question.answer),
             objects=objects,
             crossed=instance.crossed,
             redrawn=instance.redrawn if spec.plan.balance else None,

@@ -1,13 +1,19 @@
-"""Keeps closed sets complete: if one member of a group yields no question, none does."""
+"""Keeps groups complete whose members belong together: if one member yields no question, none does.
+
+These are closed sets of options, and groups of possible and impossible episodes. Of the latter, every single picture
+must be as often possible as not.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
 from wmspec.compile.design.design import Design
-from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.ir.ir import Question, TaskSpec
+from wmspec.lang.check.statements.question_kinds import asks_possibility
 from wmspec.runtime.questions.ask import ask
 from wmspec.runtime.questions.model import QuestionRow, Rejected
+from wmspec.runtime.questions.picture_balance import balanced_pictures
 from wmspec.runtime.questions.runs import EnginePair
 
 #: Results of the questions of an instance.
@@ -15,8 +21,13 @@ Answers = Sequence[QuestionRow | Rejected]
 
 
 def has_closed_set(spec: TaskSpec) -> bool:
-    """Whether a task has a question with a closed set of options, so that groups are generated as a whole."""
-    return any(question.orbit for question in spec.questions)
+    """Whether groups of a task are generated as a whole: for a closed set of options, or for possible episodes."""
+    return any(is_whole(spec, question) for question in spec.questions)
+
+
+def is_whole(spec: TaskSpec, question: Question) -> bool:
+    """Whether a question is kept for all members of a group or for none."""
+    return bool(question.orbit) or (asks_possibility(question) and spec.plan.kind == "groups")
 
 
 def ask_complete(design: Design, index: int, pair: EnginePair) -> Answers:
@@ -35,11 +46,12 @@ def drop_incomplete_groups(spec: TaskSpec, members: Mapping[int, Answers]) -> di
     broken: dict[int, Rejected] = {}
     for answers in members.values():
         for answer in answers:
-            if isinstance(answer, Rejected) and spec.questions[answer.question].orbit:
+            if isinstance(answer, Rejected) and is_whole(spec, spec.questions[answer.question]):
                 broken.setdefault(answer.question, answer)
-    return {
+    kept = {
         index: [_kept(answer, broken.get(answer.question)) for answer in answers] for index, answers in members.items()
     }
+    return balanced_pictures(spec, kept)
 
 
 def _kept(answer: QuestionRow | Rejected, first: Rejected | None) -> QuestionRow | Rejected:

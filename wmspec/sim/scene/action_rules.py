@@ -19,6 +19,7 @@ from wmspec.sim.scene.model import (
     Joint,
     Launch,
     Paint,
+    PassThrough,
     Release,
     Scene,
     Steer,
@@ -39,6 +40,7 @@ MOTIONS = {
     Grip: _FREE,
     Paint: (*_FREE, *_MOVED, "static"),
     Vanish: (*_FREE, *_MOVED),
+    PassThrough: (*_FREE, *_MOVED),
 }
 """The kinds of bodies that each action accepts."""
 
@@ -57,11 +59,13 @@ def problems(action: Action, motions: Mapping[str, str], joints: Mapping[str, Jo
             yield Diagnostic(f"it moves '{action.body}', which is {motion}, expected a {expected} body")
     if isinstance(action, Grip) and motions.get(action.hand) != "kinematic":
         yield Diagnostic(f"there is no kinematic body '{action.hand}' to grip with")
+    if isinstance(action, PassThrough) and (action.through not in motions or action.through == action.body):
+        yield Diagnostic(f"there is no other body '{action.through}' to go through")
     if not (action.start >= 0 and all(np.isfinite(v).all() for v in _numbers(action))):
         yield Diagnostic("its start is negative or a number is not finite")
     elif isinstance(action, Follow):
         yield from _way(action)
-    elif isinstance(action, Glide | Force | Grip) and action.stop < action.start:
+    elif isinstance(action, Glide | Force | Grip | PassThrough) and action.stop < action.start:
         yield Diagnostic(f"it stops at {action.stop} s, before it starts at {action.start} s")
 
 
@@ -78,7 +82,7 @@ def _numbers(action: Action) -> list[ArrayLike]:
     match action:
         case Launch():
             return [action.start, action.linear, action.angular]
-        case Glide(velocity=what) | Force(force=what) | Grip(points=what):
+        case Glide(velocity=what) | Force(force=what) | Grip(points=what) | PassThrough(stop=what):
             return [action.start, action.stop, what]
         case Follow(orientations=None):
             return [action.start, action.times, action.points]

@@ -11,7 +11,7 @@ from wmspec.core.diagnostics import Diagnostic, Report, StageError
 from wmspec.core.places import PrimPlace
 from wmspec.sim.scene.joints.articulations import ancestors, loop_joints, trees
 from wmspec.sim.scene.joints.drives import too_damped, too_stiff
-from wmspec.sim.scene.model import Joint, Scene
+from wmspec.sim.scene.model import Joint, PassThrough, Scene
 from wmspec.sim.scene.physics.contact import colliders
 from wmspec.sim.scene.physics.speed import max_speed, min_thickness, step_multiplier
 from wmspec.sim.scene.regime_thresholds import MAX_ENTERED_FRACTION
@@ -101,6 +101,13 @@ def _jointed(scene: Scene) -> Occurrences:
 def _filtered(scene: Scene) -> Occurrences:
     paths = {body.name: body.path for body in scene.bodies}
     yield from ((paths[first], f"{second} that does not collide with it") for first, second in scene.filtered)
+
+
+def _passages(scene: Scene) -> Occurrences:
+    paths = {body.name: body.path for body in scene.bodies}
+    for action in scene.actions:
+        if isinstance(action, PassThrough):
+            yield paths[action.body], f"{action.name}, by which it goes through {action.through}"
 
 
 def _cones(scene: Scene) -> Occurrences:
@@ -212,14 +219,25 @@ MESHES = Capability(
     _meshes,
 )
 MOTIONS = Capability("static, dynamic and kinematic bodies, all actions on them")
+PASSAGES = Capability("bodies that go through others for a time", _passages)
 FILTERS = Capability("filtered pairs and collision groups", _filtered)
 JOINTS = Capability("fixed joints, hinges, sliders, ball joints; trees of them, held by the world or free", _jointed)
 DRIVES = Capability("limits of hinges and sliders, drives")
 LOOPS = Capability("loops of joints, closed by a fixed joint, a hinge or a ball joint", _loops)
 MIMICS = Capability("joints that mimic others", _mimics)
 COMMON = (
-    *(PRIMITIVES, ROLLING_CYLINDERS, LEANING_CYLINDERS, MESHES, SLIDING_MESHES, MOTIONS, HEAVY_LANDINGS, FILTERS),
-    *(JOINTS, DOUBLE_PENDULUMS, FAST_SPINS, DRIVES, LOOPS, MIMICS),
+    *(
+        PRIMITIVES,
+        ROLLING_CYLINDERS,
+        LEANING_CYLINDERS,
+        MESHES,
+        SLIDING_MESHES,
+        MOTIONS,
+        HEAVY_LANDINGS,
+        PASSAGES,
+        FILTERS,
+    ),
+    *(PASSAGES, JOINTS, DOUBLE_PENDULUMS, FAST_SPINS, DRIVES, LOOPS, MIMICS),
 )
 
 TWO_FRICTIONS = Capability("static friction other than the dynamic one", _sticking)

@@ -24,6 +24,7 @@ from wmspec.sim.scene.model import (
     Joint,
     Launch,
     Paint,
+    PassThrough,
     Pose,
     Release,
     Steer,
@@ -41,6 +42,8 @@ def action(prim: Usd.Prim, bodies: Mapping[str, Body], joints: Mapping[str, Join
     Raises: StageError: if the verb is unknown or the object does not support it.
     """
     verb = value(prim, "wms:verb", "launch")
+    if verb == "pass_through":
+        return _pass_through(prim, bodies)
     if verb == "hold":
         held: Body = single_target(prim, "wms:object", bodies, "rigid body")
         if held.motion != "dynamic":
@@ -134,6 +137,16 @@ def _vanish(prim: Usd.Prim, body: str, _world: StageFrame) -> Vanish:
     return Vanish(prim.GetName(), body, seconds(prim, "wms:start"))
 
 
+def _pass_through(prim: Usd.Prim, bodies: Mapping[str, Body]) -> PassThrough:
+    body: Body = single_target(prim, "wms:object", bodies, "rigid body")
+    through: Body = single_target(prim, "wms:through", bodies, "rigid body")
+    if body.motion == "static" or through.name == body.name:
+        reason = f"{body.path} is {body.motion} and goes through {through.path}"
+        refuse(prim, reason, "let a body that can move go through another one")
+    start = seconds(prim, "wms:start")
+    return PassThrough(prim.GetName(), body.name, through.name, start, start + seconds(prim, "wms:duration"))
+
+
 def _hold(prim: Usd.Prim, body: str, bodies: Mapping[str, Body]) -> Grip:
     hand: Body = single_target(prim, "wms:hand", bodies, "rigid body")
     points = np.array(value(prim, "wms:points", ()), np.float64).reshape(-1, 3)
@@ -162,8 +175,8 @@ VERBS: dict[str, tuple[type[Action], Callable[[Usd.Prim, str, StageFrame], Actio
 }
 """Verb -> action class and its reader, which receives the name of the body or joint."""
 
-TOKENS = (*VERBS, "reach", "hold")
-"""All verbs of a stage: those above, and two of robots that involve several bodies."""
+TOKENS = (*VERBS, "pass_through", "reach", "hold")
+"""All verbs of a stage: those above, and those that involve several bodies."""
 
 
 def _orientation(prim: Usd.Prim, turn: Gf.Quatd, world: StageFrame) -> Array:

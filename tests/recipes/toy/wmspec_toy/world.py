@@ -53,6 +53,9 @@ class World:
     def free(self, body: int) -> None:
         self.held.discard(body)
 
+    def collide(self, one: int, other: int, collides: bool) -> None:
+        self.pairs = [pair for pair in self.pairs if {*pair} != {one, other}] + [(one, other)] * collides
+
     def aim(self, joint: int, target: float) -> None:
         raise AssertionError("there are no joints")
 

@@ -6,6 +6,9 @@ from wmspec.lang.check.ir.evaluate import subexpressions
 from wmspec.lang.check.ir.ir import Call, Expr, Ref, TaskSpec
 from wmspec.lang.check.tables.functions import FUNCTIONS
 
+#: The number of moments that show a course of events (see `moments`).
+COURSE = 3
+
 
 def is_measured(spec: TaskSpec, expr: Expr) -> bool:
     """Whether an expression contains a measurement of the executed episode."""

@@ -308,8 +308,8 @@ class Difference(Node):
     unit: str
 
 
-#: Options of a question: labels (in words), numbers (open answers), pictures.
-QuestionKind = Literal["labels", "numbers", "pictures"]
+#: Options of a question: labels (in words), numbers (open answers), pictures, or whether the episode is possible.
+QuestionKind = Literal["labels", "numbers", "pictures", "possible"]
 
 
 class Question(Node):

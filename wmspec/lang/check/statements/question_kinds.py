@@ -6,7 +6,7 @@ from collections.abc import Callable, Set
 from dataclasses import dataclass
 
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.types.types import PICTURE, TRUTH, Quantity, Type
+from wmspec.lang.check.types.types import PICTURE, POSSIBILITY, TRUTH, Quantity, Type
 
 #: Keyword of the answer's clause, and the pseudo-clause of counterfactuals.
 ANSWER, COUNTERFACTUAL = "answer", "counterfactual"
@@ -101,6 +101,23 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
             ),
         ),
     ),
+    "possible": QuestionRules(
+        fits=lambda answer, _: answer == POSSIBILITY,
+        spoken=False,
+        refused=(
+            _NO_ORBIT,
+            _NO_KINDS,
+            _NO_COUNTERFACTUALS,
+            _NO_TOLERANCE,
+            _NO_DISTANCE,
+            ClauseRule(
+                clause="options",
+                message="the options of `answer possible` are possible and impossible",
+                remedy="remove `options`",
+                at="options",
+            ),
+        ),
+    ),
     "numbers": QuestionRules(
         fits=lambda answer, clauses: _quantity(answer) and "within" in clauses,
         spoken=True,
@@ -146,9 +163,14 @@ def question_kind(answer: Type, clauses: Set[str]) -> ir.QuestionKind:
     return next(name for name, rules in QUESTION_RULES.items() if rules.fits(answer, clauses))
 
 
+def asks_possibility(question: ir.Question) -> bool:
+    """Whether a question is about the course of the episode: whether that is possible."""
+    return question.kind == "possible"
+
+
 def has_countable_answers(question: ir.Question) -> bool:
     """Whether the answers of a question are names, whose frequencies can be counted."""
-    return question.kind == "labels"
+    return question.kind in ("labels", "possible")
 
 
 def violated_rule(rules: QuestionRules, answer: Type, clauses: Set[str]) -> ClauseRule | None:

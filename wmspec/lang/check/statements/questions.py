@@ -20,6 +20,12 @@ from wmspec.lang.check.statements.counterfactuals import Counterfactuals
 from wmspec.lang.check.statements.objects import Entities
 from wmspec.lang.check.statements.orbits import Orbits
 from wmspec.lang.check.statements.overlapping_options import warn_overlapping
+from wmspec.lang.check.statements.possibility import (
+    POSSIBLE_ANSWER,
+    POSSIBLE_OPTIONS,
+    is_possibility,
+    require_violation,
+)
 from wmspec.lang.check.statements.question_kinds import (
     ANSWER,
     COUNTERFACTUAL,
@@ -171,7 +177,8 @@ class Questions:
     ) -> tuple[ir.QuestionKind, ir.Expr | None, Typed]:
         """Return the kind of the question, its options in words (or None) and its answer."""
         clause = clauses[ANSWER][0]
-        answer = self.check.measuring(clause.value)
+        possible = is_possibility(self.check, clause.value)
+        answer = POSSIBLE_ANSWER if possible else self.check.measuring(clause.value)
         if answer.type == Quantity(ZERO):
             answer = Typed(answer.expr, Quantity(NUMBER))
         places = {kind: written[0].span for kind, written in clauses.items()}
@@ -195,6 +202,9 @@ class Questions:
             )
         if rule is not None:
             self.check.fail("WMS502", rule.message.format(answer=noun), places[rule.at], rule.remedy)
+        if possible:
+            require_violation(self.check, clause.value)
+            return kind, POSSIBLE_OPTIONS, Typed(answer.expr, TEXT)
         if "options" in clauses:
             return kind, *self._options(clauses["options"][0], answer)
         return kind, _YES_NO if answer.type == TRUTH else None, answer

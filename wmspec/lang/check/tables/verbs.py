@@ -29,8 +29,8 @@ class Verb:
 
     `lasts`: it requires `for TIME`. `author` writes it to the stage, as `module:function`; a verb without one is
     checked, but cannot be staged. `staged` is the stage's action type if it differs from the name. `carries`: it moves
-    its object regardless of obstacles. `holds`: its object is fixed until then. `whatever`: it also applies to carried
-    objects.
+    its object regardless of obstacles. `holds`: its object is fixed until then. `allows_carried`: it also applies to
+    carried objects. `violates`: it breaks the laws of physics, so an episode in which it has an effect is impossible.
     """
 
     meaning: str
@@ -41,6 +41,7 @@ class Verb:
     carries: bool = False
     holds: bool = False
     allows_carried: bool = False
+    violates: bool = False
 
 
 _DIRECTION = PropertySpec(
@@ -93,7 +94,7 @@ VERBS: dict[str, Verb] = {
             "to": PropertySpec((POINT2, POINT3, PLACE), "where to, as in its `at`"),
             "yaw": PropertySpec((AN_ANGLE,), "how it is turned there; as before if left out", optional=True),
         },
-        lasts=False, author="wmspec.compile.stage.actions:teleport", carries=True,
+        lasts=False, author="wmspec.compile.stage.actions:teleport", carries=True, violates=True,
     ),
     "impulse": Verb(
         "strikes the object in its centre of mass",
@@ -126,16 +127,24 @@ VERBS: dict[str, Verb] = {
         {"joint": PropertySpec((JOINT,), "which joint"), "target": PropertySpec((AN_ANGLE, A_LENGTH), "where to")},
         lasts=False, author="wmspec.compile.stage.actions:drive",
     ),
-    "stop": Verb("makes the object stand still at once", {"object": _OBJECT}, lasts=False, author="wmspec.compile.stage.actions:stop", staged="launch"),
+    "stop": Verb("makes the object stand still at once", {"object": _OBJECT}, lasts=False, author="wmspec.compile.stage.actions:stop", staged="launch", violates=True),
     "paint": Verb(
         "gives all of the object another colour",
         {"object": PropertySpec((OBJECT,), "what is painted"), "color": PropertySpec((COLOR,), "which colour")},
-        lasts=False, author="wmspec.compile.stage.actions:paint", allows_carried=True,
+        lasts=False, author="wmspec.compile.stage.actions:paint", allows_carried=True, violates=True,
     ),
     "vanish": Verb(
         "takes the object away: from then on nothing touches or shows it",
         {"object": PropertySpec((OBJECT,), "what vanishes")},
-        lasts=False, author="wmspec.compile.stage.actions:vanish", allows_carried=True,
+        lasts=False, author="wmspec.compile.stage.actions:vanish", allows_carried=True, violates=True,
+    ),
+    "pass_through": Verb(
+        "lets the object go through another one, as if that were not solid",
+        {
+            "object": PropertySpec((OBJECT,), "what goes through"),
+            "through": PropertySpec((OBJECT,), "what it goes through"),
+        },
+        lasts=True, author="wmspec.compile.stage.actions:pass_through", allows_carried=True, violates=True,
     ),
 }  # fmt: skip
 

@@ -89,6 +89,8 @@ JOINT = Plain("joint")
 ROBOT = Plain("robot")
 LIGHT = Plain("light")
 WORLD = Plain("world")
+#: The answer to whether an episode is possible.
+POSSIBILITY = Plain("possibility")
 #: In function signatures: a quantity of any dimension, the same throughout the signature.
 QUANTITY = Plain("quantity")
 #: In function parameters: objects to count, or truth values of which the true ones are counted.

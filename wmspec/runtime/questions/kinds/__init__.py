@@ -9,8 +9,14 @@ from wmspec.runtime.questions.kinds.kind import Kind
 from wmspec.runtime.questions.kinds.labels import Labels
 from wmspec.runtime.questions.kinds.numbers import Numbers
 from wmspec.runtime.questions.kinds.pictures import Pictures
+from wmspec.runtime.questions.kinds.possible import Possible
 
 #: Kinds by their name in the IR.
-KINDS: dict[QuestionKind, Kind[Any]] = {"labels": Labels(), "numbers": Numbers(), "pictures": Pictures()}
+KINDS: dict[QuestionKind, Kind[Any]] = {
+    "labels": Labels(),
+    "numbers": Numbers(),
+    "pictures": Pictures(),
+    "possible": Possible(),
+}
 
 __all__ = ["KINDS", "Kind"]

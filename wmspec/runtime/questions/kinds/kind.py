@@ -44,6 +44,8 @@ class Kind(ABC, Generic[A]):
 
     #: Whether answers are counted by their words.
     countable: ClassVar[bool] = False
+    #: Whether the answer is about the course of the episode, not about the value of an expression.
+    watched: ClassVar[bool] = False
 
     def executed(self, question: Question, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:
         """Return the counterfactuals to execute for an instance with these factor levels."""

@@ -133,4 +133,15 @@ class Vanish:
     start: float
 
 
-Action = Launch | Glide | Follow | Teleport | Impulse | Force | Release | Steer | Grip | Paint | Vanish
+@dataclass(frozen=True)
+class PassThrough:
+    """Lets `body` go through the body `through`: the two do not collide from `start` to `stop` (s)."""
+
+    name: str
+    body: str
+    through: str
+    start: float
+    stop: float
+
+
+Action = Launch | Glide | Follow | Teleport | Impulse | Force | Release | Steer | Grip | Paint | Vanish | PassThrough

@@ -89,6 +89,16 @@ class Grip:
 
 
 @dataclass(frozen=True)
+class Passage:
+    """The bodies `body` and `through` do not collide from step `first` until `last`."""
+
+    first: int
+    last: int
+    body: int
+    through: int
+
+
+@dataclass(frozen=True)
 class Aim:
     """Target (rad or m) of the drive of joint number `joint`, set before step number `step`."""
 
@@ -157,6 +167,7 @@ class Episode:
     drags: tuple[Drag, ...] = ()
     grips: tuple[Grip, ...] = ()
     untouchable: tuple[int, ...] = ()
+    passages: tuple[Passage, ...] = ()
 
     @property
     def step(self) -> float:
@@ -204,6 +215,9 @@ class World(Protocol):
 
     def aim(self, joint: int, target: float) -> None:
         """Set the target of the drive of a joint."""
+
+    def collide(self, one: int, other: int, collides: bool) -> None:
+        """Set whether two bodies collide, from the next step on."""
 
     def grip(self, number: int, grip: Grip, anchors: Any) -> None:
         """Tie the points of grip `number` to the `anchors` (n, 3) in the frame of its body."""
@@ -278,7 +292,8 @@ def event_steps(episode: Episode) -> set[int]:
     """Return the numbers of the steps that are preceded by an event."""
     held = (i for hold in episode.holds for i in range(hold.first, hold.until + 1))
     taken = {step for grip in episode.grips for step in (grip.first, grip.last)}
-    return {*held, *taken, *(kick.step for kick in episode.kicks), *(aim.step for aim in episode.aims)}
+    open_ = (step for passage in episode.passages for step in (passage.first, passage.last))
+    return {*held, *taken, *open_, *(kick.step for kick in episode.kicks), *(aim.step for aim in episode.aims)}
 
 
 def apply_events(world: World, episode: Episode, i: int) -> list[Kick]:
@@ -291,6 +306,10 @@ def apply_events(world: World, episode: Episode, i: int) -> list[Kick]:
     for aim in episode.aims:
         if aim.step == i:
             world.aim(aim.joint, aim.target)
+    for passage in (p for p in episode.passages if i in (p.first, p.last) and p.first < p.last):
+        pair = {passage.body, passage.through}
+        others = (p for p in episode.passages if {p.body, p.through} == pair)
+        world.collide(passage.body, passage.through, not any(p.first <= i < p.last for p in others))
     kicks = [kick for kick in episode.kicks if kick.step == i]
     for kick in kicks:  # engines fall by g h² too much in the first step; half a step less of g makes flight exact
         half_fall = np.array(episode.gravity) * (episode.step / 2)

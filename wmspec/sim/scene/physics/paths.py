@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import ceil
 
@@ -74,9 +74,17 @@ def vanished_position(index: int) -> Array:
 
 
 def moves_of(actions: Sequence[Action], body: Body) -> list[Move]:
-    """Return the actions that move a kinematic body, in order of time."""
+    """Return the actions that move a kinematic body, in order of time. After a teleport, a glide goes on from there."""
     moves = [a for a in actions if isinstance(a, Glide | Follow | Teleport) and a.body == body.name]
-    return sorted(moves, key=lambda move: (move.start, end_time(move)))
+    jumps = sorted({move.start for move in moves if isinstance(move, Teleport)})
+    parts = [part for move in moves for part in (_divided(move, jumps) if isinstance(move, Glide) else (move,))]
+    return sorted(parts, key=lambda move: (move.start, end_time(move)))
+
+
+def _divided(glide: Glide, times: Sequence[float]) -> Iterator[Glide]:
+    """Yield the parts of a glide between the times (s) within it."""
+    ends = [glide.start, *(time for time in times if glide.start < time < glide.stop), glide.stop]
+    yield from (replace(glide, start=start, stop=stop) for start, stop in pairwise(ends))
 
 
 def end_time(move: Move) -> float:

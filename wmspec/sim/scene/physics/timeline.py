@@ -10,9 +10,9 @@ import numpy as np
 from wmspec.sim.scene import model
 from wmspec.sim.scene.joints.articulations import jointed_bodies, trees
 from wmspec.sim.scene.joints.com_frame import body_frame_in_com, com_frame
-from wmspec.sim.scene.model import Body, Force, Impulse, Launch, Release, Scene, Steer, Vanish
+from wmspec.sim.scene.model import Body, Force, Impulse, Launch, PassThrough, Release, Scene, Steer, Vanish
 from wmspec.sim.scene.model.numbers import floats, pose_numbers
-from wmspec.sim.scene.physics.episode import Aim, Drag, Episode, Grip, Hold, Kick, Push
+from wmspec.sim.scene.physics.episode import Aim, Drag, Episode, Grip, Hold, Kick, Passage, Push
 from wmspec.sim.scene.physics.paths import track, vanished_position
 
 _REST = (0.0, 0.0, 0.0)
@@ -39,6 +39,7 @@ def episode(scene: Scene, steps_per_second: int) -> Episode:
         drags=drags(scene),
         grips=grips(scene, rate),
         untouchable=tuple(i for i, body in enumerate(scene.bodies) if not any(geom.collides for geom in body.geoms)),
+        passages=passages(scene, rate),
     )
 
 
@@ -126,6 +127,16 @@ def grips(scene: Scene, rate: int) -> tuple[Grip, ...]:
         )
         for action in scene.actions
         if isinstance(action, model.Grip)
+    )
+
+
+def passages(scene: Scene, rate: int) -> tuple[Passage, ...]:
+    """Return the times during which two bodies do not collide, in the order of the actions."""
+    index = _index(scene)
+    return tuple(
+        Passage(round(a.start * rate), round(a.stop * rate), index[a.body], index[a.through])
+        for a in scene.actions
+        if isinstance(a, PassThrough)
     )
 
 

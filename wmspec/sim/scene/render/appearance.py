@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from wmspec.sim.scene.model import Body, Paint, Scene, Vanish
+from wmspec.sim.scene.model import Body, Paint, Scene, Surface, Vanish
 
 #: s: closer times count as equal.
 _SAME = 1e-9
+#: Smaller differences of a colour channel (0..1) are rounding.
+_SAME_COLOR = 1e-4
 
 
 def appearance_at(scene: Scene, time: float) -> Scene:
@@ -38,4 +40,10 @@ def _seen(body: Body, color: tuple[float, float, float] | None, gone: bool) -> B
         return replace(body, geoms=tuple(replace(geom, visible=False) for geom in body.geoms))
     if color is None:
         return body
-    return replace(body, geoms=tuple(replace(g, surface=replace(g.surface, color=color)) for g in body.geoms))
+    return replace(body, geoms=tuple(replace(g, surface=_painted(g.surface, color)) for g in body.geoms))
+
+
+def _painted(surface: Surface, color: tuple[float, float, float]) -> Surface:
+    """Return a surface in another colour; the same surface if it has that colour, up to rounding."""
+    same = all(abs(a - b) < _SAME_COLOR for a, b in zip(surface.color, color, strict=True))
+    return surface if same else replace(surface, color=color)
