@@ -8,7 +8,7 @@ import pytest
 from tests.endtoend.test_commands import SPECS, SPEED, wmspec
 from tests.engines import installed
 from wmspec.api import load_all
-from wmspec.api.generating import instance_indices
+from wmspec.api.generating import planned_task
 from wmspec.core.wm_abench import COLUMN_OF_TASK, COLUMNS, column
 
 VISION = SPECS / "perception/vision"
@@ -68,7 +68,7 @@ def test_a_dry_run_tries_a_few_and_writes_nothing(tmp_path: Path) -> None:
 def test_the_papers_tasks_are_as_large_as_the_papers_unless_all_is_asked_for() -> None:
     def made(name: str, per_task: int | None = None, full: bool = False) -> tuple[int, ...]:
         (task,) = (t for t in load_all(SPEED, VISION / "color.wms") if t.name == name)
-        return instance_indices(task, per_task, full, (1, 1))
+        return planned_task(task, per_task, full, (1, 1)).indices
 
     assert len(made("speed_tabletop")) == 2304
     assert made("speed_tabletop", full=True) == tuple(range(2376))

@@ -16,9 +16,9 @@ from wmspec.api.profile import Profile, check_profile, with_profile
 from wmspec.api.progress import Progress, silent
 from wmspec.api.rendering import DEFAULT_SIDE, check_samples, pixels
 from wmspec.api.task import Task
-from wmspec.compile.design.design import share
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.limits import INSTANCES
+from wmspec.core.places import Source
 from wmspec.core.resources import resource
 from wmspec.core.wm_abench import instance_count
 from wmspec.dataset.build.answer_counts import balance_shifts
@@ -28,6 +28,7 @@ from wmspec.dataset.build.manifest import Summary
 from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.plan import Task as PlannedTask
 from wmspec.dataset.build.reuse import PriorInstances
+from wmspec.lang.parse.files import BUNDLED
 from wmspec.runtime.engines.registry import quickest_renderer, require_look, select_backends, versions
 from wmspec.runtime.questions.consensus import Consensus, RowsOf
 from wmspec.runtime.workers.cluster import ray_cluster
@@ -141,7 +142,7 @@ def open_workers(
 def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptions]) -> Plan:
     """Return the plan of a dataset, before anything is generated. Raises WmsError where `generate` would."""
     look, renderer, backend = options.get("look", "parity"), options.get("renderer", ""), options.get("backend", "all")
-    per_task, full = options.get("per_task"), options.get("full", False)
+    per_task, full, part = options.get("per_task"), options.get("full", False), options.get("part", (1, 1))
     if full and per_task:
         raise WmsError("`full` and `per_task` exclude each other; give one of the two")
     if not -(1 << 63) <= options.get("seed", 0) < 1 << 63:
@@ -161,9 +162,7 @@ def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptio
             raise WmsError(f"the task `{task.name}` has no question; nothing to generate")
     return Plan(
         texts=spec_texts(chosen_tasks),
-        tasks=tuple(
-            PlannedTask(t.spec, instance_indices(t, per_task, full, options.get("part", (1, 1)))) for t in chosen_tasks
-        ),
+        tasks=tuple(planned_task(t, per_task, full, part) for t in chosen_tasks),
         engines=engines,
         size=pixels(options.get("size", DEFAULT_SIDE)),
         seed=chosen_tasks[0].seed,
@@ -173,6 +172,7 @@ def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptio
         renderer=drawers[0] if renderer else "",
         rows_of=rows_of,
         profile=profile,
+        part=part,
         licence=_licence(chosen_tasks, options.get("licence", "")),
         versions=versions({*engines, *drawers}, look),
     )
@@ -190,24 +190,34 @@ def _licence(tasks: Sequence[Task], chosen: str) -> str:
 
 
 def spec_texts(tasks: Sequence[Task]) -> dict[str, str]:
-    """Return the specs and their libraries by file name, with as much of the path as is needed to be unique."""
-    programs = {task.path.resolve() if task.path else Path(task.file): task.program for task in tasks}
-    read: dict[str, str] = {}
-    for path in sorted(programs):
-        program = programs[path]
-        parts = next(n for n in range(1, 99) if [p.parts[-n:] for p in programs].count(path.parts[-n:]) == 1)
-        read["/".join(path.parts[-parts:])] = program.source.text
-        read |= {file.span.source.name: file.span.source.text for file in program.libraries.values()}
-    return read
+    """Return the specs and their libraries by file name, with as much of the path as is needed to be unique.
+
+    Libraries of wmspec are named `<library>/NAME.wms`.
+    """
+    sources: dict[Path, Source] = {}
+    bundled: dict[str, str] = {}
+    for task in tasks:
+        program = task.program
+        sources[task.path.resolve() if task.path else Path(task.file)] = program.source
+        for path, file in program.libraries.items():
+            if file.span.source.name.startswith(BUNDLED):
+                bundled[file.span.source.name] = file.span.source.text
+            else:
+                sources[path.resolve()] = file.span.source
+    texts = dict(bundled)
+    for path in sorted(sources):
+        parts = next(n for n in range(1, 999) if [p.parts[-n:] for p in sources].count(path.parts[-n:]) == 1)
+        texts["/".join(path.parts[-parts:])] = sources[path].text
+    return texts
 
 
-def instance_indices(task: Task, per_task: int | None, full: bool, part: tuple[int, int]) -> tuple[int, ...]:
-    """Return the indices to generate: all, or a sample of the requested or the paper's size; of these a share."""
+def planned_task(task: Task, per_task: int | None, full: bool, part: tuple[int, int]) -> PlannedTask:
+    """Return a task with its instances: all, or a sample of the requested or the paper's size; of these a share."""
     count = len(task) if full else per_task or instance_count(task.name, task.questions)
     if min(count or len(task), len(task)) > INSTANCES.most:
         raise WmsError(f"`{task.name}` {INSTANCES.sentence}", help=INSTANCES.help)
-    chosen = range(len(task)) if count is None or count >= len(task) else sorted(task.design.sample(count))
     try:
-        return tuple(chosen[share(len(chosen), *part)])
+        selected = len(task.design.selection(count))
+        return PlannedTask(task.spec, task.design.selection(count, *part), selected)
     except IndexError as error:
         raise WmsError(f"part {part}: {error}") from None

@@ -1,11 +1,14 @@
-"""Regenerate part of a dataset and compare."""
+"""Recompute a dataset, or a sample of it, and compare."""
 
 from __future__ import annotations
 
+import secrets
+from collections.abc import Iterator
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from wmspec.api.agreement import collect_tasks, worker_settings
 from wmspec.api.loading import Tell, warn
@@ -15,31 +18,45 @@ from wmspec.api.task import Task
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.safe_io import is_file_name
 from wmspec.dataset.build import files
+from wmspec.dataset.build.derived import publication_date
 from wmspec.dataset.build.plan import FORMAT, Plan
 from wmspec.dataset.build.plan import Task as PlannedTask
 from wmspec.dataset.build.reader import DatasetReader, read_plan
-from wmspec.dataset.verify import Verification
-from wmspec.dataset.verify import verify as compare
-from wmspec.runtime.engines.registry import require_look, select_backends, versions
+from wmspec.dataset.verify.folder import folder_differences
+from wmspec.dataset.verify.model import Verification
+from wmspec.dataset.verify.records import check_records
+from wmspec.dataset.verify.specs import spec_differences
+from wmspec.dataset.verify.verify import draw_sample, regenerate, strict
+from wmspec.lang.parse.files import BUNDLED
+from wmspec.runtime.engines.registry import quickest_renderer, require_look, select_backends, versions
 from wmspec.sim.scene.model import Look
-
-LIBRARY = "<library>/"
 
 
 def verify(
     folder: str | PathLike[str],
     *,
-    sample: int | None = 4,
+    sample: int | None = None,
+    every: bool = False,
+    sample_seed: int | None = None,
+    other_machine: bool = False,
     workers: int | None = None,
     timeout: float = 300.0,
     progress: Progress = silent,
     tell: Tell = warn,
 ) -> Verification:
-    """Regenerate instances of a dataset from the specs in its manifest and compare them with its rows.
+    """Recompute a dataset from the specs and seed in its manifest and compare.
+
+    Ids, order, counts, factors and the place of the answer are checked in every row, and every file of the folder. A
+    random sample of rows and of rejected questions is generated again.
 
     Args:
         folder: the dataset.
-        sample: number of instances per task, spread evenly (whole groups of closed sets); None for all.
+        sample: number of rows, and of rejected questions, to draw; by default as many as find a change in 5 % of them
+            with a probability of 99 %. At least one row of each task is drawn, and whole groups of closed sets.
+        every: generate all questions again.
+        sample_seed: draws the sample of an earlier verification again; by default a new one.
+        other_machine: accept small differences of numbers and pictures although the versions are the same, since the
+            dataset was made with other graphics drivers or another processor.
         workers: number of processes; 0 runs in this one. One per core by default.
         timeout: time limit per instance, in seconds.
         progress: shows the progress.
@@ -57,9 +74,40 @@ def verify(
     known = {task.name: task for task in tasks}
     if unknown := [name for name in dataset.tasks if name not in known]:
         raise WmsError(f"the specs in {dataset.folder / files.MANIFEST} have no task `{unknown[0]}`")
-    plan = _plan(dataset, [known[name] for name in dataset.tasks], sample)
-    with progress(sum(len(task.indices) for task in plan.tasks), "verifying") as advance:
-        return compare(dataset, plan, worker_settings(workers, timeout, plan.engines), advance)
+    plan = _plan(dataset, [known[name] for name in dataset.tasks])
+    records = check_records(dataset, plan)
+    differences = [*spec_differences(dataset), *records.differences, *folder_differences(dataset, plan, records.shards)]
+    seed = secrets.randbits(63) if sample_seed is None else sample_seed
+    drawn = draw_sample(plan, records, sample, every, seed)
+    chosen = replace(plan, tasks=drawn.tasks)
+    with progress(drawn.size, "verifying") as advance:
+        made = regenerate(dataset, chosen, records, worker_settings(workers, timeout, plan.engines), advance)
+    there, here = plan.versions, _installed_versions(plan)
+    others = {name: (there.get(name, "none"), v) for name, v in here.items() if there.get(name) != v}
+    exact = not others and not other_machine
+    differences += made.differences
+    return Verification(
+        questions=made.questions,
+        planned=sum(len(task.indices) * len(task.spec.questions) for task in plan.tasks) * len(plan.row_engines),
+        differences=tuple(strict(differences) if exact else differences),
+        versions=others,
+        power=drawn.power,
+        limits=tuple(_limits(dataset, plan)),
+        sample_seed=seed,
+    )
+
+
+def _limits(dataset: DatasetReader, plan: Plan) -> Iterator[str]:
+    """Yield what no verification can find, as sentences."""
+    licence = f"its licence ({plan.licence}), " if plan.licence else ""
+    date = publication_date(dataset.folder) or "none"
+    yield (
+        f"the dataset itself states its seed ({plan.seed}), {licence}date ({date}) and which tasks it has; edits of "
+        "its own specs that change no row, such as comments, make another valid dataset; a seal shows such changes "
+        "(wmspec attest)"
+    )
+    if plan.part != (1, 1):
+        yield f"it is share {plan.part[0]} of {plan.part[1]} of its instances"
 
 
 def _check_format(dataset: DatasetReader) -> None:
@@ -74,41 +122,59 @@ def _check_format(dataset: DatasetReader) -> None:
 
 
 def write_specs(dataset: DatasetReader, scratch: Path) -> list[Path]:
-    """Write the specs of a manifest to files, each in a folder with all libraries; return their paths."""
-    texts = {name: spec["text"] for name, spec in dataset.manifest["specs"].items()}
-    tasks = {name: text for name, text in texts.items() if not name.startswith(LIBRARY)}
-    libraries = {name.removeprefix(LIBRARY): text for name, text in texts.items() if name.startswith(LIBRARY)}
+    """Write the specs of a manifest to files, each in a folder with all libraries; return their paths.
+
+    Bundled libraries come from the manifest too, as files beside the spec.
+    """
+    texts = {
+        PurePosixPath(name.removeprefix(BUNDLED)): spec["text"] for name, spec in dataset.manifest["specs"].items()
+    }
+    for name in texts:
+        if not is_file_name(name.name.removesuffix(".wms")):
+            raise WmsError(f"{dataset.folder / files.MANIFEST} has a spec of the name {str(name)[:80]!r}")
     paths = []
-    for number, (name, text) in enumerate(tasks.items()):
+    for number, name in enumerate(n for n in dataset.manifest["specs"] if not n.startswith(BUNDLED)):
+        own = PurePosixPath(name)
         place = scratch / str(number)
         place.mkdir()
-        for file, content in {**libraries, PurePosixPath(name).name: text}.items():
-            if not is_file_name(file.removesuffix(".wms")):
-                raise WmsError(f"{dataset.folder / files.MANIFEST} has a spec of the name {file[:80]!r}")
-            (place / file).write_text(content, encoding="utf-8")
-        paths.append(place / PurePosixPath(name).name)
+        for other in sorted(texts, key=lambda other: (other == own, other.parent == own.parent)):  # the last one stays
+            (place / other.name).write_text(texts[other], encoding="utf-8")
+        paths.append(place / own.name)
     return paths
 
 
-def _plan(dataset: DatasetReader, tasks: list[Task], sample: int | None) -> Plan:
-    """Return the plan of the dataset, restricted to a sample of its instances."""
-    manifest, plan = dataset.manifest, render_settings(dataset)
-    engines = select_backends(",".join(manifest["engines"]))
-    drawers = require_look([plan.renderer] if plan.renderer else engines, plan.look)
+def _plan(dataset: DatasetReader, tasks: list[Task]) -> Plan:
+    """Return the plan of the dataset, from its specs and settings."""
+    manifest, settings = dataset.manifest, render_settings(dataset)
+    indices = read_plan(dataset.folder).get("tasks", {})
+    part: list[int] = manifest.get("part", [1, 1])
+    planned = (
+        PlannedTask(task.spec, tuple(_indices(dataset, task, indices)), manifest["tasks"][task.name].get("selected"))
+        for task in tasks
+    )
     return Plan(
-        texts={},
-        tasks=tuple(PlannedTask(task.spec, _spread(_indices(dataset, task), sample)) for task in tasks),
-        engines=engines,
+        texts={name: spec["text"] for name, spec in manifest["specs"].items()},
+        tasks=tuple(planned),
+        engines=select_backends(",".join(manifest["engines"])),
         size=(manifest["size"][0], manifest["size"][1]),
         seed=manifest["seed"],
         consensus=manifest["consensus"],
-        look=plan.look,
-        samples=plan.samples,
-        renderer=plan.renderer,
+        look=settings.look,
+        samples=settings.samples,
+        renderer=settings.renderer,
         rows_of=dataset.rows_of,
-        profile=dataset.manifest.get("profile", ""),
-        versions=versions({*engines, *drawers}, plan.look),
+        profile=manifest.get("profile", ""),
+        part=(part[0], part[1]),
+        shard=manifest["shard"],
+        licence=manifest.get("licence", ""),
+        versions=manifest["versions"],
     )
+
+
+def _installed_versions(plan: Plan) -> dict[str, str]:
+    """Return the installed versions of what the plan needs. Raises WmsError if an engine cannot draw."""
+    drawers = require_look([plan.renderer] if plan.renderer else plan.engines, plan.look)
+    return versions({*plan.engines, *drawers}, plan.look)
 
 
 class RenderSettings(NamedTuple):
@@ -120,20 +186,19 @@ class RenderSettings(NamedTuple):
 
 
 def render_settings(dataset: DatasetReader) -> RenderSettings:
-    """Return the render settings of a dataset; the defaults if it has no plan file."""
+    """Return the render settings of a dataset; the defaults if it has no plan file.
+
+    Raises WmsError if an engine is not known here.
+    """
     plan = read_plan(dataset.folder)
-    return RenderSettings(plan.get("look", "parity"), plan.get("samples"), plan.get("renderer", ""))
+    default = quickest_renderer(dataset.engines) if dataset.rows_of == "questions" and "renderer" not in plan else ""
+    return RenderSettings(plan.get("look", "parity"), plan.get("samples"), plan.get("renderer", default))
 
 
-def _indices(dataset: DatasetReader, task: Task) -> list[int]:
+def _indices(dataset: DatasetReader, task: Task, planned: dict[str, Any]) -> list[int]:
+    """Return the instances of a task: of the plan file, or if that has none, of rows and rejections."""
+    if isinstance(there := planned.get(task.name), list) and all(isinstance(i, int) for i in there):
+        return there
     indices = {row["index"] for row in dataset.rows(task.name, ["id", "task", "index", "engine"])}
     indices |= {r["index"] for r in dataset.manifest["rejected"]["list"] if r["task"] == task.name}
     return sorted(indices)
-
-
-def _spread(indices: list[int], sample: int | None) -> tuple[int, ...]:
-    """Return a sample of the instances, spread evenly."""
-    if sample is None or sample >= len(indices):
-        return tuple(indices)
-    picked = {indices[(2 * i + 1) * len(indices) // (2 * sample)] for i in range(sample)}
-    return tuple(i for i in indices if i in picked)

@@ -1,18 +1,18 @@
-"""`wmspec verify`: regenerate part of a dataset and compare."""
+"""`wmspec verify`: recompute a dataset, or a sample of it, and compare."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from wmspec.cli.common import json_option, tell
 
 if TYPE_CHECKING:
-    from wmspec.dataset.verify import Verification
+    from wmspec.dataset.verify.model import Verification
 
 #: The most differences that are printed.
 MAX_PRINTED = 10
@@ -23,38 +23,41 @@ MAX_PRINTED = 10
 @click.option(
     "--sample",
     type=click.IntRange(1),
-    default=4,
-    show_default=True,
-    help="Number of instances per task to regenerate, spread evenly.",
+    help="Number of rows, and of rejected questions, to generate again.  "
+    "[default: as many as find a change in 5 % of them with a probability of 99 %]",
 )
-@click.option("--all", "every", is_flag=True, help="Regenerate all instances.")
+@click.option("--all", "every", is_flag=True, help="Generate all questions again.")
+@click.option("--sample-seed", type=int, help="Draw the sample of an earlier run again.  [default: a new sample]")
+@click.option(
+    "--other-machine",
+    is_flag=True,
+    help="Accept small differences of numbers and pictures: the dataset was made with other graphics or processors.",
+)
 @click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
 @click.option(
     "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Time limit per instance, in seconds."
 )
 @json_option
 @click.pass_context
-def verify_command(
-    ctx: click.Context, dataset: Path, sample: int, every: bool, workers: int | None, timeout: float, as_json: bool
-) -> None:
-    """Regenerate instances of a DATASET from the specs in its manifest and compare them with its rows.
+def verify_command(ctx: click.Context, /, dataset: Path, as_json: bool, **options: Any) -> None:
+    """Recompute a DATASET from the specs and seed in its manifest and compare.
 
-    If bytes differ, texts, options and answers must be equal, and numbers and pictures close; this is reported. Exits
-    with 1 if anything else differs.
+    Checks ids, order, counts and factors of every row and every file of the folder, and generates a random sample of
+    questions again. If versions differ, numbers and pictures may differ a little; this is reported. Exits with 1 if
+    anything else differs.
     """
     from wmspec.api import progress_bar
     from wmspec.api.verifying import verify
 
-    number = None if every else sample
-    result = verify(dataset, sample=number, workers=workers, timeout=timeout, progress=progress_bar, tell=tell)
+    result = verify(dataset, progress=progress_bar, tell=tell, **options)
     if as_json:
         click.echo(json.dumps({"verdict": result.verdict, **asdict(result)}, indent=1, ensure_ascii=False))
     else:
-        _print(result)
+        _print(result, options["every"])
     ctx.exit(1 if result.verdict == "different" else 0)
 
 
-def _print(result: Verification) -> None:
+def _print(result: Verification, every: bool) -> None:
     worst = sorted(result.differences, key=lambda difference: difference.near)
     for difference in worst[:MAX_PRINTED]:
         click.echo(f"{'near     ' if difference.near else 'DIFFERENT'} {difference}")
@@ -67,4 +70,11 @@ def _print(result: Verification) -> None:
         "near": f"{len(worst):,} not byte-identical; texts, options and answers are equal, numbers and pictures close",
         "different": f"{sum(not d.near for d in worst):,} different",
     }
-    click.echo(f"{result.questions:,} questions regenerated: {words[result.verdict]}")
+    click.echo(f"{result.questions:,} of {result.planned:,} questions generated again: {words[result.verdict]}")
+    if not every:
+        click.echo(
+            f"A change in {result.power.share:.0%} of the rows, or of the rejected questions, is found with a "
+            f"probability of {result.power.found:.1%} (--sample-seed {result.sample_seed})."
+        )
+    for sentence in result.limits:
+        click.echo(f"Not covered: {sentence}.")

@@ -48,6 +48,8 @@ XML_ELEMENTS = Limit(20_000, "elements")
 XML_DEPTH = Limit(100, "levels of nesting")
 #: The path of an output folder.
 FOLDERS = Limit(200, "folders in its path", "choose a folder that is not as deep")
+#: The folder of a dataset.
+FOLDER_FILES = Limit(1_000_000, "files", RIGHT_FILE)
 #: Libraries of a spec: depth of `use`, and total number.
 LIBRARY_DEPTH = Limit(50, "libraries that use one another in a row", "let the spec use them itself")
 LIBRARIES = Limit(500, "libraries, each counted as often as it has a name of its own", "use each of them once")

@@ -173,6 +173,14 @@ class Design:
             sampled += part
         return tuple(sampled)
 
+    def selection(self, count: int | None, number: int = 1, of: int = 1) -> tuple[int, ...]:
+        """Return share `number` (1 .. `of`) of a sample of `count` indices, or of all indices, in ascending order.
+
+        Raises IndexError if there is no such share.
+        """
+        chosen = range(len(self)) if count is None or count >= len(self) else sorted(self.sample(count))
+        return tuple(chosen[share(len(chosen), number, of)])
+
     @property
     def _order(self) -> Permutation:
         """The order in which groups are sampled."""

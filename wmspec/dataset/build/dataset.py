@@ -8,20 +8,17 @@ import re
 import shutil
 import time
 from collections.abc import Iterable
-from datetime import UTC, date, datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.safe_io import make_folders, read_bytes
 from wmspec.dataset.build import checkpoint, files
-from wmspec.dataset.build.baselines import Baselines, baselines
-from wmspec.dataset.build.card import bibtex, card
-from wmspec.dataset.build.croissant import croissant
-from wmspec.dataset.build.examples import examples
-from wmspec.dataset.build.manifest import Summary, manifest, summary
+from wmspec.dataset.build.derived import derived_files, publication_date
+from wmspec.dataset.build.manifest import Summary, summary
 from wmspec.dataset.build.plan import Plan, Shard, differences
-from wmspec.dataset.build.reader import DatasetReader, unlisted_files
+from wmspec.dataset.build.reader import unlisted_files
 from wmspec.dataset.build.rebuild import rebuild_plan
 from wmspec.dataset.build.rows import Row
 from wmspec.dataset.build.shards import Record, read_outcomes, read_records, record_path, write_record, write_shard
@@ -101,39 +98,21 @@ class Dataset:
         checkpoint.discard(self.folder, shard)
 
     def finish(self) -> Summary:
-        """Write the card, the Croissant metadata and finally the manifest, which marks the dataset as complete.
+        """Write the derived files, of which the manifest is the last and marks the dataset as complete.
 
         Raises: WmsError: shards are missing, or a file cannot be written.
         """
         left = self.pending()
         if left:
             raise WmsError(f"{len(left)} shards of {self.folder} are still to be made; run the same command again")
-        total = summary(self.plan, self._records)
-        whole = manifest(self.plan, self._records, total)
-        for name, example in examples(DatasetReader(self.folder, whole)):
-            self._put(name, example)
-        self._put(files.CARD, card(self.plan, total, self._baselines()).encode())
-        described = croissant(self.plan, self._records, bibtex(self.plan, total), self._published())
-        self._put(files.CROISSANT, files.pretty_json(described))
-        self._put(files.MANIFEST, files.pretty_json(whole))
+        for name, content in derived_files(self.folder, self.plan, self._records, self._published()):
+            self._put(name, content)
         self._finished = True
-        return total
-
-    def _baselines(self) -> dict[str, Baselines]:
-        """Return the baselines of the tasks that have questions."""
-        shards: dict[str, list[Path]] = {}
-        for shard in self.plan.shards():
-            if self._records[shard.path].rows:
-                shards.setdefault(shard.task.spec.name, []).append(self.folder / shard.path)
-        return {name: baselines(paths) for name, paths in shards.items()}
+        return summary(self.plan, self._records)
 
     def _published(self) -> str:
         """Return the date (YYYY-MM-DD) on which the dataset was first completed, or that of SOURCE_DATE_EPOCH."""
-        try:
-            there = json.loads(read_bytes(self.folder / files.CROISSANT))
-            return str(date.fromisoformat(there["datePublished"]))
-        except (OSError, ValueError, TypeError, KeyError, RecursionError):
-            return _build_date()
+        return publication_date(self.folder) or _build_date()
 
     # ------------------------------------------------------------ creation
 

@@ -119,8 +119,13 @@ def _count(plan: Plan, task: Task, lost: list[Rejected]) -> TaskSummary:
     return TaskSummary(task.spec.name, len(task.indices), rows, *by_reason(lost), failed)
 
 
-def manifest(plan: Plan, records: Mapping[str, Record], total: Summary) -> dict[str, Any]:
-    """Return the manifest as JSON values: plan with spec texts, counts, rejections and shards."""
+def manifest(
+    plan: Plan, records: Mapping[str, Record], total: Summary, others: Mapping[str, str] | None = None
+) -> dict[str, Any]:
+    """Return the manifest as JSON values: plan with spec texts, counts, rejections, shards and other files.
+
+    `others` are the SHA-256 hashes of the files that are no shards, by path.
+    """
     record = plan.record
     shards = [(s.path, records[s.path]) for s in plan.shards()]
     return {
@@ -128,16 +133,19 @@ def manifest(plan: Plan, records: Mapping[str, Record], total: Summary) -> dict[
         "fingerprint": plan.fingerprint,
         **{key: record[key] for key in ("versions", "seed", "engines", "size", "consensus", "rows_of", "shard")},
         **({"profile": plan.profile} if plan.profile else {}),
+        **({"part": list(plan.part)} if plan.part != (1, 1) else {}),
         "licence": plan.licence,
         "specs": {name: {"sha256": sha, "text": plan.texts[name]} for name, sha in record["specs"].items()},
-        "tasks": {t.spec.name: _task(t, c) for t, c in zip(plan.tasks, total.tasks, strict=True)},
+        "tasks": {t.spec.name: _task(plan, t, c) for t, c in zip(plan.tasks, total.tasks, strict=True)},
         "rows": total.rows,
         "rejected": {"count": total.rejected, "list": [asdict(r) for _, s in shards for r in s.rejected]},
         "shards": {path: {"rows": s.rows, "sha256": s.sha256} for path, s in shards},
+        "files": dict(others or {}),
     }
 
 
-def _task(task: Task, count: TaskSummary) -> dict[str, Any]:
+def _task(plan: Plan, task: Task, count: TaskSummary) -> dict[str, Any]:
     spec = task.spec
     about = {key: getattr(spec, key) for key in ("dimension", "title", "description", "license", "source")}
-    return {**about, "instances": count.instances, "rows": count.rows, "rejected": count.rejected}
+    selected = {"selected": task.selected} if plan.part != (1, 1) and task.selected is not None else {}
+    return {**about, "instances": count.instances, **selected, "rows": count.rows, "rejected": count.rejected}

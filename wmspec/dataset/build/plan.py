@@ -22,10 +22,14 @@ QUESTIONS: Final = "questions"
 
 @dataclass(frozen=True)
 class Task:
-    """A task and the indices of its instances, in row order."""
+    """A task and the indices of its instances, in row order.
+
+    `selected` is the number of instances of which these are a share (see `Plan.part`); by default, of these.
+    """
 
     spec: TaskSpec
     indices: tuple[int, ...]
+    selected: int | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -51,8 +55,9 @@ class Plan:
     and `samples` determine the rendering. `renderer` is the engine that renders all episodes; if empty, each engine
     renders its own. `consensus` says how many engines must agree. A row is one of `rows_of`: a question that the
     reference engine executed and the others confirm, or a question in each of the engines. `profile` names the
-    benchmark whose tasks are asked as it asks them. `shard` is the number of instances in a shard, `versions` those
-    of wmspec and the engines. `licence` is stated in the card and has no other effect.
+    benchmark whose tasks are asked as it asks them. `part` is (i, n) for share i of n of the instances. `shard` is the
+    number of instances in a shard, `versions` those of wmspec and the engines. `licence` is stated in the card and has
+    no other effect.
 
     Raises WmsError if two tasks have the same name.
     """
@@ -69,6 +74,7 @@ class Plan:
     renderer: str = ""
     rows_of: RowsOf = "questions"
     profile: str = ""
+    part: tuple[int, int] = (1, 1)
     shard: int = field(default=64)
     licence: str = ""
 

@@ -140,15 +140,25 @@ class DatasetReader:
         Without `columns`, all except the channels. Raises WmsError if a shard cannot be read.
         """
         for path in self.shards(task):
-            file = _open_parquet(self.folder / path)
-            selected = columns or [name for name in file.schema_arrow.names if name not in CHANNELS]
-            try:
-                for group in range(file.num_row_groups):
-                    for number, row in _group(file, group, selected, only):
-                        self._check(path, number, row, task)
-                        yield row
-            except (OSError, pa.ArrowException, ValueError) as error:
-                raise _unreadable(self.folder / path, error) from None
+            yield from self.shard_rows(path, columns, only)
+
+    def shard_schema(self, path: str) -> pa.Schema:
+        """Return the columns of a shard with their metadata. Raises WmsError if it cannot be read."""
+        return _open_parquet(self.folder / path).schema_arrow
+
+    def shard_rows(
+        self, path: str, columns: Sequence[str] | None = None, only: Collection[int] | None = None
+    ) -> Iterator[Row]:
+        """Yield the rows of a shard as `rows` does. Raises WmsError if it cannot be read."""
+        task, file = path.split("/")[1], _open_parquet(self.folder / path)
+        selected = columns or [name for name in file.schema_arrow.names if name not in CHANNELS]
+        try:
+            for group in range(file.num_row_groups):
+                for number, row in _group(file, group, selected, only):
+                    self._check(path, number, row, task)
+                    yield row
+        except (OSError, pa.ArrowException, ValueError) as error:
+            raise _unreadable(self.folder / path, error) from None
 
     def _check(self, path: str, number: int, row: Row, task: str) -> None:
         """Raise WmsError, with file and row, if a row is invalid."""

@@ -34,6 +34,7 @@ class _Task(_Strict):
     title: str
     description: str
     instances: _Count
+    selected: _Count | None = None
     rows: dict[_Name, _Count]
     rejected: dict[str, _Count]
 
@@ -64,11 +65,14 @@ class _Manifest(_Strict):
     consensus: Consensus
     rows_of: RowsOf = "engines"
     profile: str = ""
+    licence: str = ""
+    part: Annotated[list[Annotated[int, Field(ge=1, strict=True)]], Field(min_length=2, max_length=2)] = [1, 1]
     versions: dict[str, str]
     tasks: dict[_Name, _Task]
     rows: _Count
     rejected: _Rejections
     shards: dict[Annotated[str, StringConstraints(pattern=f"^{SHARD.pattern}$")], _Shard]
+    files: dict[str, _Sha256] = {}
 
 
 def manifest_fault(manifest: Any) -> str:

@@ -53,16 +53,20 @@ def _stage_remedy(path: Path) -> str:
     return f"let its name end in .usd, and `wmspec run {path}.usd --for 2s` executes it"
 
 
+#: The prefix of the names of bundled libraries.
+BUNDLED = "<library>/"
+
+
 def display_path(path: Path) -> str:
     """Return the path for messages: as given, but bundled libraries as `<library>/tabletop.wms`."""
     if path.parent == library_folder().resolve():
-        return f"<library>/{path.name}"
+        return f"{BUNDLED}{path.name}"
     return str(path)
 
 
 def resolve_display_path(name: str) -> Path:
     """Return the path for a name that `display_path` returned."""
-    return library_folder() / name.removeprefix("<library>/") if name.startswith("<library>/") else Path(name)
+    return library_folder() / name.removeprefix(BUNDLED) if name.startswith(BUNDLED) else Path(name)
 
 
 def library_folder() -> Path:

@@ -130,6 +130,15 @@ def groups(instance: Instance) -> dict[str, str]:
     }
 
 
+def answer_slot(design: Design, instance: Instance, q: int) -> AnswerSlot:
+    """Return the place of the truth, balanced over the design and over every sample of it. It needs no execution."""
+    if design.spec.questions[q].orbit:
+        return closed_slot(design, instance, q)
+    turn, place, many = design.sample_part(instance.index)
+    position = turn * many + permuted(place, many, design.seed, design.spec.name, q, turn, "position")
+    return ShuffledSlot(position, (design.seed, design.spec.name, instance.index, "order"))
+
+
 def closed_slot(design: Design, instance: Instance, q: int) -> ClosedSlot:
     """Return the order of a closed set, equal for all members, so that the truth is at each place once.
 
@@ -160,11 +169,6 @@ class _Row:
     q: int
     asking: QuestionContext
 
-    @property
-    def key(self) -> tuple[object, ...]:
-        """The key of the random draws of this instance."""
-        return self.design.seed, self.design.spec.name, self.instance.index
-
     def row(self) -> QuestionRow:
         """Return the question. Raises Reject if a gate rejects it."""
         spec, instance, asking = self.design.spec, self.instance, self.asking
@@ -172,7 +176,7 @@ class _Row:
         margin, answer = _valid_answer(asking)
         require_stable(asking, answer, instance.key)
         self.visible(answer)
-        options = kind.options(asking, answer, self.slot)
+        options = kind.options(asking, answer, answer_slot(self.design, instance, self.q))
         names = referenced_objects(question, asking.values)
         difference = self.difference()
         channels = channels_of(spec)
@@ -235,15 +239,6 @@ class _Row:
             return None
         declared = self.asking.declared
         return visible_parts(self.asking.observed, names if declared.unrestricted else declared.times)
-
-    @property
-    def slot(self) -> AnswerSlot:
-        """Return the place of the truth, balanced over the design and over every sample of it."""
-        if self.asking.question.orbit:
-            return closed_slot(self.design, self.instance, self.q)
-        (turn, place, many), (seed, name, _) = self.design.sample_part(self.instance.index), self.key
-        position = turn * many + permuted(place, many, seed, name, self.q, turn, "position")
-        return ShuffledSlot(position, (*self.key, "order"))
 
     def picture(self, view: View, channels: frozenset[Channel]) -> Picture:
         """Return a picture with the channels that the spec requests."""

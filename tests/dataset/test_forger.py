@@ -1,0 +1,203 @@
+"""A forger who rewrites manifest, counts and hashes is found, or verify says what it cannot find."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.dataset.forger import Forger, as_rejected, dot_truth, dotted, move_truth, nudge, older, swap_pictures
+from tests.endtoend.test_commands import COLLIDE, SPEED
+from tests.engines import installed
+from wmspec.api import generate
+from wmspec.api.attesting import attest, check
+from wmspec.api.verifying import verify
+
+SEED = 2**62 + 99
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    installed("mujoco")
+    folder = tmp_path_factory.mktemp("forger")
+    generate([SPEED, COLLIDE], folder / "out", per_task=8, backend="mujoco", size=64, seed=SEED, workers=0, tell=str)
+    return folder / "out"
+
+
+def pictured(forger: Forger) -> list[dict[str, Any]]:
+    """The rows whose options are pictures."""
+    return [row for row in forger.of("collide") if row["option_image"]]
+
+
+def answers(forger: Forger) -> None:
+    for row in forger.of("collide")[::3]:
+        move_truth(row)
+
+
+def options(forger: Forger) -> None:
+    for row in pictured(forger):
+        swap_pictures(row)
+
+
+def picture(forger: Forger) -> None:
+    for row in forger.of("speed_tabletop"):
+        row["context"][0] = nudge(row["context"][0])
+
+
+def dot(forger: Forger) -> None:
+    for row in pictured(forger):
+        dot_truth(row)
+
+
+def dot_of_another_version(forger: Forger) -> None:
+    dot(forger)
+    older(forger)
+
+
+def large_dot_of_another_version(forger: Forger) -> None:
+    row = forger.of("collide")[0]
+    row["context"][0] = dotted(row["context"][0], side=8)
+    older(forger)
+
+
+def removed(forger: Forger) -> None:
+    row = forger.of("collide").pop(3)
+    forger.plan["tasks"]["collide"].remove(row["index"])
+
+
+def removed_last(forger: Forger) -> None:
+    row = forger.of("collide").pop()
+    forger.plan["tasks"]["collide"].remove(row["index"])
+
+
+def claimed_rejected(forger: Forger) -> None:
+    for row in (forger.of("collide").pop(3), forger.of("collide").pop(5)):
+        forger.manifest["rejected"]["list"].append(as_rejected(row))
+        counts = forger.manifest["rejected"]["count"]
+        counts["alike"] = counts.get("alike", 0) + 1
+
+
+def doubled(forger: Forger) -> None:
+    rows = forger.of("speed_tabletop")
+    rows.insert(1, rows[0])
+
+
+def added(forger: Forger) -> None:
+    rows, indices = forger.of("speed_tabletop"), forger.plan["tasks"]["speed_tabletop"]
+    index = next(i for i in range(999) if i not in indices)
+    rows.append(rows[-1] | {"id": "speed_tabletop/0000-0000-0000-0000", "index": index})
+    forger.plan["tasks"]["speed_tabletop"] = sorted([*indices, index])
+
+
+def order(forger: Forger) -> None:
+    rows = forger.of("collide")
+    rows[0], rows[2] = rows[2], rows[0]
+
+
+def factor(forger: Forger) -> None:
+    for row in forger.of("speed_tabletop"):
+        row["nuisance.slow"] += 1e-9
+
+
+def spec_text(forger: Forger) -> None:
+    name = next(name for name in forger.manifest["specs"] if name.endswith("collide.wms"))
+    forger.spec(name, lambda text: text.replace("restitution: 0.8  called", "restitution: 0.2  called"))
+
+
+def bundled_text(forger: Forger) -> None:
+    forger.spec("<library>/tabletop.wms", lambda text: text + "# mine\n")
+
+
+def readme(forger: Forger) -> None:
+    forger.text("README.md", lambda text: text.replace("## Use and limits", "## Use\n\nHumans: 12 %.\n\n## Limits"))
+
+
+def card(forger: Forger) -> None:
+    forger.text("README.md", lambda text: text.replace("task_categories:", "pretty_name: Other\ntask_categories:"))
+
+
+def licence(forger: Forger) -> None:
+    forger.text("README.md", lambda text: text.replace('- "unknown"', '- "cc0-1.0"'))
+
+
+def croissant(forger: Forger) -> None:
+    forger.text("croissant.json", lambda text: text.replace('"sc:Dataset"', '"sc:Dataset",\n "url": "https://x.test"'))
+
+
+def example(forger: Forger) -> None:
+    shutil.copy(forger.folder / "examples/collide.webp", forger.folder / "examples/speed_tabletop.webp")
+
+
+def extra(forger: Forger) -> None:
+    (forger.folder / "data/collide/loader.py").write_text("print(1)\n")
+    forger.manifest["files"]["data/collide/loader.py"] = "0" * 64
+
+
+def title(forger: Forger) -> None:
+    forger.manifest["tasks"]["collide"]["title"] = "Another title"
+
+
+def metadata(forger: Forger) -> None:
+    path = next(path for path in forger.rows if "collide" in path)
+    forger.tables[path] = forger.tables[path].replace_schema_metadata({"note": "the answer is 1"})
+
+
+FORGERIES = (
+    answers, options, picture, dot, dot_of_another_version, large_dot_of_another_version, removed, removed_last,
+    claimed_rejected, doubled, added, order, factor, spec_text, bundled_text, readme, card, licence, croissant, example,
+    extra, title, metadata,
+)  # fmt: skip
+#: The forgeries that no check without an engine finds; the others need no sample.
+SAMPLED = (options, picture, dot, dot_of_another_version, large_dot_of_another_version, claimed_rejected, spec_text)
+
+
+@pytest.fixture
+def forged(made: Path, tmp_path: Path) -> Callable[[Callable[[Forger], None]], Path]:
+    def forge(change: Callable[[Forger], None]) -> Path:
+        shutil.copytree(made, tmp_path / "out")
+        forger = Forger(tmp_path / "out")
+        change(forger)
+        forger.save()
+        return tmp_path / "out"
+
+    return forge
+
+
+def test_an_untouched_dataset_is_the_same(made: Path) -> None:
+    result = verify(made, workers=0, tell=str)
+    assert (result.verdict, result.differences) == ("same", ())
+    assert result.power.found >= 0.99
+    assert "states its seed" in result.limits[0]
+
+
+@pytest.mark.parametrize("change", FORGERIES, ids=lambda change: change.__name__)
+def test_a_forgery_is_found_by_default(
+    change: Callable[[Forger], None], forged: Callable[[Callable[[Forger], None]], Path]
+) -> None:
+    result = verify(forged(change), sample=None if change in SAMPLED else 1, workers=0, tell=str)
+    assert result.verdict == "different", result.limits
+
+
+def test_a_licence_that_is_rewritten_everywhere_is_stated_as_not_covered(
+    forged: Callable[[Callable[[Forger], None]], Path], made: Path, tmp_path: Path
+) -> None:
+    attest(made, tmp_path / "seal", workers=0, tell=str)
+    folder = forged(lambda forger: forger.manifest.update(licence="CC0-1.0"))
+    result = verify(folder, workers=0, tell=str)
+    assert result.verdict == "different", "card and metadata still state the licence of the specs"
+    assert "CC0-1.0" in result.limits[0]
+    assert "the file manifest.json is not what was sealed" in check(folder, tmp_path / "seal/seal.json")
+
+
+@pytest.mark.parametrize("name", ["README.md", "croissant.json", "extra.txt", "examples/collide.webp"])
+def test_a_seal_covers_every_file(name: str, made: Path, tmp_path: Path) -> None:
+    shutil.copytree(made, tmp_path / "out")
+    attest(tmp_path / "out", tmp_path / "seal", workers=0, tell=str)
+    assert check(tmp_path / "out", tmp_path / "seal/seal.json") == ()
+    with (tmp_path / "out" / name).open("ab") as file:
+        file.write(b" ")
+    (sentence,) = check(tmp_path / "out", tmp_path / "seal/seal.json")
+    assert name in sentence

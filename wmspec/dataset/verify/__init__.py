@@ -1,0 +1,1 @@
+"""Verification: recomputes a dataset from its specs and seed, and compares."""
