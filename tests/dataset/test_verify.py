@@ -80,7 +80,8 @@ def test_a_former_format_is_read_and_not_made_again(made: Path, tmp_path: Path) 
 
 def test_the_same_comes_out_again(made: Path) -> None:
     result = verify(made, sample=2, workers=0)
-    assert (result.questions, result.planned, result.verdict, result.differences) == (2, 3, "same", ())
+    assert (result.planned, result.verdict, result.differences) == (3, "same", ())
+    assert result.questions in (2, 3), "two rows, and one of each task"
     assert not result.versions
     assert verify(made, sample=2, sample_seed=result.sample_seed, workers=0) == result
 

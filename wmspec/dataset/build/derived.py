@@ -23,7 +23,7 @@ from wmspec.dataset.build.shards import Record
 def derived_files(
     folder: Path, plan: Plan, records: Mapping[str, Record], published: str
 ) -> Iterator[tuple[str, bytes]]:
-    """Yield the path and content of every file besides the shards: plan, examples, card, metadata, then the manifest.
+    """Yield the path and content of every file that is no shard: plan, examples, card, metadata, then the manifest.
 
     `published` is the date of publication (YYYY-MM-DD). The manifest holds the hashes of all others. Raises WmsError if
     a shard cannot be read.

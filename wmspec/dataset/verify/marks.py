@@ -37,7 +37,7 @@ def marked_truths(questions: Sequence[OptionScores]) -> Iterator[Difference]:
 
 
 def tail(chances: Sequence[float], hits: int) -> float:
-    """Return the probability of at least so many hits in independent trials with the given chances."""
+    """Return the probability of at least `hits` hits in independent trials with the given chances."""
     counts = np.ones(1)
     for chance in chances:
         counts = np.convolve(counts, [1 - chance, chance])

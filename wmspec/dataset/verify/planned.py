@@ -13,7 +13,7 @@ from wmspec.dataset.verify.compare import equal_values
 from wmspec.dataset.verify.model import Difference
 from wmspec.runtime.questions.ask import answer_slot, groups, names_of
 
-#: The columns that are read for it, besides those of factors and nuisances.
+#: The columns that are compared, in addition to those of factors and nuisances.
 COLUMNS = (
     "id", "task", "dimension", "index", "block", "crossed", "question", "question_name", "engine", "renderer",
     "option_kind", "answer", "answer_value", "agreement", "seed", "redrawn",
