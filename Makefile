@@ -91,6 +91,7 @@ generate: setup
 	$(BIN)/python tools/reference.py
 	$(BIN)/python tools/grammars.py
 	$(BIN)/python tools/looks.py
+	$(BIN)/python tools/replies.py
 	@mkdir -p out
 	$(BIN)/wmspec schema > out/generated && mv out/generated docs/schema.json
 

@@ -77,14 +77,14 @@ def all_questions(dataset: Path, pictures: bool = True) -> list[Question]:
 @pytest.mark.parametrize(
     ("rules", "status", "tries"),
     [
-        ("first", "ok", 1),
-        ("first+chatty", "ok", 1),
-        ("first+lower", "ok", 1),
-        ("first+slow", "ok", 1),
-        ("first+odd", "ok", 1),
-        ("first+429", "ok", TRIES + 1),
-        ("first+500", "ok", TRIES + 1),
-        ("first+drop", "ok", TRIES + 1),
+        ("first", "answered", 1),
+        ("first+chatty", "answered", 1),
+        ("first+lower", "answered", 1),
+        ("first+slow", "answered", 1),
+        ("first+odd", "answered", 1),
+        ("first+429", "answered", TRIES + 1),
+        ("first+500", "answered", TRIES + 1),
+        ("first+drop", "answered", TRIES + 1),
         ("first+empty", "unparsed", 1),
         ("first+refuse", "refused", 1),
         ("first+garbage", "error", 1),
@@ -95,14 +95,14 @@ def test_every_reply_is_accounted_for(rules: str, status: str, tries: int, words
     out = tmp_path / "r.parquet"
     with loopback() as server:
         args = (words, "-m", f"openai:{rules}", "--base-url", server.address, "-o", out, "--retries", 3, "--limit", 6)
-        evaluate(*args, code=0 if status == "ok" else 1)
+        evaluate(*args, code=0 if status == "answered" else 1)
         assert set(server.tries.values()) == {tries}
     got = rows(out)
     assert len(got) == 6
     assert {row["status"] for row in got} == {status}
     for row in got:
-        assert row["parsed"] == (0 if status == "ok" else None)
-        assert row["right"] == (status == "ok" and row["answer"] == 0)
+        assert row["parsed"] == (0 if status == "answered" else None)
+        assert row["right"] == (status == "answered" and row["answer"] == 0)
         assert (row["error"] is not None) == (status == "error")
         assert row["model"] == f"openai:{rules}"
     about = json.loads(results.settings_path(out).read_text())
@@ -189,7 +189,7 @@ def test_errors_are_asked_again_by_the_same_command(words: Path, tmp_path: Path)
         evaluate(words, *args, "--retries", 0, code=1)
         assert {row["status"] for row in rows(tmp_path / "r.parquet")} == {"error"}
         evaluate(words, *args, "--retries", 0)
-        assert {row["status"] for row in rows(tmp_path / "r.parquet")} == {"ok"}
+        assert {row["status"] for row in rows(tmp_path / "r.parquet")} == {"answered"}
         evaluate(words, *args)
         assert set(server.tries.values()) == {3}
 
@@ -343,7 +343,7 @@ def test_baselines(words: Path, pictures: Path, numbers: Path, tmp_path: Path) -
             out = tmp_path / f"{dataset.name}-{name}.parquet"
             evaluate(dataset, "-m", name, "-o", out, "--permute")
             first = out.read_bytes()
-            assert {row["status"] for row in rows(out)} == {"ok"}
+            assert {row["status"] for row in rows(out)} == {"answered"}
             if name == "oracle":
                 assert all(row["right"] for row in rows(out))
             out.unlink()

@@ -22,7 +22,8 @@ from PIL import Image
 from tests.evaluate.loopback import first, loopback
 from tests.evaluate.made import in_numbers, in_pictures, in_words
 from wmspec.cli import main
-from wmspec.eval.models import prompt, reply
+from wmspec.eval import replies
+from wmspec.eval.models import prompt
 from wmspec.eval.models.request import Ask, Picture, Text
 
 Row = dict[str, Any]
@@ -56,7 +57,7 @@ def score(dataset: Path, folder: Path) -> float:
 
 def parser(folder: Path) -> Any:
     """The parser that lies in the folder."""
-    spec = importlib.util.spec_from_file_location("wmspec_reply", folder / "wmspec_reply.py")
+    spec = importlib.util.spec_from_file_location("wmspec_reply", folder / "wmspec_reply/__init__.py")
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -140,7 +141,8 @@ def test_every_export_has_the_parser_and_is_the_same_again(tool: str, tmp_path: 
         wmspec("export", dataset, "--to", tool, "-o", tmp_path / "x")
         written.append({path: path.read_bytes() for path in (tmp_path / "x").rglob("*") if path.is_file()})
     assert written[0] == written[1]
-    assert (tmp_path / "x/wmspec_reply.py").read_text() == Path(reply.__file__).read_text()
+    copied = {path.name: path.read_text() for path in (tmp_path / "x/wmspec_reply").glob("*.py")}
+    assert copied == {path.name: path.read_text() for path in Path(replies.__file__).parent.glob("*.py")}
 
 
 def test_what_is_not_an_export_stays_and_logs_too(tmp_path: Path) -> None:

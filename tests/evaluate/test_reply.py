@@ -6,15 +6,17 @@ import ast
 import math
 import re
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmspec.eval.models import reply
-from wmspec.eval.models.reply import LETTERS, ORDINALS, choice, is_near, mark, number_in
+from tools.replies import LANGUAGES, Labelled, corpus
+from wmspec.eval import replies
 from wmspec.eval.models.results import COLUMNS
+from wmspec.eval.replies import LETTERS, ORDINALS, choice, is_near, mark, number_in
 
 PICTURES = (None, None, None, None)
 CUBES = ("the red cube", "the blue cube", "neither", "the cube")
@@ -130,7 +132,7 @@ def test_no_reply_is_too_odd(text: str, options: list[str | None], labels: str) 
 )
 def test_long_replies_take_no_longer_than_they_must(piece: str) -> None:
     """A rule whose time grows faster than the reply would not come back from this."""
-    text = piece * (reply.MAX_REPLY_LENGTH // len(piece))
+    text = piece * (replies.MAX_REPLY_LENGTH // len(piece))
     choice(text, CUBES)
     number_in(text, "m")
 
@@ -172,10 +174,46 @@ def test_what_is_within_is_right() -> None:
 
 def test_the_parser_stands_alone() -> None:
     """It is copied into folders for other tools, where there is no wmspec."""
-    tree = ast.parse(Path(reply.__file__).read_text())
-    modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-    modules |= {name.name for node in ast.walk(tree) if isinstance(node, ast.Import) for name in node.names}
-    assert {str(name).split(".")[0] for name in modules} <= set(sys.stdlib_module_names)
+    for path in Path(replies.__file__).parent.glob("*.py"):
+        tree = ast.parse(path.read_text())
+        modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and not node.level}
+        modules |= {name.name for node in ast.walk(tree) if isinstance(node, ast.Import) for name in node.names}
+        assert {str(name).split(".")[0] for name in modules} <= set(sys.stdlib_module_names), path
+
+
+@pytest.fixture(scope="module")
+def labelled() -> list[Labelled]:
+    return corpus()
+
+
+def test_the_corpus_is_large_and_varied(labelled: list[Labelled]) -> None:
+    assert len(labelled) >= 400
+    assert {r.language for r in labelled} == set(LANGUAGES)
+    assert len({(r.language, r.options, r.text) for r in labelled}) == len(labelled), "a reply occurs once"
+    assert 0.15 < sum(r.label == "-" for r in labelled) / len(labelled) < 0.4
+    places = Counter(r.label for r in labelled if r.options == "4" and r.label != "-")
+    assert max(places.values()) < 0.4 * places.total(), "one who always takes the same place is caught"
+
+
+def test_labelled_replies_are_seldom_misread(labelled: list[Labelled]) -> None:
+    false = [(r.text, r.label, r.read()) for r in labelled if r.is_false]
+    unread = [r.text for r in labelled if r.is_unread]
+    assert len(false) <= 0.005 * len(labelled), false
+    assert len(unread) <= 0.05 * sum(r.label != "-" for r in labelled), unread
+
+
+def test_the_place_of_the_truth_is_not_credited(labelled: list[Labelled]) -> None:
+    """Replies read the same under other labels: A becomes D, B becomes C, and so on."""
+    swapped = str.maketrans("ABCD", "DCBA")
+    for reply in labelled:
+        names = set(re.findall(r"(?<![A-Za-z])[A-D](?![A-Za-z])", reply.text))
+        if reply.options == "4" and names and not re.search(r"\bA [a-z]", reply.text) and reply.language == "en":
+            text = re.sub(r"(?<![A-Za-z])[A-D](?![A-Za-z-]|'[a-z])", lambda m: m[0].translate(swapped), reply.text)
+            if re.search(r"\bA [a-z]", text) or re.search(r"\d|first|second|third|last|assistantfinal", reply.text):
+                continue  # an article, or a position
+            place = choice(text, (None,) * 4)
+            told = "-" if place is None else LETTERS[place].translate(swapped)
+            assert told == reply.read(), reply.text
 
 
 def test_the_documentation_reads_replies_as_the_parser_does() -> None:

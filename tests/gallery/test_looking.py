@@ -237,7 +237,7 @@ def test_no_text_of_a_dataset_or_of_a_reply_is_markup(browser: Any, dataset: Dat
             run["text"] = run["value"] = bad
             run["context"] = []
             run["options"] = [{"text": bad, "name": bad, "kind": "label", "change": bad} for _ in run["options"]]
-            run["replies"] = [{"model": bad, "parsed": 0, "right": False, "status": "ok", "text": bad}]
+            run["replies"] = [{"model": bad, "parsed": 0, "right": False, "status": "answered", "text": bad}]
     content = about(dataset) | {
         "questions": some,
         "rejected": [[bad, 1, 0, bad, bad, bad]],

@@ -59,7 +59,7 @@ RATERS = (
     Rater("foresees", foresees),
     Rater("first", lambda row: 0.4, place=0, permutations=2),
     Rater("sure", lambda row: 1.0, permutations=2),
-    Rater("mumbles", lambda row: 0.6, status=lambda row: "unparsed" if row["index"] % 4 == 0 else "ok"),
+    Rater("mumbles", lambda row: 0.6, status=lambda row: "unparsed" if row["index"] % 4 == 0 else "answered"),
     Rater("confused", lambda row: 0.4, wrongly=lambda row: [0.01 + ("action" in str(c)) for c in row["option_change"]]),
     Rater("random", lambda row: 1 / len(row["option_kind"])),
 )  # fmt: skip

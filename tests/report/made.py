@@ -145,7 +145,7 @@ class Rater:
     knows: Knows
     wrongly: Callable[[Row], list[float]] | None = None
     permutations: int = 1
-    status: Callable[[Row], str] = field(default=lambda row: "ok")
+    status: Callable[[Row], str] = field(default=lambda row: "answered")
     place: int | None = None  # what it chooses by its place as shown where it does not know
 
 
@@ -173,14 +173,14 @@ def _reply(rater: Rater, row: Row, permutation: int) -> Row:
     guess = int(random.choice(wrong, p=None if weights is None else weights / weights.sum()))
     guess = guess if rater.place is None else order[rater.place]
     chosen = truth if knows else guess
-    reported = status == "ok"
+    reported = status == "answered"
     return {
         **{k: row[k] for k in ("id", "task", "dimension", "question_name", "engine", "index", "block")},
         "group": f"{row['task']}/{row['block']}", "model": rater.name, "model_version": "1", "prompt": "default",
         "prompt_hash": "0", "ablation": "", "permutation": permutation, "sample": 0, "order": order, "answer": truth,
         "text": str(chosen), "parsed": chosen if reported else None, "number": None,
-        "right": None if status == "error" else reported and chosen == truth, "status": status, "error": None,
-        "tokens_in": 100, "tokens_out": 2, "cost": 0.001, "seconds": 1.0,
+        "right": reported and chosen == truth, "status": status, "error": "broken" if status == "error" else None, "finish_reason": "stop", "reasoning": None,
+        "tokens_in": 100, "tokens_out": 2, "tokens_reasoning": None, "cost": 0.001, "seconds": 1.0,
     }  # fmt: skip
 
 

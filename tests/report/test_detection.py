@@ -32,7 +32,7 @@ def observed(
         rows.append({
             "id": name, "task": "t", "dimension": "perception.vision.color", "question_name": "pair", "engine": "e",
             "index": number, "group": f"t/{number // 4}", "model": "m", "prompt": "p", "ablation": "", "permutation": 0,
-            "sample": 0, "order": [0, 1], "answer": 0, "parsed": 0, "right": right, "status": "ok", "cost": 0.0,
+            "sample": 0, "order": [0, 1], "answer": 0, "parsed": 0, "right": right, "status": "answered", "cost": 0.0,
             "tokens_in": 0, "tokens_out": 0,
         })  # fmt: skip
         known.append({

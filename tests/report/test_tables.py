@@ -12,7 +12,7 @@ import pytest
 from tests.report.conftest import Made
 from tests.report.made import Rater, answers
 from wmspec.eval.report.replies import replies
-from wmspec.eval.report.report import Report
+from wmspec.eval.report.report import Report, accounts
 from wmspec.eval.report.tables import Line, average, tables
 
 DATA = Path(__file__).parent / "data"
@@ -62,11 +62,16 @@ def test_replies_without_an_answer_are_wrong_and_told_apart(made: Made) -> None:
     assert account.unparsed == sum(row["index"] % 4 == 0 for row in made.rows)
 
 
-def test_requests_that_failed_are_left_out_and_counted(made: Made) -> None:
-    broken = Rater("broken", lambda row: 1.0, status=lambda row: "error" if row["index"] % 2 else "ok")
+def test_requests_that_failed_are_wrong_and_counted(made: Made) -> None:
+    broken = Rater("broken", lambda row: 1.0, status=lambda row: "error" if row["index"] % 2 else "answered")
     read = replies(answers(made.rows, broken))
-    assert read.failed == {"broken": sum(row["index"] % 2 for row in made.rows)}
-    assert line_of(read, "broken").average.value == 1.0
+    (account,) = accounts(read)
+    assert account.error == sum(row["index"] % 2 for row in made.rows)
+    assert account.answered + account.error == account.replies
+    assert [(cause.outcome, cause.cause, cause.count) for cause in account.causes] == [("error", "broken", account.error)]
+    found = line_of(read, "broken")
+    assert found.average.value < 0.6
+    assert found.parsed == 1.0
 
 
 def line_of(read: object, system: str) -> Line:

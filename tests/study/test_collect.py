@@ -96,7 +96,7 @@ def test_answers_are_results_like_a_models(dataset: DatasetReader, study: Path, 
     truth = {row["id"]: row["answer"] for task in dataset.tasks for row in dataset.rows(task, ["id", "answer"])}
     for row in rows:
         assert row["answer"] == truth[row["id"]]
-        assert row["status"] == "ok"
+        assert row["status"] == "answered"
         assert row["right"] == (row["model"] != "human:carl") == (row["parsed"] == row["answer"])
     assert about["asked"]["study"] == load(study).fingerprint
     assert results.rescore(tmp_path / "r.parquet")[1] == 0, "they are scored from their texts as all results are"

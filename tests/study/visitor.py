@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from wmspec.eval.models.reply import LETTERS
+from wmspec.eval.replies import LETTERS
 from wmspec.eval.study.model import Study
 
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from wmspec.eval.models.server import Server
 
 _PATH = click.Path(path_type=Path)
+#: Default request parameters. A server that rejects one is sent another (`wmspec.eval.models.adapt`).
+_DEFAULTS: dict[str, Any] = {"temperature": 0, "max_tokens": 1024}
 
 
 @click.command("evaluate")
@@ -44,6 +46,11 @@ _PATH = click.Path(path_type=Path)
     metavar="NAME=VALUE",
     help="Request parameter, such as max_tokens=64. Repeatable.",
 )
+@click.option(
+    "--image-detail", type=click.Choice(["low", "high", "auto", "original"]), help="OpenAI's detail of pictures."
+)
+@click.option("--image-format", default="png", show_default=True, metavar="FORMAT", help="png, jpeg:90 or webp:90.")
+@click.option("--image-size", type=click.IntRange(16, 8192), metavar="N", help="Longest side of pictures, in pixels.")
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
 @click.option("--engine", multiple=True, metavar="NAME", help="Only rows of this engine.")
 @click.option(
@@ -94,6 +101,7 @@ def evaluate_command(dataset: Path | None, rescore: Path | None, as_json: bool, 
 def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
     from wmspec.dataset.build.reader import DatasetReader
     from wmspec.eval.models import baselines, prompt, server
+    from wmspec.eval.models.images import ImageOptions
     from wmspec.eval.models.limits import Limits
     from wmspec.eval.models.question import Selection
     from wmspec.eval.models.run import Run, Settings
@@ -104,6 +112,7 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
         raise WmsError(f"--ablate: `{options['model']}` has no request to ablate; choose a model")
     served = options["model"].startswith("openai:")
     url = server.address(options["base_url"]) if served else None
+    images = ImageOptions.parse(options["image_format"], options["image_size"], options["image_detail"])
     settings = Settings(
         model=options["model"],
         prompt_name=Path(options["prompt"]).stem,
@@ -114,16 +123,18 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
         parameters=_parameters(options["parameter"], options["samples"])
         if served or options["model"].startswith("hf:")
         else (),
+        images=images.record,
     )
     limits = Limits(options["max_requests"], options["rate"], options["max_cost"])
     selection = Selection(options["task"], options["engine"], options["limit"])
     run = Run(opened, settings, selection, options["permute"], options["samples"], limits)
-    return run, server.Server(url, options["timeout"], options["retries"], options["price"]) if url else None
+    connection = server.Server(url, options["timeout"], options["retries"], options["price"], images) if url else None
+    return run, connection
 
 
 def _parameters(written: tuple[str, ...], samples: int) -> tuple[tuple[str, Any], ...]:
     """Return the request parameters, sorted by name. `NAME=null` removes a default."""
-    values: dict[str, Any] = {"temperature": 0, "max_tokens": 1024}
+    values: dict[str, Any] = dict(_DEFAULTS)
     for each in written:
         name, equals, value = each.partition("=")
         if not name or not equals:
@@ -132,13 +143,14 @@ def _parameters(written: tuple[str, ...], samples: int) -> tuple[tuple[str, Any]
             values[name] = json.loads(value)
         except ValueError:
             values[name] = value
-    if samples > 1 and values["temperature"] == 0:
+    if samples > 1 and values["temperature"] == 0 and not any(name.startswith("reasoning") for name in values):
         raise WmsError("--samples: all replies are equal at temperature 0; add --parameter temperature=0.7")
     return tuple(sorted((name, value) for name, value in values.items() if value is not None))
 
 
 def _evaluate(run: Run, server: Server | None, options: dict[str, Any], as_json: bool) -> None:
     from wmspec.eval.models.cache import CachedModel
+    from wmspec.eval.models.images import ImageOptions
     from wmspec.eval.models.model import Model
     from wmspec.eval.models.models import open_model
     from wmspec.eval.models.run import evaluate
@@ -148,13 +160,20 @@ def _evaluate(run: Run, server: Server | None, options: dict[str, Any], as_json:
         raise WmsError("missing output: add -o results.parquet")
     settings = run.settings
     parameters = dict(settings.parameters)
-    model: Model = open_model(settings.model, run.dataset, settings.seed, parameters, server, options["concurrency"])
+    chosen = {written.partition("=")[0] for written in options["parameter"]}
+    images = ImageOptions.parse(options["image_format"], options["image_size"], options["image_detail"])
+    model: Model = open_model(
+        settings.model, run.dataset, settings.seed, parameters, server, options["concurrency"],
+        frozenset(_DEFAULTS) - chosen, images,
+    )  # fmt: skip
     if options["cache"] is not None:
         model = CachedModel(model, parameters, options["cache"])
     total = sum(len(list(run.asks(question))) for question in run.chosen())
     with progress_bar(total, "asking", "replies") as bar:
         ended = evaluate(run, model, output, lambda right, count, cost: bar(_so_far(right, count, cost), 1))
     _print_counts(ended.counts, output, as_json)
+    for sentence in () if as_json else (*ended.causes, *ended.notes):
+        click.echo(str(sentence))
     if ended.missing and not as_json:
         click.echo(f"{ended.missing:,} requests were not sent because of a limit; the same command resumes")
     exit_if_failed(_tally(ended))
@@ -164,8 +183,9 @@ def _tally(ended: RunResult) -> Tally:
     """Return the counts of a run: every failed request counts, since the same command retries it."""
     status = ended.counts.status
     failed = status.get("error", 0)
-    read, total = status.get("ok", 0), ended.counts.replies
-    return Tally("reply could be read", read, "requests", total, failed, ended.error, how="failed", most=0)
+    first = next((cause.example or cause.cause for cause in ended.causes if cause.outcome == "error"), "")
+    read, total = status.get("answered", 0), ended.counts.replies
+    return Tally("reply could be read", read, "requests", total, failed, first, how="failed", most=0)
 
 
 def _so_far(right: int, count: int, cost: float) -> str:
@@ -182,11 +202,11 @@ def _print_counts(counted: Counts, path: Path, as_json: bool) -> None:
     chance = f"; guessing: {counted.chance:.1%}" if counted.chance is not None else ""
     share = counted.right / counted.replies if counted.replies else 0.0
     click.echo(f"{path}: {counted.replies:,} replies, {counted.right:,} right ({share:.1%}{chance})")
-    read = counted.status.get("ok", 0)
-    lost = {name: count for name, count in counted.status.items() if name != "ok"}
+    read = counted.status.get("answered", 0)
+    lost = {name: count for name, count in counted.status.items() if name != "answered"}
     if lost:
         counts = ", ".join(f"{count:,} {name}" for name, count in lost.items())
-        among = f"; of the readable replies {counted.right / read:.1%} are right" if read else ""
+        among = f"; of the {read:,} answered {counted.right / read:.1%} are right" if read else ""
         click.echo(f"counted as wrong: {counts}{among}")
     if counted.tokens_in or counted.tokens_out:
         cost = f"; cost {counted.cost:.4g}" if counted.cost is not None else ""

@@ -39,7 +39,7 @@ def report_command(results: tuple[Path, ...], dataset: Path | None, output: Path
     lacking = [name for name in ("pandas", "matplotlib", "statsmodels") if find_spec(name) is None]
     if lacking:
         raise WmsError(f"a report needs {', '.join(lacking)}; install it with: pip install 'wmspec[report]'")
-    from wmspec.eval.report.page import summary, warnings
+    from wmspec.eval.report.page import lost_answers, summary, warnings
     from wmspec.eval.report.report import STEPS, report
     from wmspec.eval.report.write import text, write
 
@@ -49,6 +49,6 @@ def report_command(results: tuple[Path, ...], dataset: Path | None, output: Path
     if as_json:
         click.echo(text(made), nl=False)
         return
-    for sentence in (*summary(made), *warnings(made)):
+    for sentence in (*summary(made), *warnings(made), *lost_answers(made)):
         click.echo(sentence)
     click.echo(page)

@@ -19,7 +19,7 @@ from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.export.rows import COLUMNS, Row, exported_rows, write
 from wmspec.eval.models.prompt import Prompt
 from wmspec.eval.models.question import Selection
-from wmspec.eval.models.reply import LETTERS, ORDINALS
+from wmspec.eval.replies import LETTERS, ORDINALS
 
 #: The file that marks a folder as an export, with its settings and files.
 MARK_FILE = "export.json"
@@ -98,7 +98,8 @@ def export(what: Export, tool: str, place: Path) -> int:
     with files.with_remedies(place):
         folder.clear()
         count = TOOLS[tool](what, folder)
-        folder.copy("eval/models/reply.py", "wmspec_reply.py")
+        for module in sorted(resource("eval/replies").glob("*.py")):
+            folder.copy(f"eval/replies/{module.name}", f"wmspec_reply/{module.name}")
         (place / MARK_FILE).write_bytes(
             files.pretty_json({**about, "questions": count, "files": sorted(folder.written)})
         )

@@ -271,7 +271,7 @@
   function replies(runs) {
     const rows = runs.flatMap((run) => (run.replies ?? []).map((reply) => make("tr", {},
       make("td", {}, reply.model), runs.length > 1 ? make("td", {}, run.engine) : null,
-      make("td", { class: reply.right ? "right" : "wrong" }, reply.right ? "✓" : "✗", " ", reply.parsed == null ? reply.status === "ok" ? "" : reply.status : LETTERS[reply.parsed]),
+      make("td", { class: reply.right ? "right" : "wrong" }, reply.right ? "✓" : "✗", " ", reply.parsed == null ? reply.status === "answered" ? "" : reply.status : LETTERS[reply.parsed]),
       make("td", {}, reply.text))));
     return rows.length ? make("div", { class: "scroll" }, make("table", { class: "replies", "aria-label": "Answers of models and people" }, make("tbody", {}, rows))) : null;
   }

@@ -49,6 +49,7 @@ class Baseline:
     """A baseline. It learns from `questions`, those of the dataset; their pictures are not needed."""
 
     asks = 1
+    notes = ()
 
     def __init__(self, name: str, questions: Iterable[Question], seed: int) -> None:
         self.identity = f"{name} {seed}"

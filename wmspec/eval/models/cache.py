@@ -32,14 +32,22 @@ class CachedModel:
         except (OSError, sqlite3.Error) as error:
             raise WmsError(f"--cache {path}: cannot be used ({error}); name another file") from None
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Those of the model."""
+        return self._model.notes
+
     def reply(self, ask: Ask) -> Reply:
         """Return the cached reply, or the model's, which is cached unless it is an error."""
         key = hashlib.sha256(f"{self._identity}\n{ask.request.digest}\n{ask.sample}".encode()).hexdigest()
         known = self._run("SELECT reply FROM replies WHERE key = ?", key)
         if known:
-            return replace(Reply(**json.loads(known[0][0])), cost=0.0)
+            stored = json.loads(known[0][0])
+            if stored.pop("outcome", "ok") == "refused":  # written by earlier versions
+                stored["finish"] = "content_filter"
+            return replace(Reply(**stored), cost=0.0)
         reply = self._model.reply(ask)
-        if reply.outcome != "error":
+        if not reply.failed:
             self._run("INSERT OR REPLACE INTO replies VALUES (?, ?)", key, json.dumps(asdict(reply)))
         return reply
 

@@ -113,6 +113,8 @@ def _parse_line(line: bytes, path: Path) -> dict[str, Any]:
 
 def _record(value: dict[str, Any], path: Path) -> tuple[Key, Reply]:
     try:
+        if value.pop("outcome", "ok") == "refused":  # written by earlier versions
+            value["finish"] = "content_filter"
         key = (value.pop("id"), value.pop("permutation"), value.pop("sample"))
         return _KEY.validate_python(key, strict=True), _REPLY.validate_python(asdict(Reply(**value)))
     except (KeyError, TypeError, ValidationError):

@@ -59,12 +59,12 @@ class Meter:
         Raises FatalModelError after `MAX_CONSECUTIVE_ERRORS` consecutive errors, or if a limited cost is unknown.
         """
         self.flying -= 1
-        self._failed = self._failed + 1 if reply.outcome == "error" else 0
+        self._failed = self._failed + 1 if reply.failed else 0
         if self._failed >= MAX_CONSECUTIVE_ERRORS:
             raise FatalModelError(
                 f"{MAX_CONSECUTIVE_ERRORS} requests in a row have failed, the last with: {reply.error}"
             )
-        if reply.outcome == "error":
+        if reply.failed:
             return
         if reply.cost is None and self.limits.cost is not None:
             raise FatalModelError("--max-cost: the server does not say what a reply costs; add --price IN OUT")

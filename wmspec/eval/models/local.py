@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.eval.models.images import AS_THEY_ARE, ImageOptions
 from wmspec.eval.models.model import Reply, storable
 from wmspec.eval.models.montage import decode_image
 from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
@@ -20,8 +21,9 @@ class LocalModel:
     """A vision-language model in a folder written by `save_pretrained`. It takes one request at a time."""
 
     asks = 1
+    notes = ()
 
-    def __init__(self, path: Path, parameters: dict[str, Any]) -> None:
+    def __init__(self, path: Path, parameters: dict[str, Any], images: ImageOptions = AS_THEY_ARE) -> None:
         """Load the model. Raises WmsError if transformers is missing or cannot load it."""
         try:
             import torch
@@ -42,14 +44,16 @@ class LocalModel:
         self._model.to("cuda" if torch.cuda.is_available() else "cpu")
         self._version = f"{self._model.config.model_type}:{_digest(path)}"
         self.identity = f"hf {self._version} transformers {transformers.__version__}"
-        self._generation = _generation(parameters)
+        self._generation, self._images = _generation(parameters), images
+        if images.record:
+            self.identity += f" {images.record}"
         self._turn = threading.Lock()
 
     def reply(self, ask: Ask) -> Reply:
         """Return the generated text. Raises WmsError for a video, which not all models support."""
         import torch
 
-        messages, began = _messages(ask.request), time.monotonic()
+        messages, began = _messages(ask.request, self._images), time.monotonic()
         with self._turn, torch.inference_mode():
             torch.manual_seed(ask.sample)
             try:
@@ -59,10 +63,12 @@ class LocalModel:
                 sent = int(batch["input_ids"].shape[1])
                 written = self._model.generate(**batch, **self._generation)[0, sent:]
             except (RuntimeError, ValueError, IndexError, TypeError) as error:
-                return Reply(outcome="error", error=storable(f"{type(error).__name__}: {error}")[:2000])
+                return Reply(error=storable(f"{type(error).__name__}: {error}")[:2000])
             text = self._processor.decode(written, skip_special_tokens=True)
+        limit = self._generation.get("max_new_tokens")
         return Reply(
             text=storable(text),
+            finish="length" if limit is not None and len(written) >= limit else "stop",
             model_version=self._version,
             tokens_in=sent,
             tokens_out=len(written),
@@ -78,14 +84,14 @@ def _generation(parameters: dict[str, Any]) -> dict[str, Any]:
     return {"max_new_tokens": tokens, **warm, **options}
 
 
-def _messages(request: Request) -> list[dict[str, Any]]:
+def _messages(request: Request, images: ImageOptions) -> list[dict[str, Any]]:
     turn: list[dict[str, Any]] = []
     for part in request.parts:
         match part:
             case Text(text):
                 turn.append({"type": "text", "text": f"{text}\n"})
             case Picture(png):
-                turn.append({"type": "image", "image": decode_image(png)})
+                turn.append({"type": "image", "image": decode_image(images.encode(png)[1])})
             case Clip():
                 raise WmsError("local models do not support videos; use another --prompt than `clip`")
     system = [{"role": "system", "content": [{"type": "text", "text": request.system}]}] if request.system else []

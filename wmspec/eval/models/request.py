@@ -12,7 +12,7 @@ from typing import Literal
 from wmspec.eval.models.montage import encode_video, montage
 from wmspec.eval.models.prompt import Labels, Prompt
 from wmspec.eval.models.question import Question
-from wmspec.eval.models.reply import LETTERS
+from wmspec.eval.replies import LETTERS
 
 Ablation = Literal["pictures", "question"]
 

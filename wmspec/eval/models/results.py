@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -19,14 +19,14 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_file_name, make_folders, read_bytes, regular_file
 from wmspec.dataset.build.files import with_remedies
-from wmspec.eval.models import reply as replies
+from wmspec.eval import replies
 from wmspec.eval.models.journal import Key, Replies
-from wmspec.eval.models.model import Outcome, Reply
+from wmspec.eval.models.model import Reply
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.request import Ask
+from wmspec.eval.replies import Outcome
 
 Row = dict[str, Any]
-Status = Literal["ok", "unparsed", "refused", "error"]
 
 #: The columns of results: type and description.
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {
@@ -56,10 +56,16 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "parsed": (pa.int64(), "the place in the dataset of the option chosen; null if none could be read"),
     "number": (pa.float64(), "of an open question: the number given"),
     "right": (pa.bool_(), "whether the reply is right; what could not be read, was refused or failed is not"),
-    "status": (pa.string(), "ok, unparsed, refused (withheld by a filter) or error (no reply came)"),
-    "error": (pa.string(), "why no reply came"),
+    "status": (
+        pa.string(),
+        "answered, unparsed, truncated (by the limit of tokens), refused (by a filter) or error (no reply)",
+    ),
+    "finish_reason": (pa.string(), "why the model stopped, by the server's name"),
+    "reasoning": (pa.string(), "the reasoning that came apart from the text"),
+    "error": (pa.string(), "why no reply came, or what a filter said"),
     "tokens_in": (pa.int64(), "tokens sent"),
     "tokens_out": (pa.int64(), "tokens received"),
+    "tokens_reasoning": (pa.int64(), "tokens of reasoning among those received"),
     "cost": (pa.float64(), "what it cost, in the currency of the prices"),
     "seconds": (pa.float64(), "from the request to the reply, with what was tried again"),
 }
@@ -109,10 +115,13 @@ def row(ask: Ask, reply: Reply, model: str, prompt: str) -> Row:
             "answer_unit": question.unit if is_open else None,
             "answer_within": question.within if is_open else None,
             "text": reply.text,
-            "status": reply.outcome,
+            "status": "error" if reply.failed else "answered",
+            "finish_reason": reply.finish,
+            "reasoning": reply.reasoning,
             "error": reply.error,
             "tokens_in": reply.tokens_in,
             "tokens_out": reply.tokens_out,
+            "tokens_reasoning": reply.tokens_reasoning,
             "cost": reply.cost,
             "seconds": reply.seconds,
         }
@@ -130,15 +139,15 @@ def score(row: Row) -> Row:
         number=row["answer_number"],
         unit=row["answer_unit"],
         within=row["answer_within"],
+        finish=row["finish_reason"],
     )
-    came = row["status"] in {"ok", "unparsed"}
-    status: Status = ("ok" if mark.parsed else "unparsed") if came else row["status"]
+    came = row["status"] != "error"
     return {
         **row,
         "parsed": order[mark.place] if came and mark.place is not None else None,
         "number": mark.number if came else None,
         "right": came and mark.right,
-        "status": status,
+        "status": mark.outcome if came else "error",
     }
 
 
@@ -207,11 +216,28 @@ def read(path: Path) -> tuple[list[Row], dict[str, Any]]:
         about = json.loads((table.schema.metadata or {})[_ABOUT])
     except (OSError, pa.ArrowException, KeyError, ValueError, RecursionError):
         raise WmsError(f"{path} holds no results; they are made with `wmspec evaluate DATASET -o {path}`") from None
+    table = upgraded(table)
     if not set(SCHEMA.names) <= set(table.column_names) or not isinstance(about, dict):
         raise WmsError(
             "results of another version of wmspec", FilePlace(str(path)), "evaluate again, into another file"
         )
     return validated(table, path).to_pylist(), about
+
+
+def upgraded(table: pa.Table) -> pa.Table:
+    """Return a table of results of an earlier version with the columns and outcomes of this one."""
+    if "status" not in table.column_names or "finish_reason" in table.column_names:
+        return table
+    status = table["status"].combine_chunks()
+    refused = pc.equal(status, "refused")
+    table = table.set_column(
+        table.column_names.index("status"), "status", pc.if_else(pc.equal(status, "ok"), "answered", status)
+    )
+    filtered = pc.if_else(refused, "content_filter", pa.scalar(None, pa.string()))
+    table = table.append_column("finish_reason", filtered)
+    for name in ("reasoning", "tokens_reasoning"):
+        table = table.append_column(name, pa.nulls(len(table), SCHEMA.field(name).type))
+    return table
 
 
 #: Columns with a value in every row; columns of names; columns of text that is displayed.
@@ -244,7 +270,7 @@ def _fault(table: pa.Table) -> str:
         for word in table[name].unique().to_pylist() if name in table.column_names else ():
             if word is not None and not (is_file_name(word) if name in _NAMES else _WORDS.fullmatch(word)):
                 return f"`{name}` is {word[:80]!r}, which is not a name"
-    if unknown := set(table["status"].unique().to_pylist()) - set(get_args(Status)):
+    if unknown := set(table["status"].unique().to_pylist()) - set(get_args(Outcome)):
         return f"a status is {min(unknown)[:80]!r}"
     options = "options" if "options" in table.column_names else "order"
     chosen = (table[name].to_pylist() for name in ("order", options, "answer", "parsed"))
@@ -265,9 +291,18 @@ def _key(row: Row) -> Key:
 
 
 def _reply(row: Row) -> Reply:
-    same = ("text", "error", "model_version", "tokens_in", "tokens_out", "cost", "seconds")
-    outcome: Outcome = row["status"] if row["status"] in {"refused", "error"} else "ok"
-    return Reply(outcome=outcome, **{name: row[name] for name in same})
+    same = (
+        "text",
+        "reasoning",
+        "error",
+        "model_version",
+        "tokens_in",
+        "tokens_out",
+        "tokens_reasoning",
+        "cost",
+        "seconds",
+    )
+    return Reply(finish=row["finish_reason"], **{name: row[name] for name in same})
 
 
 def rescore(path: Path) -> tuple[Counts, int]:

@@ -13,8 +13,9 @@ from typing import Any
 from wmspec import __version__
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.eval.models import reply as replies
+from wmspec.eval import replies
 from wmspec.eval.models import results
+from wmspec.eval.models.causes import Cause, causes
 from wmspec.eval.models.journal import Journal, Replies, require_same_settings
 from wmspec.eval.models.limits import Limits, Meter, RateLimiter
 from wmspec.eval.models.model import Model, Reply
@@ -38,6 +39,7 @@ class Settings:
     ablation: Ablation | None = None
     seed: int = 0
     parameters: tuple[tuple[str, Any], ...] = ()
+    images: str | None = None
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,7 @@ class Run:
             "ablation": settings.ablation,
             "parameters": dict(settings.parameters),
             "seed": settings.seed,
+            "images": settings.images,
         }
 
     def chosen(self) -> list[Question]:
@@ -85,11 +88,15 @@ class Run:
 
 @dataclass(frozen=True)
 class RunResult:
-    """The end of a run: the counts of all results, and the number of requests left out because of a limit."""
+    """The end of a run: the counts of all results, and the number of requests left out because of a limit.
+
+    `causes` are those of replies without an answer, `notes` say how requests were changed for the server.
+    """
 
     counts: Counts
     missing: int
-    error: str = ""
+    causes: tuple[Cause, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> RunResult:
@@ -105,11 +112,9 @@ def evaluate(run: Run, model: Model, output: Path, progress: Progress) -> RunRes
         requested = {ask.key for question in chosen for ask in run.asks(question)}
         rows = list(_rows(run, have))
         missing = sum(key not in have for key in requested)
-        results.write(output, rows, _about(run, settings_record, rows, missing))
+        results.write(output, rows, _about(run, settings_record, rows, missing) | {"notes": list(model.notes)})
         journal.discard()
-    return RunResult(
-        results.counts(rows), missing, next((row["error"] for row in rows if row["status"] == "error"), "")
-    )
+    return RunResult(results.counts(rows), missing, causes(rows), model.notes)
 
 
 def _existing_replies(output: Path, settings_record: dict[str, Any]) -> Replies:
@@ -173,7 +178,7 @@ def _pending_asks(run: Run, chosen: list[Question], have: Replies) -> Iterator[A
     """Yield the requests without a reply, in order; the pictures of few questions are in memory at a time."""
 
     def wanting(question: Question) -> list[Ask]:
-        return [ask for ask in run.asks(question) if ask.key not in have or have[ask.key].outcome == "error"]
+        return [ask for ask in run.asks(question) if ask.key not in have or have[ask.key].failed]
 
     pending = {question.id for question in chosen if wanting(question)}
     for question in questions(run.dataset, pending):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import os
+import re
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -11,13 +12,27 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.eval.models.adapt import Parameters
+from wmspec.eval.models.images import AS_THEY_ARE, ImageOptions
+from wmspec.eval.models.message import read_response
 from wmspec.eval.models.model import FatalModelError, Reply, storable
 from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
 
 #: Environment variables with the key of a server, and with the server if none is named.
 KEY_VARIABLE, ADDRESS_VARIABLE = "OPENAI_API_KEY", "OPENAI_BASE_URL"
 _OPENAI = "https://api.openai.com/v1"
-#: Maximum size of a response (bytes), far above a reply of `LONGEST` characters.
+#: Fields of a reply besides the text in which a server may echo the key.
+_ECHOED = ("reasoning", "error", "model_version")
+#: Status codes of requests that a filter stops, words of its message, and words for a quota that is used up.
+_FILTER_STATUS = frozenset({400, 403, 422, 451})
+_FILTERED = re.compile(
+    r"(?i)content[_ -]?(?:filter|policy|management)|responsible[ _]?ai|safety (?:system|filter|polic)|moderation"
+    r"|flagged|prohibited[_ ]content|sensitive content|data_inspection_failed"
+)
+_EXHAUSTED = re.compile(
+    r"(?i)insufficient_quota|exceeded your current quota|insufficient (?:balance|credits?)|credit balance"
+)
+#: Maximum size of a response (bytes), far above a reply of `MAX_REPLY_LENGTH` characters.
 MAX_RESPONSE_BYTES = 4 << 20
 
 
@@ -25,13 +40,15 @@ MAX_RESPONSE_BYTES = 4 << 20
 class Server:
     """The connection to a server.
 
-    Its address, timeout (s), number of retries, and the prices of a million tokens, sent and received.
+    Its address, timeout (s), number of retries, the prices of a million tokens, sent and received, and how pictures are
+    sent.
     """
 
     address: str
     timeout: float = 120.0
     retries: int = 5
     prices: tuple[float, float] | None = None
+    images: ImageOptions = AS_THEY_ARE
 
 
 def address(base_url: str | None) -> str:
@@ -48,17 +65,19 @@ def address(base_url: str | None) -> str:
 
 
 class ServerModel:
-    """A model of a server. `parameters` are part of every request."""
+    """A model of a server. `parameters` are part of every request; those in `defaults` may be left out or renamed."""
 
-    def __init__(self, name: str, server: Server, parameters: dict[str, Any], asks: int) -> None:
+    def __init__(
+        self, name: str, server: Server, parameters: dict[str, Any], asks: int, defaults: frozenset[str] = frozenset()
+    ) -> None:
         """Create the client. Raises WmsError if the client package or the key is missing."""
         try:
             import openai
         except ImportError:
             raise WmsError("this needs the openai client; install it with `pip install 'wmspec[evaluate]'`") from None
-        self.identity = f"{server.address} {name}"
+        self.identity = " ".join(filter(None, (server.address, name, server.images.record)))
         self.asks = asks
-        self._name, self._server, self._parameters = name, server, parameters
+        self._name, self._server, self._parameters = name, server, Parameters(parameters, defaults)
         self._key = os.environ.get(KEY_VARIABLE, "")
         if not self._key and server.address == _OPENAI:
             raise WmsError(
@@ -72,51 +91,72 @@ class ServerModel:
             http_client=_client(openai),
         )
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was changed in requests because the server rejected it."""
+        return self._parameters.notes
+
     def reply(self, ask: Ask) -> Reply:
-        """Return the server's reply, or the error after all retries. Raises Lost if no request can succeed."""
+        """Return the server's reply, or the error after all retries.
+
+        Raises FatalModelError if no request can succeed.
+        """
+        messages, began = _messages(ask.request, self._server.images), time.monotonic()
+        reply = self._try(messages)
+        return replace(reply, seconds=round(time.monotonic() - began, 3))
+
+    def _try(self, messages: Any) -> Reply:
+        """Return the reply to messages, tried again without the parameters that the server rejects."""
         import openai
 
-        messages, began = _messages(ask.request), time.monotonic()
+        sent = self._parameters.values
         try:
-            done = self._client.chat.completions.create(
-                model=self._name, messages=messages, extra_body=self._parameters
-            )
-            reply = self._read(done)
-        except (openai.AuthenticationError, openai.PermissionDeniedError, openai.NotFoundError) as error:
-            raise FatalModelError(
-                f"{self._server.address} refuses `{self._name}`: {self._hidden(str(error))}"
-            ) from None
+            done = self._client.chat.completions.create(model=self._name, messages=messages, extra_body=sent)
+            return self._read(done)
+        except openai.BadRequestError as error:
+            if self._parameters.learn(sent, str(error)):
+                return self._try(messages)
+            return self._failure(error)
         except openai.OpenAIError as error:
-            reply = Reply(outcome="error", error=self._hidden(_cause(error)))
+            return self._failure(error)
         except (ValueError, TypeError, LookupError, AttributeError) as error:
-            reply = Reply(outcome="error", error=self._hidden(f"not a chat completion: {error}"))
-        return replace(reply, seconds=round(time.monotonic() - began, 3))
+            return Reply(error=self._hidden(f"not a chat completion: {error}"))
+
+    def _failure(self, error: Any) -> Reply:
+        """Return the reply for an error. Raises FatalModelError if every request will end like this one."""
+        import openai
+
+        message = self._hidden(_cause(error))
+        if (
+            isinstance(error, openai.APIStatusError)
+            and error.status_code in _FILTER_STATUS
+            and _FILTERED.search(message)
+        ):
+            return Reply(finish="content_filter", error=message)
+        if isinstance(error, (openai.AuthenticationError, openai.PermissionDeniedError, openai.NotFoundError)):
+            raise FatalModelError(f"{self._server.address} refuses `{self._name}`: {message}")
+        if _EXHAUSTED.search(message):
+            raise FatalModelError(f"{self._server.address}: the quota is used up: {message}")
+        return Reply(error=message)
 
     def _read(self, done: Any) -> Reply:
         """Return the reply in a response. Raises ValueError and others if it is no chat completion."""
-        if not done.choices:
-            return Reply(outcome="error", error="the response has no choices")
-        chosen = done.choices[0]
-        text = chosen.message.content
-        withheld = chosen.finish_reason == "content_filter" or getattr(chosen.message, "refusal", None)
-        version = "/".join(str(part) for part in (done.model, getattr(done, "system_fingerprint", None)) if part)
-        return Reply(
-            text=self._hidden(storable(text if isinstance(text, str) else "")),
-            outcome="refused" if withheld else "ok",
-            model_version=self._hidden(storable(version)[:200]) or None,
-            **self._usage(done.usage),
-        )
+        reply = read_response(done)
+        hidden: dict[str, Any] = {name: self._hidden(getattr(reply, name) or "") or None for name in _ECHOED}
+        return replace(reply, text=self._hidden(reply.text), **hidden, **self._usage(done.usage))
 
     def _usage(self, usage: Any) -> dict[str, Any]:
         if usage is None:
             return {}
         sent, received = _count(usage.prompt_tokens), _count(usage.completion_tokens)
         cost = (usage.model_extra or {}).get("cost")
+        details = getattr(usage, "completion_tokens_details", None)
         if self._server.prices is not None:
             cost = (sent or 0) * self._server.prices[0] / 1e6 + (received or 0) * self._server.prices[1] / 1e6
         return {
             "tokens_in": sent,
             "tokens_out": received,
+            "tokens_reasoning": _count(getattr(details, "reasoning_tokens", None)),
             "cost": float(cost) if isinstance(cost, (int, float)) else None,
         }
 
@@ -167,14 +207,15 @@ def _client(openai: Any) -> Any:
     return openai.DefaultHttpxClient(transport=Transport(limits=limits, retries=0))
 
 
-def _messages(request: Request) -> Any:
+def _messages(request: Request, images: ImageOptions) -> Any:
     turn: list[dict[str, Any]] = []
     for part in request.parts:
         match part:
             case Text(text):
                 turn.append({"type": "text", "text": text})
             case Picture(png):
-                turn.append({"type": "image_url", "image_url": {"url": _data("image/png", png)}})
+                detail = {"detail": images.detail} if images.detail else {}
+                turn.append({"type": "image_url", "image_url": {"url": _data(*images.encode(png)), **detail}})
             case Clip(mp4):
                 turn.append({"type": "video_url", "video_url": {"url": _data("video/mp4", mp4)}})
     system = [{"role": "system", "content": request.system}] if request.system else []

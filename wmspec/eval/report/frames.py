@@ -50,7 +50,7 @@ def _accuracies(table: Table) -> Iterable[dict[str, Any]]:
         for dimension, value in line.dimensions.items():
             yield {"system": line.system, "task": "", "dimension": dimension, "accuracy": asdict(value)}
         whole = {"system": line.system, "task": "", "dimension": "", "accuracy": asdict(line.average)}
-        yield whole | {"unparsed skipped": line.parsed}
+        yield whole | {"answered only": line.parsed}
 
 
 def _flat(row: dict[str, Any]) -> dict[str, Any]:

@@ -45,6 +45,7 @@ def page(report: Report, figures: dict[str, tuple[SvgFigure, ...]], wide: Wide) 
         replies=sum(a.replies for a in report.accounts),
         summary=summary(report),
         warnings=warnings(report),
+        lost=lost_answers(report),
         titles=TITLES,
         figures=figures,
         accounts_shown=sorted(report.accounts, key=lambda a: order.index(a.system)),
@@ -93,16 +94,21 @@ def _with_interval(estimate: Estimate) -> str:
     )
 
 
+def lost_answers(report: Report) -> list[str]:
+    """Return the causes of questions without an answer, by system."""
+    return [f"{account.system}: {cause}" for account in report.accounts for cause in account.causes]
+
+
 def warnings(report: Report) -> list[str]:
     """Return caveats for the interpretation of the numbers."""
     sentences = []
-    failed = sum(a.failed for a in report.accounts)
+    failed = sum(a.error for a in report.accounts)
     if failed:
-        sentences.append(f"{failed:,} requests have no reply and are excluded; evaluate again to retry them.")
-    lost = [a for a in report.accounts if a.replies and (a.unparsed + a.refused) / a.replies > 0.05]
+        sentences.append(f"{failed:,} requests have no reply and count as wrong; evaluate again to retry them.")
+    lost = [a for a in report.accounts if a.replies and 1 - a.answered / a.replies > 0.05]
     if lost:
-        names = ", ".join(f"{a.system} ({(a.unparsed + a.refused) / a.replies:.0%})" for a in lost)
-        sentences.append(f"Many replies are unparsed and count as wrong: {names}.")
+        names = ", ".join(f"{a.system} ({1 - a.answered / a.replies:.0%})" for a in lost)
+        sentences.append(f"Many questions have no answer and count as wrong: {names}.")
     if report.narrow:
         names = ", ".join(report.narrow[:6]) + (f" and {len(report.narrow) - 6} more" if len(report.narrow) > 6 else "")
         sentences.append(

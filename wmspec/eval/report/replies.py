@@ -15,13 +15,14 @@ from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import regular_file
 from wmspec.eval.models.agreement import majority
-from wmspec.eval.models.results import validated
+from wmspec.eval.models.results import upgraded, validated
 from wmspec.eval.report.questions import Questions
 
 #: Required columns of results; `docs/evaluate.md` describes them.
 COLUMNS = (
     "id", "task", "dimension", "question_name", "engine", "index", "group", "model", "prompt", "ablation",
-    "permutation", "sample", "order", "answer", "parsed", "right", "status", "cost", "tokens_in", "tokens_out",
+    "permutation", "sample", "order", "answer", "parsed", "right", "status", "cost", "tokens_in", "tokens_out", "text",
+    "error",
 )  # fmt: skip
 #: Columns that identify a reply.
 KEY = ["id", "model", "prompt", "ablation", "permutation", "sample"]
@@ -38,14 +39,12 @@ class Replies:
     """All scored replies.
 
     `table` has a row for each, with the columns of results and: `system`; `cluster`, the unit of resampling; `right`, 1
-    or 0; `skipped`, whether the reply has no answer (and counts as wrong); `options`, their number; `query`, whether it
-    is a companion question of a prediction task. `failed` counts the requests without a reply by system; they are
-    excluded. `raters` has each person's replies. `narrow` names the tasks with too few control groups, whose intervals
-    are over instances.
+    or 0; `skipped`, whether there is no answer (unparsed, truncated, refused or an error), which counts as wrong;
+    `options`, their number; `query`, whether it is a companion question of a prediction task. `raters` has the replies
+    of each person. `narrow` names the tasks with too few control groups, whose intervals are over instances.
     """
 
     table: pd.DataFrame
-    failed: dict[str, int]
     raters: pd.DataFrame
     narrow: tuple[str, ...] = ()
     questions: Questions | None = None
@@ -70,7 +69,7 @@ class Replies:
 
     @cached_property
     def parsed_scores(self) -> pd.DataFrame:
-        """The scores without unparsed replies, as in the paper."""
+        """The scores of answered questions alone, as in the paper."""
         return self._scores(self.table[~self.table["skipped"]])
 
     def _scores(self, table: pd.DataFrame) -> pd.DataFrame:
@@ -108,19 +107,15 @@ def replies(table: pd.DataFrame, questions: Questions | None = None) -> Replies:
     table = table.assign(
         system=_systems(table),
         cluster=_clusters(table),
-        skipped=table["status"].isin(["unparsed", "refused"]),
+        skipped=table["status"] != "answered",
         right=table["right"].eq(True).astype(float),
         options=table["order"].map(lambda order: 0 if order is None else len(order)),
         query=False if questions is None else table["id"].map(questions.table["query"]).astype(bool),
     )
-    failed = table["status"] == "error"
-    counted = table[failed].groupby("system").size()
-    table = table[~failed]
     rated = table["model"].str.startswith(RATER_PREFIX)
     people = _majority(table[rated])
     whole = pd.concat([table[~rated], people], ignore_index=True).sort_values(["system", *KEY[:1], *KEY[4:]])
-    failures = {str(k): int(n) for k, n in counted.items()}
-    return Replies(whole.reset_index(drop=True), failures, table[rated], tuple(_narrow_tasks(table)), questions)
+    return Replies(whole.reset_index(drop=True), table[rated], tuple(_narrow_tasks(table)), questions)
 
 
 # ---------------------------------------------------------------- files
@@ -148,7 +143,8 @@ def _file(path: Path) -> pd.DataFrame:
                 f"{path} is no file of results: it lacks the columns {', '.join(lacking)}; "
                 "give what `wmspec evaluate` or `wmspec study collect` wrote (a dataset goes to --dataset)"
             )
-        table: pd.DataFrame = validated(file.read(list(COLUMNS)), path).to_pandas()
+        columns = [name for name in (*COLUMNS, "finish_reason") if name in file.schema_arrow.names]
+        table: pd.DataFrame = validated(upgraded(file.read(columns)), path).to_pandas()
         return table
     except FileNotFoundError:
         raise WmsError(f"{path} is not there; give a file or a folder that `wmspec evaluate` wrote") from None

@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import TypeVar, get_args
 
+import numpy as np
+
+from wmspec.eval.models.causes import Cause, causes
+from wmspec.eval.replies import Outcome
 from wmspec.eval.report.choices import Flips, Mistakes, Position, flips, mistakes, positions
 from wmspec.eval.report.compare import Comparison, comparisons
 from wmspec.eval.report.curves import Curve, curves
@@ -23,7 +27,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Account:
-    """The requests of a system: replies, unparsed, refused and failed ones, tokens and cost.
+    """The requests of a system by outcome, tokens and cost, and the causes of questions without an answer.
 
     `cost` is in the currency of the prices given to `wmspec evaluate`, None if unknown.
     """
@@ -31,12 +35,15 @@ class Account:
     system: str
     questions: int
     replies: int
+    answered: int
     unparsed: int
+    truncated: int
     refused: int
-    failed: int
+    error: int
     tokens_in: int | None
     tokens_out: int | None
     cost: float | None
+    causes: tuple[Cause, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -116,8 +123,7 @@ STEPS = 13
 
 def accounts(replies: Replies) -> tuple[Account, ...]:
     """Return the requests of every system."""
-    systems = sorted({*replies.systems, *replies.failed})
-    return tuple(_account(replies, system) for system in systems)
+    return tuple(_account(replies, system) for system in sorted(replies.systems))
 
 
 def _account(replies: Replies, system: str) -> Account:
@@ -129,7 +135,10 @@ def _account(replies: Replies, system: str) -> Account:
         return float(known.sum()) if len(known) else None
 
     tokens = [None if (n := total(c)) is None else int(n) for c in ("tokens_in", "tokens_out")]
+    counts = {outcome: int(status.get(outcome, 0)) for outcome in get_args(Outcome)}
+    rows = table[["id", "status", "text", "error", "finish_reason"]].replace({np.nan: None})
+    lost = causes({str(name): value for name, value in row.items()} for row in rows.to_dict("records"))
     return Account(
-        system, table["id"].nunique(), len(table), int(status.get("unparsed", 0)), int(status.get("refused", 0)),
-        replies.failed.get(system, 0), tokens[0], tokens[1], total("cost"),
+        system, table["id"].nunique(), len(table), **counts, tokens_in=tokens[0], tokens_out=tokens[1],
+        cost=total("cost"), causes=lost,
     )  # fmt: skip

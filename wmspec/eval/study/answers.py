@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import regular_file
-from wmspec.eval.models.reply import LETTERS
+from wmspec.eval.replies import LETTERS
 from wmspec.eval.study.model import Item, Study
 
 #: Maximum size of a file of answers (bytes).

@@ -13,8 +13,8 @@ from typing import Any
 from wmspec import __version__
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
+from wmspec.eval import replies
 from wmspec.eval.models import prompt, results
-from wmspec.eval.models import reply as replies
 from wmspec.eval.models.agreement import fleiss_kappa, majority
 from wmspec.eval.models.model import Reply
 from wmspec.eval.models.request import Ask

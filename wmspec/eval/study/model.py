@@ -14,7 +14,7 @@ from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build.files import with_remedies
 from wmspec.dataset.build.format_units import DISPLAY_UNITS
 from wmspec.eval.models.question import Question
-from wmspec.eval.models.reply import LETTERS
+from wmspec.eval.replies import LETTERS
 
 #: The study's file, the page's folder, and the folder of editable texts.
 STUDY_FILE, PAGE_FOLDER, TEXTS_FOLDER = "study.json", "page", "texts"

@@ -1,6 +1,7 @@
 """Questions about a physical world, for Inspect: `inspect eval wmspec_task.py --model MODEL` in this folder.
 
-`-T task=NAME` selects one task, `-T limit=N` the first N questions of each.
+`-T task=NAME` selects one task, `-T limit=N` the first N questions of each. Every question has one outcome: answered,
+unparsed, truncated, refused or error. All but the first count as wrong; `answered` is the share of the first.
 """
 
 from __future__ import annotations
@@ -12,20 +13,30 @@ from typing import Any
 import pyarrow.parquet as pq
 from inspect_ai import Task, task
 from inspect_ai.dataset import MemoryDataset, Sample
-from inspect_ai.model import ChatMessageSystem, ChatMessageUser, ContentImage, ContentText, GenerateConfig
+from inspect_ai.model import (
+    ChatMessageSystem,
+    ChatMessageUser,
+    ContentImage,
+    ContentText,
+    GenerateConfig,
+    ModelOutput,
+)
 from inspect_ai.scorer import (
     CORRECT,
     INCORRECT,
     NOANSWER,
+    Metric,
+    SampleScore,
     Score,
     Scorer,
     Target,
     accuracy,
     grouped,
+    metric,
     scorer,
     stderr,
 )
-from inspect_ai.solver import TaskState, generate
+from inspect_ai.solver import Generate, Solver, TaskState, solver
 from wmspec_reply import mark
 
 _FOLDER = Path(__file__).parent
@@ -49,9 +60,35 @@ def _sample(row: dict[str, Any]) -> Sample:
     )
 
 
-@scorer(metrics=[accuracy(), stderr(cluster="group"), grouped(accuracy(), "dimension")])
+@solver
+def ask() -> Solver:
+    """Send the question. A failed request does not end the evaluation: its outcome is `error`, as in wmspec."""
+
+    async def solve(state: TaskState, generate: Generate) -> TaskState:
+        try:
+            return await generate(state)
+        except Exception as error:  # noqa: BLE001  every provider has its own
+            state.metadata["error"] = f"{type(error).__name__}: {error}"[:2000]
+            state.output = ModelOutput.from_content(str(state.model), "", error=state.metadata["error"])
+            return state
+
+    return solve
+
+
+@metric
+def answered() -> Metric:
+    """The share of questions with an answer that could be read."""
+
+    def share(scores: list[SampleScore]) -> float:
+        outcomes = [(score.score.metadata or {}).get("outcome") for score in scores]
+        return outcomes.count("answered") / max(1, len(outcomes))
+
+    return share
+
+
+@scorer(metrics=[accuracy(), stderr(cluster="group"), answered(), grouped(accuracy(), "dimension")])
 def right() -> Scorer:
-    """Score replies as wmspec does; an unparsed reply has no answer, which counts as wrong."""
+    """Score replies as wmspec does. A question without an answer counts as wrong."""
 
     async def score(state: TaskState, target: Target) -> Score:  # noqa: ARG001  signature of Inspect
         metadata = state.metadata
@@ -63,10 +100,17 @@ def right() -> Scorer:
             number=metadata["answer_number"],
             unit=metadata["answer_unit"],
             within=metadata["answer_within"],
+            finish=state.output.stop_reason,
         )
-        value = (CORRECT if marked.right else INCORRECT) if marked.parsed else NOANSWER
+        outcome = "error" if "error" in metadata else marked.outcome
+        value = (CORRECT if marked.right else INCORRECT) if outcome == "answered" else NOANSWER
         answer = marked.place if marked.place is not None else marked.number
-        return Score(value=value, answer=None if answer is None else str(answer), explanation=state.output.completion)
+        return Score(
+            value=value,
+            answer=None if answer is None else str(answer),
+            explanation=metadata.get("error", state.output.completion),
+            metadata={"outcome": outcome},
+        )
 
     return score
 
@@ -80,4 +124,4 @@ def wmspec(task: str = "*", limit: int | None = None) -> Task:
         for row in pq.read_table(path).slice(0, limit).to_pylist()
     ]
     config = GenerateConfig(temperature=0, max_tokens=1024)
-    return Task(dataset=MemoryDataset(samples, name="wmspec"), solver=generate(), scorer=right(), config=config)
+    return Task(dataset=MemoryDataset(samples, name="wmspec"), solver=ask(), scorer=right(), config=config)

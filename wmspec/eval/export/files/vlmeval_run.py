@@ -16,6 +16,8 @@ from typing import Any
 from wmspec_reply import mark
 
 _FOLDER = Path(__file__).resolve().parent
+#: What VLMEvalKit writes in place of a reply after a failed request.
+_FAILED = "Failed to obtain answer via API"
 
 
 def _dataset() -> Any:
@@ -58,11 +60,16 @@ def _dataset() -> Any:
             rows = []
             for _, line in replies.iterrows():
                 fields = json.loads(line["wmspec"])["truth"]
-                marked = mark(str(line["prediction"]), fields.pop("options"), fields.pop("labels"), **fields)
-                rows.append({"category": line["category"], "right": marked.right, "unparsed": not marked.parsed})
+                said = str(line["prediction"])
+                marked = mark(said, fields.pop("options"), fields.pop("labels"), **fields)
+                outcome = "error" if _FAILED in said else marked.outcome
+                rows.append(
+                    {"category": line["category"], "right": outcome == "answered" and marked.right, "outcome": outcome}
+                )
             scored = pd.DataFrame(rows)
             by_task = scored.groupby("category")["right"].mean()
-            score = {"Overall": scored["right"].mean(), "unparsed": scored["unparsed"].mean(), **by_task.to_dict()}
+            shares = scored["outcome"].value_counts(normalize=True)
+            score = {"Overall": scored["right"].mean(), **shares.to_dict(), **by_task.to_dict()}
             table = pd.DataFrame([score])
             dump(table, eval_file.rsplit(".", 1)[0] + "_acc.csv")
             return table

@@ -1,0 +1,161 @@
+"""Every manner of replying has its outcome, its score and its printed cause, equal in `evaluate` and `report`."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pyarrow.parquet as pq
+import pytest
+from click.testing import CliRunner
+
+from tests.evaluate.made import in_words
+from tests.evaluate.manners import MANNERS, first_words, server
+from tests.evaluate.test_export import INSPECT
+from wmspec.cli import main
+
+pytest.importorskip("openai")
+
+Row = dict[str, Any]
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return in_words(tmp_path_factory.mktemp("words"), 4)
+
+
+def run(*args: object) -> str:
+    done = CliRunner().invoke(main, list(map(str, args)), env={"OPENAI_API_KEY": "sk-secret"})
+    assert done.exit_code in (0, 1), done.output
+    return done.output
+
+
+def evaluate(name: str, dataset: Path, out: Path, address: str, *more: object) -> str:
+    args = ("--base-url", address, "-o", out, "--retries", 2, "--timeout", 1, *more)
+    return run("evaluate", dataset, "-m", f"openai:{name.replace(' ', '_')}", *args)
+
+
+def test_there_are_many_manners() -> None:
+    assert len(MANNERS) >= 30
+    assert {manner.outcome for manner in MANNERS.values()} == {"answered", "unparsed", "truncated", "refused", "error"}
+
+
+@pytest.fixture(scope="module")
+def printed(dataset: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, str]]:
+    """The results of every manner, and what `evaluate` prints."""
+    folder = tmp_path_factory.mktemp("results")
+    with server(first_words) as running:
+        paths = {name: folder / f"{name.replace(' ', '_')}.parquet" for name in MANNERS}
+        return {name: (path, evaluate(name, dataset, path, running.address)) for name, path in paths.items()}
+
+
+@pytest.fixture(scope="module")
+def reported(
+    dataset: Path, printed: dict[str, tuple[Path, str]], tmp_path_factory: pytest.TempPathFactory
+) -> tuple[dict[str, Any], str]:
+    """The report on all manners, and what it prints."""
+    folder = tmp_path_factory.mktemp("report")
+    said = run("report", *(path for path, _ in printed.values()), "--dataset", dataset, "-o", folder)
+    return json.loads((folder / "report.json").read_text()), said
+
+
+@pytest.mark.parametrize("name", MANNERS)
+def test_a_manner_has_its_outcome_score_and_cause(
+    name: str, printed: dict[str, tuple[Path, str]], reported: tuple[dict[str, Any], str]
+) -> None:
+    manner, (out, told) = MANNERS[name], printed[name]
+    rows: list[Row] = pq.read_table(out).to_pylist()
+    assert len(rows) == 8
+    assert {row["status"] for row in rows} == {manner.outcome}
+    for row in rows:
+        assert row["parsed"] == (0 if manner.outcome == "answered" else None)
+        assert row["right"] == (manner.outcome == "answered" and row["answer"] == 0)
+    right = sum(row["right"] for row in rows)
+    assert f"8 replies, {right} right" in told
+    causes = [line for line in told.splitlines() if line.startswith(f"8 {manner.outcome}, ")]
+    assert [line.partition(" (such as")[0] for line in causes] == (
+        [f"8 {manner.outcome}, {manner.cause}"] if manner.cause else []
+    )
+    assert manner.note in told
+
+    made, said = reported
+    model = f"openai:{name.replace(' ', '_')}"
+    lines = [line for line in said.splitlines() if line.startswith(f"{model}: 8 ")]
+    assert [line.removeprefix(f"{model}: ") for line in lines] == causes
+    (account,) = [account for account in made["accounts"] if account["system"] == model]
+    assert {outcome: account[outcome] for outcome in ("answered", "unparsed", "truncated", "refused", "error")} == {
+        outcome: 8 * (outcome == manner.outcome)
+        for outcome in ("answered", "unparsed", "truncated", "refused", "error")
+    }
+    (line,) = [line for line in made["tables"][0]["lines"] if line["system"] == model]
+    assert line["average"]["value"] == pytest.approx(right / 8)
+    assert line["average"]["questions"] == 8
+
+
+def test_reasoning_and_its_tokens_are_kept(dataset: Path, tmp_path: Path) -> None:
+    for name in ("reasoning field", "thinking parts"):
+        out = tmp_path / f"{name}.parquet"
+        with server(first_words) as running:
+            evaluate(name, dataset, out, running.address, "--limit", 1)
+        (row,) = pq.read_table(out).to_pylist()
+        assert row["reasoning"].startswith("The answer is A" if "field" in name else "A or B")
+        assert (row["tokens_reasoning"], row["finish_reason"], row["text"]) == (7, "stop", "A")
+
+
+def test_a_quota_that_is_used_up_ends_the_run(dataset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from tests.evaluate import manners
+
+    spent = manners.always(manners.error(429, "You exceeded your current quota.", "insufficient_quota"))
+    monkeypatch.setitem(manners.MANNERS, "quota", spent)
+    with server(first_words) as running:
+        args = (
+            "-m",
+            "openai:quota",
+            "--base-url",
+            running.address,
+            "-o",
+            str(tmp_path / "r.parquet"),
+            "--retries",
+            "0",
+        )
+        done = CliRunner().invoke(main, ["evaluate", str(dataset), *args], env={"OPENAI_API_KEY": "sk-secret"})
+    assert done.exit_code == 2
+    assert "the quota is used up" in done.output
+    assert "sk-secret" not in done.output
+
+
+def test_a_parameter_that_the_user_chose_is_not_left_out(dataset: Path, tmp_path: Path) -> None:
+    with server(first_words) as running:
+        printed = evaluate("new names", dataset, tmp_path / "r.parquet", running.address, "-p", "temperature=0.5")
+    assert "8 error, BadRequestError: Error code: 400" in printed
+    assert "'temperature' does not support 0" in printed
+
+
+def test_one_request_learns_for_all(dataset: Path, tmp_path: Path) -> None:
+    with server(first_words) as running:
+        evaluate("new names", dataset, tmp_path / "r.parquet", running.address, "--concurrency", 1)
+        assert sum(running.tries.values()) == 8 + 2
+    noted = json.loads((tmp_path / "r.json").read_text())["notes"]
+    assert any("`temperature`" in note for note in noted)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not INSPECT.exists(), reason="Inspect has an environment of its own: make inspect")
+def test_inspect_has_the_same_outcomes(dataset: Path, tmp_path: Path) -> None:
+    run("export", dataset, "--to", "inspect", "-o", tmp_path / "x")
+    names = [name for name, manner in MANNERS.items() if manner.in_inspect]
+    with server(first_words) as running:
+        env = {"LOOPBACK_BASE_URL": running.address, "LOOPBACK_API_KEY": "none", "PATH": os.environ["PATH"]}
+        for name in names:
+            model = f"openai-api/loopback/{name.replace(' ', '_')}"
+            command = [INSPECT, "eval", "wmspec_task.py", "--model", model, "--display", "none", "--log-format", "json"]
+            command += ["--no-log-realtime", "--max-retries", "3", "--log-dir", f"logs/{name}"]
+            subprocess.run([*map(str, command)], cwd=tmp_path / "x", env=env | {"HOME": str(tmp_path)}, check=True)
+    for name in names:
+        (log,) = (tmp_path / "x/logs" / name).glob("*.json")
+        samples = json.loads(log.read_text())["samples"]
+        outcomes = {sample["scores"]["right"]["metadata"]["outcome"] for sample in samples}
+        assert outcomes == {MANNERS[name].outcome}, name

@@ -1,0 +1,61 @@
+"""The text, reasoning and finish reason in a response of chat completions, as servers of several kinds write them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from wmspec.eval.models.model import Reply, storable
+
+#: Types of content parts that hold reasoning, and fields of a message that do.
+_REASONING_PARTS = frozenset({"thinking", "reasoning", "redacted_thinking", "reasoning_text", "summary_text"})
+_REASONING_FIELDS = ("reasoning_content", "reasoning", "thinking")
+
+
+def read_response(done: Any) -> Reply:
+    """Return the reply in a response, without tokens and cost.
+
+    Raises ValueError, TypeError, LookupError or AttributeError if it is no chat completion.
+    """
+    if not done.choices:
+        return Reply(error="the response has no choices")
+    chosen = done.choices[0]
+    text, thoughts = _content(chosen.message.content)
+    thoughts = [_flat(getattr(chosen.message, name, None)) for name in _REASONING_FIELDS] + thoughts
+    reasoning = "\n".join(dict.fromkeys(filter(None, thoughts)))
+    refusal = getattr(chosen.message, "refusal", None)
+    finish = chosen.finish_reason if isinstance(chosen.finish_reason, str) else None
+    version = "/".join(str(part) for part in (done.model, getattr(done, "system_fingerprint", None)) if part)
+    return Reply(
+        text=storable(text),
+        finish="refusal" if refusal else finish and storable(finish)[:40],
+        reasoning=storable(reasoning) or None,
+        error=storable(str(refusal))[:2000] if refusal else None,
+        model_version=storable(version)[:200] or None,
+    )
+
+
+def _content(content: Any) -> tuple[str, list[str]]:
+    """Return the text of a message's content, a string or a list of parts, and the texts of its reasoning parts."""
+    if content is None or isinstance(content, str):
+        return content or "", []
+    if not isinstance(content, Iterable):
+        raise TypeError("the content is neither text nor a list of parts")
+    texts: list[str] = []
+    thoughts: list[str] = []
+    for part in content:
+        kind = part.get("type") if isinstance(part, dict) else ""
+        (thoughts if kind in _REASONING_PARTS else texts).append(_flat(part))
+    return "\n".join(filter(None, texts)), thoughts
+
+
+def _flat(value: Any) -> str:
+    """Return the words in a value: text, a part with text, or a list of these."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, dict):
+        known = ("text", "thinking", "reasoning", "content", "summary", "output_text")
+        return next((_flat(value[name]) for name in known if value.get(name)), "")
+    if isinstance(value, (list, tuple)):
+        return "\n".join(filter(None, map(_flat, value)))
+    return ""
