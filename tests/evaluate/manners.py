@@ -1,4 +1,4 @@
-"""Manners of replying, and a server that has them: what a model sends when it takes an option, and what comes of it."""
+"""Manners of replying, and a server that has them: responses of a model that takes an option, with outcomes and causes."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def at_last(*failures: Response) -> Manner:
     return Manner(lambda label, body, tries: failures[tries - 1] if tries <= len(failures) else chat(label))
 
 
-def _wants_new_names(label: str, body: dict[str, Any], tries: int) -> Response:
+def _rejects_old_names(label: str, body: dict[str, Any], tries: int) -> Response:
     if "max_tokens" in body:
         said = (
             "Unsupported parameter: 'max_tokens' is not supported with this model. Use 'max_completion_tokens' instead."
@@ -118,7 +118,7 @@ MANNERS: dict[str, Manner] = {
     "busy at first": at_last(error(429, "slow down"), error(429, "slow down")),
     "broken at first": at_last(error(500, "broken")),
     "dropped at first": at_last((0, b"")),
-    "new names": Manner(_wants_new_names, note="max_completion_tokens=16384", in_inspect=False),
+    "new names": Manner(_rejects_old_names, note="max_completion_tokens=16384", in_inspect=False),
     # without an answer
     "two labels": text("{x}, {y}", outcome="unparsed", cause=UNREAD),
     "either": text("It could be {x} or {y}.", outcome="unparsed", cause=UNREAD),

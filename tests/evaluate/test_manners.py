@@ -66,7 +66,7 @@ def reported(
 def test_a_manner_has_its_outcome_score_and_cause(
     name: str, printed: dict[str, tuple[Path, str]], reported: tuple[dict[str, Any], str]
 ) -> None:
-    manner, (out, told) = MANNERS[name], printed[name]
+    manner, (out, output) = MANNERS[name], printed[name]
     rows: list[Row] = pq.read_table(out).to_pylist()
     assert len(rows) == 8
     assert {row["status"] for row in rows} == {manner.outcome}
@@ -74,12 +74,12 @@ def test_a_manner_has_its_outcome_score_and_cause(
         assert row["parsed"] == (0 if manner.outcome == "answered" else None)
         assert row["right"] == (manner.outcome == "answered" and row["answer"] == 0)
     right = sum(row["right"] for row in rows)
-    assert f"8 replies, {right} right" in told
-    causes = [line for line in told.splitlines() if line.startswith(f"8 {manner.outcome}, ")]
+    assert f"8 replies, {right} right" in output
+    causes = [line for line in output.splitlines() if line.startswith(f"8 {manner.outcome}, ")]
     assert [line.partition(" (such as")[0] for line in causes] == (
         [f"8 {manner.outcome}, {manner.cause}"] if manner.cause else []
     )
-    assert manner.note in told
+    assert manner.note in output
 
     made, said = reported
     model = f"openai:{name.replace(' ', '_')}"

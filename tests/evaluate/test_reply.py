@@ -212,8 +212,8 @@ def test_the_place_of_the_truth_is_not_credited(labelled: list[Labelled]) -> Non
             if re.search(r"\bA [a-z]", text) or re.search(r"\d|first|second|third|last|assistantfinal", reply.text):
                 continue  # an article, or a position
             place = choice(text, (None,) * 4)
-            told = "-" if place is None else LETTERS[place].translate(swapped)
-            assert told == reply.read(), reply.text
+            label = "-" if place is None else LETTERS[place].translate(swapped)
+            assert label == reply.read(), reply.text
 
 
 def test_the_documentation_reads_replies_as_the_parser_does() -> None:

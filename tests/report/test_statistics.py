@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from tests.report.conftest import LAPSE, STEEP, THRESHOLD, Made, seer
 from tests.report.made import Rater, answers
 from wmspec.eval.report.choices import kind_of_change
-from wmspec.eval.report.compare import comparisons
+from wmspec.eval.report.compare import comparisons, robust_mean, weights_in_average
 from wmspec.eval.report.curves import curves, strength
 from wmspec.eval.report.entanglement import dimension_of_values, relative_entanglement
 from wmspec.eval.report.filtered import ALL_MODELS, OWN_PERCEPTION, filtered_accuracies, missed_accuracies
@@ -16,6 +17,7 @@ from wmspec.eval.report.intervals import mean_estimates, seeded_generator
 from wmspec.eval.report.items import fit_item_response, item_rest_correlation, stratified_sample
 from wmspec.eval.report.questions import Questions
 from wmspec.eval.report.replies import replies
+from wmspec.eval.report.tables import tables
 
 # ---------------------------------------------------------------- intervals
 
@@ -47,6 +49,23 @@ def test_too_few_clusters_have_no_interval() -> None:
     assert (estimate.value, estimate.low, estimate.questions) == (pytest.approx(2 / 3), None, 3)
 
 
+def test_intervals_do_not_collapse_where_all_is_right() -> None:
+    """A system that is right in 95 % of groups is right in all 12 in half of the trials; intervals hold 95 % even so."""
+    for bound in (0.0, 1.0):
+        (one,), drawn = mean_estimates(np.full((48, 1), bound), np.arange(48) // 4, "all")
+        assert one.value == bound
+        assert one.low is not None
+        assert one.high is not None
+        assert 0.1 < one.high - one.low < 0.3
+        assert drawn.std() > 0
+    held = 0
+    for trial in range(300):
+        right = np.repeat(seeded_generator("bound", trial).random(12) < 0.95, 4).astype(float)[:, None]
+        (one,), _ = mean_estimates(right, np.arange(48) // 4, trial)
+        held += (one.low or 0) <= 0.95 <= (one.high or 0)
+    assert held > 0.93 * 300
+
+
 # ---------------------------------------------------------------- comparisons
 
 
@@ -61,8 +80,27 @@ def test_a_better_system_is_better_and_equal_ones_are_not(made: Made) -> None:
     assert luck.corrected > 0.05
     assert luck.p is not None
     assert luck.corrected >= luck.p
-    gap = better.first_only - better.second_only
-    assert gap / better.difference.questions == pytest.approx(better.difference.value)
+    averages = {line.system: line.average.value for line in tables(replies(answers(made.rows, *same)))[0].lines}
+    assert better.difference.value == pytest.approx(averages["one"] - averages["worse"])
+    assert better.first_only > better.second_only
+
+
+def test_a_comparison_is_right_as_often_as_it_says() -> None:
+    """Two tasks of very different sizes; equal systems differ at p < 0.05 in about 5 % of 400 trials."""
+    about = pd.DataFrame({
+        "task": ["a"] * 40 + ["b"] * 200,
+        "dimension": "perception.vision.color",
+        "cluster": [f"a/{i // 4}" for i in range(40)] + [f"b/{i // 4}" for i in range(200)],
+    })  # fmt: skip
+    assert weights_in_average(about) @ (about["task"] == "a") == pytest.approx(0.5)
+    found = 0
+    for trial in range(400):
+        random = seeded_generator("comparison", trial)
+        shared = np.repeat(random.normal(0, 0.3, 60), 4)
+        _, p = robust_mean(shared + random.normal(0, 0.5, 240), about)
+        assert p is not None
+        found += p < 0.05
+    assert 0.02 < found / 400 < 0.09
 
 
 # ---------------------------------------------------------------- choices

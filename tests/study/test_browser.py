@@ -125,7 +125,7 @@ def test_three_raters_from_consent_to_the_code(how: dict[str, Any], browser: Any
     assert all(r.checks_passed == r.checks > 0 and r.seconds is not None and r.seconds > 0 for r in collected.raters)
     for agreed in collected.agreement:
         assert agreed.majority == 1
-        assert agreed.kappa is not None
+        assert agreed.alpha is not None
 
 
 def test_a_reload_goes_on_with_the_same_question(browser: Any, url: str, study: Path) -> None:

@@ -1,9 +1,10 @@
-"""What came of a study: rows like a model's, κ as statsmodels has it, and a majority that a report counts alike."""
+"""What came of a study: rows like a model's, α as Krippendorff has it, and a majority that a report counts alike."""
 
 from __future__ import annotations
 
 import json
 from collections import Counter
+from collections.abc import Hashable
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from tests.study.visitor import letter
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.models import results
-from wmspec.eval.models.agreement import fleiss_kappa, majority
+from wmspec.eval.models.agreement import alpha, majority
 from wmspec.eval.report import replies
 from wmspec.eval.study import store
 from wmspec.eval.study.answers import Answer, Person
@@ -40,7 +41,7 @@ def visit(folder: Path, name: str, off: int = 0, until: int = 10_000, checks: bo
     opened.close()
 
 
-# ---------------------------------------------------------------- κ and majority
+# ---------------------------------------------------------------- α and majority
 
 
 @given(
@@ -48,24 +49,42 @@ def visit(folder: Path, name: str, off: int = 0, until: int = 10_000, checks: bo
         lambda raters: st.lists(st.lists(st.integers(0, 3), min_size=raters, max_size=raters), min_size=2, max_size=12)
     )
 )
-def test_kappa_is_that_of_statsmodels(choices: list[list[int]]) -> None:
-    ours = fleiss_kappa(choices)
+def test_alpha_is_the_kappa_of_statsmodels_but_for_small_samples(choices: list[list[int]]) -> None:
+    """With as many raters of each item, 1 - α is 1 - κ times (n - 1) / n for n choices."""
+    ours = alpha({"": choices})
     if len({c for of_one in choices for c in of_one}) == 1:
         assert ours is None
         return
     table, _ = inter_rater.aggregate_raters(np.array(choices))
-    assert ours == pytest.approx(float(inter_rater.fleiss_kappa(table, method="fleiss")))
+    kappa, n = float(inter_rater.fleiss_kappa(table, method="fleiss")), sum(map(len, choices))
+    assert ours == pytest.approx(1 - (1 - kappa) * (n - 1) / n)
 
 
-def test_kappa_of_the_paper_that_it_is_from_and_of_nothing() -> None:
-    table = [
-        [0, 0, 0, 0, 14], [0, 2, 6, 4, 2], [0, 0, 3, 5, 6], [0, 3, 9, 2, 0], [2, 2, 8, 1, 1],
-        [7, 7, 0, 0, 0], [3, 2, 6, 3, 0], [2, 5, 3, 2, 2], [6, 5, 2, 1, 0], [0, 2, 2, 3, 7],
-    ]  # fmt: skip
-    choices = [[place for place, count in enumerate(row) for _ in range(count)] for row in table]
-    assert fleiss_kappa(choices) == pytest.approx(0.210, abs=5e-4)  # a worked example that many textbooks have
-    assert fleiss_kappa([[1], []]) is None
-    assert fleiss_kappa([[1, 2], [2]]) == fleiss_kappa([[1, 2]]), "one choice says nothing"
+def test_alpha_of_the_example_that_krippendorff_gives_and_of_nothing() -> None:
+    raters = ("123321412...", "1233224125.3", ".3332342251.", "12332441251.")
+    items = [[int(r[i]) for r in raters if r[i] != "."] for i in range(12)]
+    assert alpha({"": items}) == pytest.approx(0.743, abs=5e-4)
+    assert alpha({"": [[1], []]}) is None
+    assert alpha({"": [[1, 2], [2]]}) == alpha({"": [[1, 2]]}), "one choice says nothing"
+    assert alpha({"a": [[0, 0], [1, 1]], "b": [[2, 2], [5, 5]]}) == 1
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_raters_do_not_agree_in_any_task_nor_overall(seed: int) -> None:
+    """30 raters who guess, where tasks have questions with 2, 3 and 4 options: 0 within 0.03 everywhere."""
+    random = np.random.default_rng(seed)
+    tasks: dict[str, dict[Hashable, list[list[int]]]] = {
+        task: {
+            (task, options): [list(map(int, random.integers(0, options, 30))) for _ in range(60)] for options in formats
+        }
+        for task, formats in {"a": (2,), "b": (4,), "c": (2, 3, 4), "d": (2, 4)}.items()
+    }
+    for formats in tasks.values():
+        assert alpha(formats) == pytest.approx(0, abs=0.03)
+    everything = {key: items for formats in tasks.values() for key, items in formats.items()}
+    assert alpha(everything) == pytest.approx(0, abs=0.03)
+    pooled = [items for formats in everything.values() for items in formats]
+    assert (alpha({"": pooled}) or 0) > 0.05, "one set of categories for all finds agreement where there is none"
 
 
 @given(st.lists(st.integers(0, 3), min_size=1, max_size=7), st.text("ab/", max_size=5), st.randoms())

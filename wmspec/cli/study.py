@@ -126,10 +126,10 @@ def collect_command(study: Path, answers: tuple[Path, ...], output: Path, least_
             f"right {rater.right}/{rater.questions}, {pace}" + ("" if rater.counted else "; left out")
         )
     for agreed in made.agreement:
-        kappa = "none" if agreed.kappa is None else f"{agreed.kappa:.3f}"
+        alpha = "none" if agreed.alpha is None else f"{agreed.alpha:.3f}"
         click.echo(
-            f"{agreed.task or 'all'}: {agreed.questions:,} questions, {agreed.choices:,} choices, Fleiss' κ {kappa}, "
-            f"the majority is right in {agreed.majority:.1%}"
+            f"{agreed.task or 'all'}: {agreed.questions:,} questions, {agreed.choices:,} choices, "
+            f"Krippendorff's α {alpha}, the majority is right in {agreed.majority:.1%}"
         )
     lacking = f"; {made.missing:,} replies are missing" if made.missing else ""
     click.echo(f"{output}: {made.replies:,} replies{lacking}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from typing import TypeVar
 
 Vote = TypeVar("Vote", bound=Hashable)
@@ -20,21 +20,25 @@ def majority(id: str, votes: Iterable[Vote]) -> Vote:
     return best[int.from_bytes(hashlib.sha256(id.encode()).digest()[:4], "big") % len(best)]
 
 
-def fleiss_kappa(items: Iterable[Sequence[Hashable]]) -> float | None:
-    """Return Fleiss' κ (1971) of several raters' choices for each item: 1 is full agreement, 0 chance level.
+def alpha(formats: Mapping[Hashable, Iterable[Sequence[Hashable]]]) -> float | None:
+    """Return Krippendorff's α of several raters' choices: 1 is full agreement, 0 what guessing yields.
 
-    Items may have different numbers of raters. Each item has the same weight in the observed agreement, each choice in
-    the expected one. With equal numbers this is Fleiss' formula. Items with fewer than two choices are ignored. None if
-    no items remain, or if all choices are equal.
+    A format holds the choices of each of its items. Its options are its own categories, since the second option of one
+    question is not the second of another; disagreements, observed and expected, are added over formats. With one format
+    this is the α of nominal data (Krippendorff, Content Analysis, 2018, ch. 12). Items may have different numbers of
+    raters; those with one do not count. None if no items remain, or if all choices of each format are equal.
     """
+    disagreements = [_disagreements(list(items)) for items in formats.values()]
+    observed, expected = (sum(part) for part in zip(*disagreements, strict=True)) if disagreements else (0.0, 0.0)
+    return 1 - observed / expected if expected else None
+
+
+def _disagreements(items: list[Sequence[Hashable]]) -> tuple[float, float]:
+    """Return the observed and expected disagreement of a format, each times its number of choices."""
     rated = [Counter(choices) for choices in items if len(choices) > 1]
-    if not rated:
-        return None
-    totals: Counter[Hashable] = Counter()
-    observed = 0.0
-    for counts in rated:
-        totals += counts
-        n = counts.total()
-        observed += sum(c * (c - 1) for c in counts.values()) / (n * (n - 1)) / len(rated)
-    expected = sum((c / totals.total()) ** 2 for c in totals.values())
-    return None if len(totals) == 1 else (observed - expected) / (1 - expected)
+    totals = sum(rated, Counter[Hashable]())
+    n = totals.total()
+    if n < 2:
+        return 0.0, 0.0
+    observed = sum((c.total() ** 2 - sum(k * k for k in c.values())) / (c.total() - 1) for c in rated)
+    return observed, (n * n - sum(k * k for k in totals.values())) / (n - 1)

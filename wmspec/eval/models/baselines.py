@@ -1,11 +1,13 @@
 """Baseline models for comparison; their replies are parsed like any other.
 
 `oracle` knows the truth, `random` guesses. `blind` sees the words and no picture, `options-only` the options and
-nothing else. Both learn from the task's other control groups how often each option is true.
+nothing else. Both learn from the task's other control groups which options are true more often than by chance, and
+guess without such options.
 """
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -20,6 +22,8 @@ from wmspec.eval.models.montage import decode_image
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.request import Ask
 
+#: Standard errors above chance from which a cue is preferred.
+MIN_EVIDENCE = 2.0
 #: Side of the thumbnails that are compared (px).
 THUMBNAIL_SIZE = 32
 
@@ -39,10 +43,18 @@ class _CueCounts:
         self.all_true[cue] += true
         self.all_offered[cue] += 1
 
-    def rate(self, cue: str, group: str) -> float:
-        """Return the share of true occurrences outside a group, shrunk towards one half."""
+    def evidence(self, cue: str, group: str, chance: float) -> float:
+        """Return by how many standard errors a cue is true more often outside a group than by `chance`; at least 0.
+
+        0 below `MIN_EVIDENCE`. In a balanced set the other groups lack what the group has, so that a preference without
+        evidence would choose against the truth more often than chance.
+        """
         true = self.all_true[cue] - self.true[group, cue]
-        return (true + 1) / (self.all_offered[cue] - self.offered[group, cue] + 2)
+        offered = self.all_offered[cue] - self.offered[group, cue]
+        if not offered:
+            return 0.0
+        errors = (true - chance * offered) / math.sqrt(offered * chance * (1 - chance))
+        return errors if errors >= MIN_EVIDENCE else 0.0
 
 
 class Baseline:
@@ -101,8 +113,9 @@ def _random(question: Question, learned: _CueCounts, draw: float) -> int:  # noq
 
 
 def _likeliest(question: Question, learned: _CueCounts, draw: float, name: str) -> int:
-    rates = [learned.rate(cue, question.group) for cue in _cues(name, question)]
-    best = [place for place, rate in enumerate(rates) if rate == max(rates)]
+    chance = 1 / len(question.options)
+    found = [learned.evidence(cue, question.group, chance) if chance < 1 else 0.0 for cue in _cues(name, question)]
+    best = [place for place, evidence in enumerate(found) if evidence == max(found)]
     return best[int(draw * len(best))]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -69,4 +70,4 @@ def storable(text: str | None) -> str:
     if len(text) > MAX_REPLY_LENGTH:
         half = MAX_REPLY_LENGTH // 2
         text = text[:half] + text[-half:]
-    return text.encode("utf-8", "replace").decode()
+    return re.sub(r"[\ud800-\udfff]", "\ufffd", text)

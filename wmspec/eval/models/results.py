@@ -20,6 +20,7 @@ from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_file_name, make_folders, read_bytes, regular_file
 from wmspec.dataset.build.files import with_remedies
 from wmspec.eval import replies
+from wmspec.eval.models.chance import chances
 from wmspec.eval.models.journal import Key, Replies
 from wmspec.eval.models.model import Reply
 from wmspec.eval.models.question import Question
@@ -75,7 +76,7 @@ _ABOUT = b"wmspec"
 
 @dataclass(frozen=True)
 class Counts:
-    """Counts of a run: replies by status, right ones, and the accuracy of guessing (None if open)."""
+    """Counts of a run: replies by status, right ones, and the accuracy of guessing (None if unknown)."""
 
     replies: int
     right: int
@@ -153,13 +154,14 @@ def score(row: Row) -> Row:
 
 def counts(rows: Sequence[Row]) -> Counts:
     """Return the counts of rows."""
-    shares = [1 / len(row["options"]) for row in rows if row["options"]]
+    shares = chances({**row, "options": len(row["options"])} for row in rows)
+    known = [share for share in shares if share is not None]
     costs = [row["cost"] for row in rows if row["cost"] is not None]
     return Counts(
         replies=len(rows),
         right=sum(row["right"] for row in rows),
         status=dict(sorted(Counter(row["status"] for row in rows).items())),
-        chance=sum(shares) / len(rows) if shares and len(shares) == len(rows) else None,
+        chance=sum(known) / len(rows) if rows and len(known) == len(rows) else None,
         tokens_in=sum(row["tokens_in"] or 0 for row in rows),
         tokens_out=sum(row["tokens_out"] or 0 for row in rows),
         cost=sum(costs) if costs else None,

@@ -21,7 +21,7 @@ from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
 #: Environment variables with the key of a server, and with the server if none is named.
 KEY_VARIABLE, ADDRESS_VARIABLE = "OPENAI_API_KEY", "OPENAI_BASE_URL"
 _OPENAI = "https://api.openai.com/v1"
-#: Fields of a reply besides the text in which a server may echo the key.
+#: Fields of a reply, other than its text, in which a server may echo the key.
 _ECHOED = ("reasoning", "error", "model_version")
 #: Status codes of requests that a filter stops, words of its message, and words for a quota that is used up.
 _FILTER_STATUS = frozenset({400, 403, 422, 451})

@@ -29,6 +29,8 @@ _ANSWER_TAGS = (
 _JSON_ANSWER = re.compile(
     r"(?i)[\"'](?:final_?|correct_?)?(?:answer|choice|option|label|letter|prediction)[\"']\s*:\s*[\"']?([^\"',}\n]{1,200})"
 )
+#: Control, format and replacement characters.
+_INVISIBLE = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u200b-\u200f\u202a-\u202e\u2060-\u206f\ufeff\ufffd]")
 _HEADING = re.compile(
     r"(?im)^[\s*#_>]*((?:final |correct )?answer|antwort|réponse|respuesta|答案|答え)[\s*:：#_]*\n+\s*"
 )
@@ -39,7 +41,7 @@ def normalize(text: str) -> str:
 
     Answers in tags, boxes and JSON become announcements ("Answer: B").
     """
-    reply = unicodedata.normalize("NFKC", text[-MAX_REPLY_LENGTH:])
+    reply = unicodedata.normalize("NFKC", _INVISIBLE.sub("", text[-MAX_REPLY_LENGTH:]))
     reply = _without_reasoning(reply)
     reply = re.sub(r"\\(?:text|textbf|mathrm|mathbf|rm)\s*\{([^{}]*)\}", r"\1", reply)
     for tag in _ANSWER_TAGS:

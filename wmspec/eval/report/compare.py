@@ -1,9 +1,8 @@
-"""Pairwise comparisons of systems on the questions that both answered."""
+"""Pairwise comparisons of systems on the questions that both answered, by the averages of the tables."""
 
 from __future__ import annotations
 
-import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -11,13 +10,15 @@ import pandas as pd
 
 from wmspec.eval.report.intervals import CONFIDENCE, MIN_CLUSTERS, Estimate, Floats
 from wmspec.eval.report.replies import Replies
+from wmspec.eval.report.tables import Column
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """`difference` is the accuracy of `first` minus that of `second`, each question with equal weight.
+    """`difference` is the average of `first` minus that of `second`, over the questions that both were asked.
 
-    `p` is the p-value of a t-test with cluster-robust errors, `corrected` the same after Holm's correction over all
+    Averages are those of the tables: the mean over dimensions of the mean of their tasks. `p` is the p-value of a
+    t-test with errors robust to dependence in control groups, `corrected` the same after Holm's correction over all
     comparisons of the kind. `first_only` and `second_only` count the questions that only one system answers correctly.
     """
 
@@ -40,36 +41,56 @@ def comparisons(replies: Replies) -> tuple[Comparison, ...]:
 def _of_kind(replies: Replies, kind: str, chosen: pd.Series[bool]) -> list[Comparison]:
     main_questions = replies.main_questions[chosen]
     scores = replies.scores.loc[main_questions.index]
-    pairs = [_pair(kind, a, b, scores, main_questions["cluster"]) for a, b in combinations(replies.systems, 2)]
+    pairs = [_pair(kind, a, b, scores, main_questions) for a, b in combinations(replies.systems, 2)]
     return [pair for pair in pairs if pair is not None]
 
 
-def _pair(kind: str, a: str, b: str, scores: pd.DataFrame, cluster: pd.Series[str]) -> Comparison | None:
+def _pair(kind: str, a: str, b: str, scores: pd.DataFrame, questions: pd.DataFrame) -> Comparison | None:
     both = scores[[a, b]].dropna()
     if both.empty:
         return None
     first, second = both[a].to_numpy(), both[b].to_numpy()
-    difference, p = _robust_mean(first - second, cluster.loc[both.index])
+    difference, p = robust_mean(first - second, questions.loc[both.index])
     only = int(((first >= 0.5) & (second < 0.5)).sum()), int(((first < 0.5) & (second >= 0.5)).sum())
     return Comparison(kind, a, b, difference, p, None, *only)
 
 
-def _robust_mean(gaps: Floats, cluster: pd.Series[str]) -> tuple[Estimate, float | None]:
-    """Return the mean of gaps with its interval, and the p-value; without interval if clusters are few or gaps are
-    constant.
-    """
-    import statsmodels.api as sm
+def weights_in_average(questions: pd.DataFrame) -> Floats:
+    """Return the weight of each question in the average: equal for dimensions, in these for tasks, then for questions.
 
-    mean, codes = float(gaps.mean()), pd.factorize(cluster)[0]
-    if codes.max() + 1 < MIN_CLUSTERS:
+    `questions` has `task` and `dimension`.
+    """
+    task = questions["task"]
+    dimension = pd.Series(
+        [Column.of(t, d).dimension for t, d in zip(task, questions["dimension"], strict=True)], questions.index
+    )
+    tasks = pd.DataFrame({"d": dimension, "t": task}).drop_duplicates().groupby("d").size()
+    each = dimension.nunique() * dimension.map(tasks) * task.map(task.value_counts())
+    return np.asarray(1 / each.to_numpy(dtype=float))
+
+
+def robust_mean(gaps: Floats, questions: pd.DataFrame) -> tuple[Estimate, float | None]:
+    """Return the weighted mean of gaps with its interval, and the p-value.
+
+    Both are missing if clusters are few. Tasks are strata: their means are known to differ, so deviations count within
+    them (Cochran, Sampling Techniques, 1977, sections 5.4 and 9A.5).
+    """
+    from scipy.stats import t
+
+    weights = weights_in_average(questions)
+    mean = float(weights @ gaps)
+    task, cluster = questions["task"], questions["cluster"]
+    middle = pd.Series(gaps, questions.index).groupby(task).transform("mean").to_numpy()
+    off = pd.Series(weights * (gaps - middle), questions.index).groupby([task, cluster]).sum()
+    count = off.groupby(level=0).size()
+    freedom = int(count.sum() - len(count))
+    if (count < 2).any() or freedom < MIN_CLUSTERS - 1:
         return Estimate(mean, None, None, len(gaps)), None
-    if not gaps.any():
-        return Estimate(mean, mean, mean, len(gaps)), 1.0
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # perfect fit if all gaps are equal
-        fit = sm.OLS(gaps, np.ones(len(gaps))).fit(cov_type="cluster", cov_kwds={"groups": codes}, use_t=True)
-        low, high = fit.conf_int(1 - CONFIDENCE)[0]
-        return Estimate(mean, float(low), float(high), len(gaps)), float(np.nan_to_num(fit.pvalues[0]))
+    error = float(np.sqrt(((off**2).groupby(level=0).sum() * count / (count - 1)).sum()))
+    if not error:
+        return Estimate(mean, mean, mean, len(gaps)), 0.0 if mean else 1.0
+    reach = float(t.ppf((1 + CONFIDENCE) / 2, freedom)) * error
+    return Estimate(mean, mean - reach, mean + reach, len(gaps)), float(2 * t.sf(abs(mean) / error, freedom))
 
 
 def _holm_corrected(pairs: list[Comparison]) -> list[Comparison]:
@@ -80,7 +101,4 @@ def _holm_corrected(pairs: list[Comparison]) -> list[Comparison]:
         return pairs
     holm = multipletests([pairs[i].p for i in tested], method="holm")[1]
     by_index = dict(zip(tested, map(float, holm), strict=True))
-    return [
-        Comparison(c.kind, c.first, c.second, c.difference, c.p, by_index.get(i), c.first_only, c.second_only)
-        for i, c in enumerate(pairs)
-    ]
+    return [replace(pair, corrected=by_index.get(i)) for i, pair in enumerate(pairs)]

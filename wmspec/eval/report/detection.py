@@ -13,7 +13,15 @@ import numpy as np
 import pandas as pd
 
 from wmspec.eval.report.curves import strength
-from wmspec.eval.report.intervals import Estimate, Floats, cluster_sums, estimate, ratio, resample_sums
+from wmspec.eval.report.intervals import (
+    Estimate,
+    Floats,
+    cluster_sums,
+    estimate,
+    ratio,
+    resample_sums,
+    spread_at_bounds,
+)
 from wmspec.eval.report.replies import Replies
 
 
@@ -72,13 +80,14 @@ def _detection(key: tuple[str, str, str, float | None], yes: Floats, clusters: F
     """Return the result for the answers "different" (n, 2): to different and to same items, NaN elsewhere."""
     said, count = cluster_sums(yes, clusters)
     drawn_said, drawn_count = resample_sums((said, count), ("detection", key))
-    value, drawn = ratio(said.sum(0), count.sum(0)), ratio(drawn_said, drawn_count)
+    value, rated = ratio(said.sum(0), count.sum(0)), (count > 0).sum(0)
+    drawn = spread_at_bounds(value, ratio(drawn_said, drawn_count), rated, key)
     signal, drawn_signal = _signal(said.sum(0), count.sum(0)), _signal(drawn_said, drawn_count)
     questions = count.sum(0).astype(int)
     groups = int((count > 0).any(axis=1).sum())
     return Detection(
         *key,
-        *(estimate(value[j], drawn[:, j], int(questions[j]), int((count[:, j] > 0).sum())) for j in range(2)),
+        *(estimate(value[j], drawn[:, j], int(questions[j]), int(rated[j])) for j in range(2)),
         *(estimate(signal[j], drawn_signal[:, j], int(questions.sum()), groups) for j in range(2)),
     )
 

@@ -17,7 +17,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from wmspec.eval.report.intervals import Estimate, Floats, cluster_sums, estimate, ratio, resample_sums
+from wmspec.eval.report.intervals import (
+    Estimate,
+    Floats,
+    cluster_sums,
+    estimate,
+    ratio,
+    resample_sums,
+    spread_at_bounds,
+)
 from wmspec.eval.report.replies import Replies
 
 #: The system whose perception filters the predictions.
@@ -126,11 +134,13 @@ def _filtered_accuracy(
     values = np.stack([right, np.ones_like(right), right * seen, seen], axis=1)
     parts, _ = cluster_sums(values, cluster)
     drawn = resample_sums((parts,), key)[0]
-    whole, those = ratio(drawn[:, 0], drawn[:, 1]), ratio(drawn[:, 2], drawn[:, 3])
     total = parts.sum(0)
-    everything, perceived = float(total[0] / total[1]), float(ratio(total[2], total[3]))
-    count, kept, clusters = int(total[1]), int(total[3]), len(parts)
-    clusters_kept = int((parts[:, 3] > 0).sum())
+    value, clusters_of = ratio(total[[0, 2]], total[[1, 3]]), (parts[:, [1, 3]] > 0).sum(0)
+    both = spread_at_bounds(value, ratio(drawn[:, [0, 2]], drawn[:, [1, 3]]), clusters_of, key)
+    whole, those = both.T
+    everything, perceived = map(float, value)
+    count, kept = int(total[1]), int(total[3])
+    clusters, clusters_kept = map(int, clusters_of)
     return FilteredAccuracy(
         *key,
         estimate(everything, whole, count, clusters),

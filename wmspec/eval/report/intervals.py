@@ -69,21 +69,33 @@ def ratio(above: Floats, below: Floats) -> Floats:
 
 
 def estimate(value: float, draws: Floats, questions: int, clusters: int) -> Estimate:
-    """Return a number with the percentile interval of its draws."""
+    """Return a number with the percentile interval of its draws, which contains the number."""
     draws = draws[~np.isnan(draws)]
     if clusters < MIN_CLUSTERS or not len(draws):
         return Estimate(float(value), None, None, questions)
     low, high = np.quantile(draws, [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2])
-    return Estimate(float(value), float(low), float(high), questions)
+    return Estimate(float(value), min(float(low), float(value)), max(float(high), float(value)), questions)
+
+
+def spread_at_bounds(value: Floats, drawn: Floats, clusters: NDArray[np.intp], key: object) -> Floats:
+    """Return draws (d, m) of shares (m,) with those of shares at 0 or 1 replaced, as resampling never leaves a bound.
+
+    These are drawn from the posterior of a share with Jeffreys' prior, Beta(g + 1/2, 1/2), where all g `clusters` (m,)
+    are right: all questions of a cluster count as one, the most careful assumption on their dependence.
+    """
+    spread = drawn.copy()
+    for j in np.flatnonzero((value <= 0) | (value >= 1)):
+        off = seeded_generator("bound", key, int(clusters[j])).beta(0.5, clusters[j] + 0.5, len(drawn))
+        spread[:, j] = off if value[j] <= 0 else 1 - off
+    return spread
 
 
 def mean_estimates(values: Floats, cluster: ArrayLike, key: object) -> tuple[tuple[Estimate, ...], Floats]:
     """Return the mean of every column of values (n, m) with its interval, and the draws (DRAWS, m) of the means."""
     total, count = cluster_sums(values, cluster)
-    drawn = ratio(*resample_sums((total, count), key))
-    value = ratio(total.sum(0), count.sum(0))
+    value, clusters = ratio(total.sum(0), count.sum(0)), (count > 0).sum(0)
+    drawn = spread_at_bounds(value, ratio(*resample_sums((total, count), key)), clusters, key)
     estimates = tuple(
-        estimate(value[j], drawn[:, j], int(count[:, j].sum()), int((count[:, j] > 0).sum()))
-        for j in range(values.shape[1])
+        estimate(value[j], drawn[:, j], int(count[:, j].sum()), int(clusters[j])) for j in range(values.shape[1])
     )
     return estimates, drawn

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from wmspec.eval.report.intervals import Estimate, Floats, estimate, ratio, resample_sums
+from wmspec.eval.report.intervals import Estimate, Floats, estimate, ratio, resample_sums, spread_at_bounds
 from wmspec.eval.report.replies import Replies
 
 
@@ -46,13 +46,14 @@ def _task(replies: Replies, task: str) -> list[Pair]:
     guess = _pairs(1 / table[["options"]].to_numpy(dtype=float), table).sum() / max(
         1.0, _pairs(np.ones((len(table), 1)), table).sum()
     )
-    drawn = ratio(*resample_sums((right, count), ("pairs", task)))
-    value = ratio(right.sum(0), count.sum(0))
+    value, groups = ratio(right.sum(0), count.sum(0)), (count > 0).sum(0)
+    key = ("pairs", task)
+    drawn = spread_at_bounds(value, ratio(*resample_sums((right, count), key)), groups, key)
     return [
         Pair(
             task,
             system,
-            estimate(value[j], drawn[:, j], round(count[:, j].sum()), int((count[:, j] > 0).sum())),
+            estimate(value[j], drawn[:, j], round(count[:, j].sum()), int(groups[j])),
             float(singles[system]),
             float(guess),
         )

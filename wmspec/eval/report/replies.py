@@ -15,6 +15,7 @@ from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import regular_file
 from wmspec.eval.models.agreement import majority
+from wmspec.eval.models.chance import chances
 from wmspec.eval.models.results import upgraded, validated
 from wmspec.eval.report.questions import Questions
 
@@ -24,6 +25,8 @@ COLUMNS = (
     "permutation", "sample", "order", "answer", "parsed", "right", "status", "cost", "tokens_in", "tokens_out", "text",
     "error",
 )  # fmt: skip
+#: Columns of open questions, which results of other programs may lack.
+OPEN_COLUMNS = ("answer_number", "answer_unit", "answer_within")
 #: Columns that identify a reply.
 KEY = ["id", "model", "prompt", "ablation", "permutation", "sample"]
 #: Prefix of a person's name, and the name of all people together.
@@ -78,9 +81,13 @@ class Replies:
 
     @cached_property
     def about(self) -> pd.DataFrame:
-        """The attributes of every question, by id: `task`, `dimension`, `engine`, `cluster`, ..."""
+        """The attributes of every question, by id: `task`, `dimension`, `engine`, `cluster`, ... and `chance`.
+
+        `chance` is the accuracy of guessing, NaN if unknown.
+        """
         known = ["task", "dimension", "question_name", "engine", "index", "cluster", "options", "query"]
-        return self.table.drop_duplicates("id").set_index("id")[known].sort_index()
+        first = self.table.drop_duplicates("id").set_index("id").sort_index()
+        return first[known].assign(chance=_chances(first))
 
     @property
     def main_questions(self) -> pd.DataFrame:
@@ -143,7 +150,7 @@ def _file(path: Path) -> pd.DataFrame:
                 f"{path} is no file of results: it lacks the columns {', '.join(lacking)}; "
                 "give what `wmspec evaluate` or `wmspec study collect` wrote (a dataset goes to --dataset)"
             )
-        columns = [name for name in (*COLUMNS, "finish_reason") if name in file.schema_arrow.names]
+        columns = [name for name in (*COLUMNS, *OPEN_COLUMNS, "finish_reason") if name in file.schema_arrow.names]
         table: pd.DataFrame = validated(upgraded(file.read(columns)), path).to_pandas()
         return table
     except FileNotFoundError:
@@ -201,6 +208,14 @@ def _systems(table: pd.DataFrame) -> pd.Series[str]:
     ablation = table["ablation"].fillna("").astype(str)
     name = name.where(ablation.isin(["", "none"]), name + " · " + ablation)
     return name.where(~table["model"].str.startswith(RATER_PREFIX), PEOPLE)
+
+
+def _chances(questions: pd.DataFrame) -> pd.Series[float]:
+    """Return the accuracy of guessing each question."""
+    needed = questions.reindex(columns=["task", "question_name", "group", "options", *OPEN_COLUMNS])
+    rows = needed.astype(object).where(needed.notna(), None).to_dict("records")
+    found = chances({str(name): value for name, value in row.items()} for row in rows)
+    return pd.Series(found, questions.index, dtype=float)
 
 
 def _majority(rated: pd.DataFrame) -> pd.DataFrame:

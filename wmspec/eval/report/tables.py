@@ -37,7 +37,8 @@ class Column:
 class Line:
     """A row of a table: accuracy of each task, average of each dimension and of the whole (0 to 1).
 
-    `parsed` is the average without unparsed replies, which otherwise count as wrong.
+    `parsed` is the average over answered questions alone; the others count as wrong otherwise. `chance` is the average
+    of guessing over the columns of this row, `columns` their number.
     """
 
     system: str
@@ -45,6 +46,8 @@ class Line:
     dimensions: dict[str, Estimate]
     average: Estimate
     parsed: float
+    chance: float
+    columns: int
 
 
 @dataclass(frozen=True)
@@ -96,7 +99,7 @@ def _table(replies: Replies, kind: str, chosen: pd.Series[bool]) -> Table:
         values[column.task], draws[column.task] = mean_estimates(scores, of_task["cluster"], column.task)
         parsed = replies.parsed_scores.reindex(of_task.index)
         skipping[column.task] = parsed.mean().to_numpy()
-        guessed[column.task] = float((1 / of_task["options"].where(of_task["options"] > 0)).mean())
+        guessed[column.task] = float(of_task["chance"].mean())
     lines = [
         _line(
             system,
@@ -104,12 +107,13 @@ def _table(replies: Replies, kind: str, chosen: pd.Series[bool]) -> Table:
             {t: v[i] for t, v in values.items()},
             {t: d[:, i] for t, d in draws.items()},
             {t: float(s[i]) for t, s in skipping.items()},
+            guessed,
         )
         for i, system in enumerate(replies.systems)
     ]
     lines.sort(key=lambda line: (line.system == PEOPLE, -np.nan_to_num(line.average.value)))
     chance = {t: Estimate(v, None, None, values[t][0].questions) for t, v in guessed.items()}
-    return Table(kind, columns, tuple(lines), _line(CHANCE, columns, chance, {}, guessed))
+    return Table(kind, columns, tuple(lines), _line(CHANCE, columns, chance, {}, guessed, guessed))
 
 
 def _sort_key(column: Column) -> tuple[int, str, str, str]:
@@ -127,6 +131,7 @@ def _line(
     values: dict[str, Estimate],
     draws: dict[str, Floats],
     skipping: dict[str, float],
+    guessed: dict[str, float],
 ) -> Line:
     """Return a row with its averages over columns that have a value, for the estimate and its draws."""
     dimension = {c.task: c.dimension for c in columns if not np.isnan(values[c.task].value)}
@@ -136,7 +141,8 @@ def _line(
         for d in dict.fromkeys(dimension.values())
     }
     whole = _average_estimate(point, dimension, values, draws)
-    return Line(system, values, by_dimension, whole, average({t: skipping[t] for t in dimension}, dimension))
+    parsed, chance = (average({t: part[t] for t in dimension}, dimension) for part in (skipping, guessed))
+    return Line(system, values, by_dimension, whole, parsed, chance, len(dimension))
 
 
 def _average_estimate(

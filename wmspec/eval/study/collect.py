@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median
@@ -15,7 +15,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.eval import replies
 from wmspec.eval.models import prompt, results
-from wmspec.eval.models.agreement import fleiss_kappa, majority
+from wmspec.eval.models.agreement import alpha, majority
 from wmspec.eval.models.model import Reply
 from wmspec.eval.models.request import Ask
 from wmspec.eval.study import answers, store
@@ -54,12 +54,12 @@ class Rater:
 
 @dataclass(frozen=True)
 class Agreement:
-    """Raters' choices on a task's questions with options (or on all), Fleiss' κ, and the accuracy of the majority."""
+    """Raters' choices on a task's questions with options (or on all), Krippendorff's α, the majority's accuracy."""
 
     task: str
     questions: int
     choices: int
-    kappa: float | None
+    alpha: float | None
     majority: float
 
 
@@ -185,9 +185,24 @@ def _agreement(rows: Sequence[results.Row]) -> Iterable[Agreement]:
             task=name,
             questions=len(chosen),
             choices=sum(map(len, chosen.values())),
-            kappa=fleiss_kappa(chosen.values()),
+            alpha=alpha(_by_format(questions)),
             majority=sum(right) / len(right),
         )
+
+
+def _by_format(questions: dict[str, list[results.Row]]) -> dict[Hashable, list[list[int]]]:
+    """Return the choices of every question by format: task, question name, kind and number of options.
+
+    The categories of a format are the options in words in alphabetical order, or the pictures in the dataset's order.
+    """
+    formats: dict[Hashable, list[list[int]]] = {}
+    for rows in questions.values():
+        options = rows[0]["options"]
+        in_words = None not in options
+        rank = {place: n for n, place in enumerate(sorted(range(len(options)), key=lambda p: options[p] or ""))}
+        key = (rows[0]["task"], rows[0]["question_name"], in_words, len(options))
+        formats.setdefault(key, []).append([rank[row["parsed"]] for row in rows if row["parsed"] is not None])
+    return formats
 
 
 def _about(study: Study, rows: Sequence[results.Row], collected: StudyResult) -> dict[str, Any]:
