@@ -1,4 +1,4 @@
-"""Manners of replying, and a server that has them: responses of a model that takes an option, with outcomes and causes."""
+"""Manners of replying, each with its outcome and cause, and a server that has them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Manner:
 def chat(content: Any, finish: str = "stop", **message: Any) -> Response:
     """A chat completion."""
     said = {"role": "assistant", "content": content, **message}
-    usage = {"prompt_tokens": 100, "completion_tokens": 20, "total_tokens": 120}
+    usage: dict[str, Any] = {"prompt_tokens": 100, "completion_tokens": 20, "total_tokens": 120}
     usage |= {"completion_tokens_details": {"reasoning_tokens": 7}}
     choices = [{"index": 0, "finish_reason": finish, "message": said}]
     return 200, {

@@ -178,9 +178,9 @@ def _reply(rater: Rater, row: Row, permutation: int) -> Row:
         **{k: row[k] for k in ("id", "task", "dimension", "question_name", "engine", "index", "block")},
         "group": f"{row['task']}/{row['block']}", "model": rater.name, "model_version": "1", "prompt": "default",
         "prompt_hash": "0", "ablation": "", "permutation": permutation, "sample": 0, "order": order, "answer": truth,
-        "text": str(chosen), "parsed": chosen if reported else None, "number": None, "finish_reason": "stop", "reasoning": None,
+        "text": str(chosen), "parsed": chosen if reported else None, "number": None, "finish_reason": "stop",
         "right": reported and chosen == truth, "status": status, "error": "broken" if status == "error" else None,
-        "tokens_in": 100, "tokens_out": 2, "tokens_reasoning": None, "cost": 0.001, "seconds": 1.0,
+        "tokens_in": 100, "tokens_out": 2, "tokens_reasoning": None, "reasoning": None, "cost": 0.001, "seconds": 1.0,
     }  # fmt: skip
 
 

@@ -50,7 +50,7 @@ def test_too_few_clusters_have_no_interval() -> None:
 
 
 def test_intervals_do_not_collapse_where_all_is_right() -> None:
-    """A system that is right in 95 % of groups is right in all 12 in half of the trials; intervals hold 95 % even so."""
+    """A system that is right in 95 % of groups is right in all 12 in half of the trials, which intervals allow for."""
     for bound in (0.0, 1.0):
         (one,), drawn = mean_estimates(np.full((48, 1), bound), np.arange(48) // 4, "all")
         assert one.value == bound

@@ -42,7 +42,7 @@ class ImageOptions:
         if self == ImageOptions():
             return None
         quality = "" if self.format == "png" else f":{self.quality}"
-        return " ".join(filter(None, (self.format + quality, self.size and f"{self.size} px", self.detail)))
+        return " ".join(filter(None, (self.format + quality, f"{self.size} px" if self.size else None, self.detail)))
 
     def encode(self, png: bytes) -> tuple[str, bytes]:
         """Return the MIME type and content of a picture (PNG). An unchanged PNG stays the same to the byte."""
