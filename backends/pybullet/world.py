@@ -67,6 +67,7 @@ class World:
         self.targets = {joint: limb.drive[2] for joint, limb in self.drives.items()}
         self.fresh = set(self.drives)
         self.held: set[int] = set()
+        self.lifted: set[int] = set()
         self.places: dict[int, tuple[float, ...]] = {}
         self.loop_closures: dict[int, list[int]] = {}
         self.met: set[tuple[int, int]] = set()
@@ -242,7 +243,9 @@ class World:
         client = self.client
         pybullet.resetBasePositionAndOrientation(handle, place, turn, physicsClientId=client)
         pybullet.resetBaseVelocity(handle, speed, spin, physicsClientId=client)
-        pybullet.applyExternalForce(handle, -1, self.lift, place, pybullet.WORLD_FRAME, physicsClientId=client)
+        if handle not in self.lifted:
+            self.lifted.add(handle)
+            pybullet.applyExternalForce(handle, -1, self.lift, place, pybullet.WORLD_FRAME, physicsClientId=client)
 
     def push(self, body: int, force: Any, torque: Any) -> None:
         """Apply a force and a torque at the centre of mass of a body during the next step."""
@@ -287,11 +290,16 @@ class World:
         self.drive(body, self.places[body], (0.0,) * 6)
 
     def free(self, body: int) -> None:
-        """Release a held body."""
+        """Release a held body, without the force that held it against gravity."""
+        place = self.places.pop(body)
         self.stir()
-        self.places.pop(body, None)
         if body not in self.trees:
             self.held.remove(body)
+            if (handle := self.ids[body][0]) in self.lifted:
+                down = [-force for force in self.lift]
+                pybullet.applyExternalForce(
+                    handle, -1, down, place[:3], pybullet.WORLD_FRAME, physicsClientId=self.client
+                )
             self.weigh(body, self.bodies[body].mass, self.bodies[body].moments)
 
     def grip(self, number: int, grip: Grip, anchors: Any) -> None:
@@ -346,6 +354,7 @@ class World:
             )
         self.fresh.clear()
         pybullet.stepSimulation(physicsClientId=self.client)
+        self.lifted.clear()
         self.states.clear()
         self.rest.check(self.state, bool(self.loop_closures))
 
