@@ -116,10 +116,11 @@ SO = _any(
 POSITIVE = _any(
     r"(?:\s*(?:is|are|seems|looks|appears|must be|has to be|would be|remains|to be|shows|being|as|therefore"
     r"|clearly|thus|the|a|an"
-    r"|only|most|more|best|one|option|by far|to me|also|definitely)\b)*\s*(?:right|correct|best|answer|true"
+    r"|only|most|more|best|one|option|by far|to me|also|definitely)\b)*\s*(?:right(?![\s-]+(?:of|side|half|edge|hand))"
+    r"|correct|best|answer|true"
     r"|match(?:es)?|fits?|likely|plausible"
     r"|consistent|accurate|valid|closest|comes closest|agrees?|corresponds?|winner|my (?:final )?(?:answer|choice"
-    r"|pick)|works|remains|the one|it|✓|✔|✅|☑)(?![\w])"
+    r"|pick)|works|remains|the one|it(?=\s*(?:[.,;:!)]|$))|✓|✔|✅|☑)(?![\w])"
     r"(?!\s+(?:only|except|but)\b)",
     r"(?:\s*(?:ist|scheint|wäre|also|die|das|am|daher|somit|zeigt|eindeutig)\b)*\s*(?:richtig(?:e)?|korrekt|passt"
     r"|stimmt|zutreffend|wahrscheinlichsten|beste)(?!\w)",
