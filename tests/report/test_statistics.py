@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -18,6 +20,7 @@ from wmspec.eval.report.items import fit_item_response, item_rest_correlation, s
 from wmspec.eval.report.questions import Questions
 from wmspec.eval.report.replies import replies
 from wmspec.eval.report.tables import tables
+from wmspec.eval.report.whole_groups import whole_groups
 
 # ---------------------------------------------------------------- intervals
 
@@ -129,6 +132,33 @@ def test_pairs_count_only_if_both_are_right(made: Made) -> None:
         assert found[task, "sure"].both.value == 1.0
     assert found["race", "first"].chance == pytest.approx(1 / 4)
     assert found["roll", "first"].chance == pytest.approx(1 / 16)
+
+
+def test_a_whole_group_counts_only_if_all_its_members_are_right(made: Made) -> None:
+    """Races as quadruples of possible and impossible episodes: two ratios, and either ball is the faster one."""
+    quadruples = [
+        row
+        for row in made.rows
+        if row["task"] == "race" and row["factor.color"] == "red" and row["factor.form"] == "sphere"
+        and row["factor.ratio"] in (1.1, 3)
+    ]  # fmt: skip
+    words = {"upper": "possible", "lower": "impossible"}
+    known = made.replies.questions
+    assert known is not None
+    table = known.table.loc[[row["id"] for row in quadruples]].copy()
+    table["names"] = [("possible", "impossible")] * len(table)
+    table["truth"] = table["truth"].map(words)
+    raters = (
+        Rater("ideal", lambda row: 0.8),
+        Rater("sure", lambda row: 1.0),
+        Rater("says yes", lambda row: 1.0 * (row["answer_value"] == "upper")),
+    )
+    found = {g.system: g for g in whole_groups(replies(answers(quadruples, *raters), replace(known, table=table)))}
+    assert found["ideal"].whole.value == pytest.approx(0.8**4, abs=0.25)
+    assert found["sure"].whole.value == 1.0
+    assert (found["says yes"].whole.value, found["says yes"].single) == (0.0, 0.5)
+    assert {(g.members, g.chance, g.whole.questions) for g in found.values()} == {(4.0, 1 / 16, 20)}
+    assert not made.report.whole_groups, "no task of these asks whether something is possible"
 
 
 def test_pairs_of_a_prediction_are_those_whose_outcomes_were_made_by_what_differs(made: Made) -> None:

@@ -22,6 +22,7 @@ def long_tables(report: Report) -> dict[str, pd.DataFrame]:
         "replies": report.accounts,
         "comparisons": report.comparisons,
         "pairs": report.pairs,
+        "whole_groups": report.whole_groups,
         "flips": report.flips,
         "positions": report.positions,
         "mistakes": report.mistaken,
@@ -72,6 +73,11 @@ def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
         made["pairs"] = (
             "Pair accuracy (%): of two instances that differ in one factor and in their answers, both are right.",
             _pivot(((p.task, p.system, format_percent(p.both.value)) for p in report.pairs), report.systems),
+        )
+    if report.whole_groups:
+        made["whole_groups"] = (
+            "Accuracy (%) on whole groups of possible and impossible episodes: all members are right.",
+            _pivot(((g.task, g.system, format_percent(g.whole.value)) for g in report.whole_groups), report.systems),
         )
     if report.detections:
         rows = (

@@ -30,7 +30,10 @@ TITLES = {
 
 
 #: Collapsed tables of each section.
-TABLES_OF = {"choices": ("pairs",), "analyses": ("detections", "filtered", "missed", "thresholds", "entanglement")}
+TABLES_OF = {
+    "choices": ("pairs", "whole_groups"),
+    "analyses": ("detections", "filtered", "missed", "thresholds", "entanglement"),
+}
 
 
 def page(report: Report, figures: dict[str, tuple[SvgFigure, ...]], wide: Wide) -> str:

@@ -21,6 +21,7 @@ from wmspec.eval.report.items import Items, items
 from wmspec.eval.report.pairs import Pair, pairs
 from wmspec.eval.report.replies import PEOPLE, Replies, read
 from wmspec.eval.report.tables import Table, tables
+from wmspec.eval.report.whole_groups import WholeGroup, whole_groups
 
 T = TypeVar("T")
 
@@ -61,6 +62,7 @@ class Report:
     tables: tuple[Table, ...]
     comparisons: tuple[Comparison, ...]
     pairs: tuple[Pair, ...]
+    whole_groups: tuple[WholeGroup, ...]
     flips: tuple[Flips, ...]
     positions: tuple[Position, ...]
     mistaken: tuple[Mistakes, ...]
@@ -105,6 +107,7 @@ def analyse(replies: Replies, dataset: str, progress: Callable[[str, int], None]
         tables=step("tables", tables),
         comparisons=step("comparisons", comparisons),
         pairs=step("pairs", pairs),
+        whole_groups=step("whole groups", whole_groups),
         flips=step("flips", flips),
         positions=step("positions", positions),
         mistaken=step("mistakes", mistakes),
@@ -118,7 +121,7 @@ def analyse(replies: Replies, dataset: str, progress: Callable[[str, int], None]
 
 
 #: Number of calls of `progress`.
-STEPS = 13
+STEPS = 14
 
 
 def accounts(replies: Replies) -> tuple[Account, ...]:
