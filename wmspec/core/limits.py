@@ -43,6 +43,12 @@ POINTS = Limit(1_000_000, "points or corners")
 #: A composed USD stage, and a stage used as an asset.
 COMPOSED_PRIMS = Limit(200_000, "prims after composition")
 PRIMS = Limit(20_000, "prims")
+#: The layers of a stage: number, total size, and time to read them.
+LAYERS = Limit(5_000, "layers")
+LAYER_BYTES = Limit(2_000_000_000, "bytes in its layers", RIGHT_FILE)
+LAYER_SECONDS = Limit(300, "seconds of reading")
+#: A variable expression in an asset path, with its variables expanded.
+EXPRESSION_LENGTH = Limit(4_000, "characters in a variable expression")
 #: An XML file.
 XML_ELEMENTS = Limit(20_000, "elements")
 XML_DEPTH = Limit(100, "levels of nesting")

@@ -1,106 +1,171 @@
 """Counts the prims of a stage from its layers before USD composes them.
 
-A few lines can expand to billions of prims by nested references.
+A few lines can expand to billions of prims by nested references. The count is an upper bound: it includes all variants,
+and every inherited class in the layers of the stage and of the asset.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pxr import Sdf, Tf
+from pxr import Sdf
 
-from wmspec.core.diagnostics import WmsError
-from wmspec.core.limits import COMPOSED_PRIMS, FILE_BYTES, XML_DEPTH
-from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import NotARegularFile, regular_file
-from wmspec.sim.usd.crate import require_readable
-
-#: A layer and a path in it.
-Site = tuple[Sdf.Layer, Sdf.Path]
+from wmspec.core.limits import COMPOSED_PRIMS, XML_DEPTH
+from wmspec.sim.usd.clips import clip_files
+from wmspec.sim.usd.expression_variables import Variables, evaluated, variables_of
+from wmspec.sim.usd.layer_files import LayerFiles
+from wmspec.sim.usd.probe import require_readable
 
 #: The list edits of composition arcs.
 _EDITS = ("explicitItems", "prependedItems", "appendedItems", "addedItems")
 
 
 def require_bounded(path: Path) -> None:
-    """Raise TooLarge if a file or a referenced file is too large, or if the stage would have too many prims."""
-    _small(path)
-    require_readable(path)
-    try:
-        layer = Sdf.Layer.FindOrOpen(str(path))
-    except Tf.ErrorException:
+    """Check all files of a stage before USD composes it.
+
+    Raises WmsError if one of them is a pipe or device, damaged or too large, or if the stage would have too many layers
+    or prims, or takes too long.
+    """
+    files = LayerFiles()
+    root = files.open(str(path))
+    if root is None:
         return  # USD reports it when it opens the stage
-    if layer is not None:
-        _Counter().count((layer, Sdf.Path.absoluteRootPath), 0)
+    stack = LayerStack(root, variables_of(root, ()))
+    _Counter(files, stack).entry(stack, Sdf.Path.absoluteRootPath, 0)
+    if len(files.layers) > 1:
+        require_readable(path, "stage")
+
+
+@dataclass(frozen=True)
+class LayerStack:
+    """A layer with its sublayers, and the variables of expressions in them."""
+
+    root: Sdf.Layer
+    variables: Variables
+
+    @property
+    def key(self) -> tuple[str, Variables]:
+        """What distinguishes it."""
+        return self.root.identifier, self.variables
 
 
 class _Counter:
     """Counts prims bottom-up, each site once."""
 
-    def __init__(self) -> None:
-        self._counts: dict[tuple[str, Sdf.Path], int] = {}
+    def __init__(self, files: LayerFiles, stage: LayerStack) -> None:
+        self._files, self._stage = files, stage
+        self._counts: dict[object, int] = {}
+        self._specs: dict[object, list[Any]] = {}
+        self._stacked: dict[object, list[Sdf.Layer]] = {}
 
-    def count(self, site: Site, depth: int) -> int:
-        """Return the number of prims at and below a site, references included."""
-        layer, path = site
-        key = (layer.identifier, path)
-        if key not in self._counts:
-            if depth > XML_DEPTH.most:
-                raise XML_DEPTH.exceeded()
-            self._counts[key] = 0  # cyclic references, which USD reports
-            total = 1 + sum(self.count(inner, depth + 1) for inner in _children(site))
-            if total > COMPOSED_PRIMS.most:
-                raise COMPOSED_PRIMS.exceeded()
-            self._counts[key] = total
-        return self._counts[key]
+    def entry(self, stack: LayerStack, path: Sdf.Path, depth: int) -> int:
+        """Return the number of prims at and below a site that an arc targets.
+
+        It has what its ancestors bring by their own arcs too.
+        """
+        key = ("entry", *stack.key, path)
+        if key in self._counts:
+            return self._counts[key]
+        self._counts[key] = 0  # cyclic references, which USD reports
+        total = self._node(stack, path, depth)
+        for ancestor in path.GetAncestorsRange():
+            if ancestor != path:
+                for other, target in self._targets(stack, ancestor):
+                    total += self.entry(other, path.ReplacePrefix(ancestor, target), self._deeper(depth))
+        return self._kept(key, total)
+
+    def _node(self, stack: LayerStack, path: Sdf.Path, depth: int) -> int:
+        """Return the number of prims at and below a site of a layer stack, with the targets of its arcs."""
+        key = (*stack.key, path)
+        if key in self._counts:
+            return self._counts[key]
+        self._counts[key] = 0
+        total = 1
+        names = {child.name for spec in self._at(stack, path) for child in spec.nameChildren if child}
+        for name in sorted(names):
+            total += self._node(stack, path.AppendChild(name), self._deeper(depth))
+        for other, target in self._targets(stack, path):
+            total += self.entry(other, target, self._deeper(depth))
+        return self._kept(key, total)
+
+    def _kept(self, key: object, total: int) -> int:
+        if total > COMPOSED_PRIMS.most:
+            raise COMPOSED_PRIMS.exceeded()
+        self._counts[key] = total
+        return total
+
+    def _deeper(self, depth: int) -> int:
+        if depth >= XML_DEPTH.most:
+            raise XML_DEPTH.exceeded()
+        return depth + 1
+
+    def _targets(self, stack: LayerStack, path: Sdf.Path) -> Iterator[tuple[LayerStack, Sdf.Path]]:
+        """Yield the targets of the arcs of a site; check its value clips."""
+        for spec in self._at(stack, path):
+            for name in clip_files(spec):
+                self._files.check(spec.layer.ComputeAbsolutePath(evaluated(name, stack.variables)))
+            for arcs in (spec.referenceList, spec.payloadList):
+                for arc in _items(arcs):
+                    yield from self._target(stack, spec.layer, arc.assetPath, arc.primPath)
+            for inherited in (spec.inheritPathList, spec.specializesList):
+                for to in _items(inherited):
+                    yield stack, to
+                    if stack.key != self._stage.key and self._at(self._stage, to):
+                        yield self._stage, to
+
+    def _target(
+        self, stack: LayerStack, layer: Sdf.Layer, asset: str, path: Sdf.Path
+    ) -> Iterator[tuple[LayerStack, Sdf.Path]]:
+        """Yield a prim of another layer, or of this stack if none is named; the default prim if no path is given."""
+        other = stack
+        if asset:
+            name = evaluated(asset, stack.variables)
+            root = self._files.open(layer.ComputeAbsolutePath(name)) if name else None
+            if root is None:
+                return
+            other = LayerStack(root, variables_of(root, stack.variables))
+        default = other.root.defaultPrim
+        yield other, path or (Sdf.Path(f"/{default}") if default else Sdf.Path.absoluteRootPath)
+
+    def _at(self, stack: LayerStack, path: Sdf.Path) -> list[Any]:
+        """Return the prim specs at a path in all layers of a stack and in all variants."""
+        key = (*stack.key, path)
+        if key not in self._specs:
+            if path == Sdf.Path.absoluteRootPath:
+                found = [layer.pseudoRoot for layer in self._layers(stack)]
+            else:
+                above = self._at(stack, path.GetParentPath())
+                found = [spec.nameChildren.get(path.name) for spec in above]
+            self._specs[key] = [variant for spec in found if spec for variant in _with_variants(spec)]
+        return self._specs[key]
+
+    def _layers(self, stack: LayerStack) -> list[Sdf.Layer]:
+        """Return the layers of a stack, each once."""
+        if stack.key not in self._stacked:
+            found: dict[str, Sdf.Layer] = {}
+            left = [stack.root]
+            while left:
+                layer = left.pop()
+                if layer.identifier in found:
+                    continue
+                found[layer.identifier] = layer
+                names = (evaluated(name, stack.variables) for name in layer.subLayerPaths)
+                opened = [self._files.open(layer.ComputeAbsolutePath(name)) for name in names if name]
+                left += [other for other in opened if other is not None]
+            self._stacked[stack.key] = list(found.values())
+        return self._stacked[stack.key]
 
 
-def _children(site: Site) -> Iterator[Site]:
-    """Yield children and references of a site."""
-    layer, path = site
-    if path == Sdf.Path.absoluteRootPath:
-        for name in layer.subLayerPaths:
-            yield from _at(layer, name, path)
-    spec = layer.GetPrimAtPath(path)
-    if spec is None:
-        return
-    yield from ((layer, child.path) for child in spec.nameChildren if child)  # None in damaged files
+def _with_variants(spec: Any) -> Iterator[Any]:
+    """Yield a prim spec and those of its variants, nested ones included."""
+    yield spec
     for variants in spec.variantSets:
-        yield from ((layer, variant.path) for variant in variants.variants)
-    for arcs in (spec.referenceList, spec.payloadList):
-        for arc in _items(arcs):
-            yield from _at(layer, arc.assetPath, arc.primPath)
-    for inherited in (spec.inheritPathList, spec.specializesList):
-        yield from ((layer, to) for to in _items(inherited))
+        for variant in variants.variants:
+            yield from _with_variants(variant.primSpec)
 
 
 def _items(edited: Any) -> Iterable[Any]:
     return [item for edit in _EDITS for item in getattr(edited, edit)]
-
-
-def _at(layer: Sdf.Layer, asset: str, path: Sdf.Path) -> Iterator[Site]:
-    """Yield a prim of another layer, or of this one if none is named; the default prim if no path is given."""
-    other = layer
-    if asset:
-        name = layer.ComputeAbsolutePath(asset)
-        _small(Path(name))
-        require_readable(Path(name))
-        try:
-            other = Sdf.Layer.FindOrOpen(name)
-        except Tf.ErrorException:
-            other = None  # USD reports it
-    if other is not None:
-        named = path or (Sdf.Path(f"/{other.defaultPrim}") if other.defaultPrim else Sdf.Path.absoluteRootPath)
-        yield other, named
-
-
-def _small(path: Path) -> None:
-    try:
-        if regular_file(path).stat().st_size > FILE_BYTES.most:
-            raise FILE_BYTES.exceeded()
-    except NotARegularFile as error:
-        raise WmsError(str(error.strerror), FilePlace(path.name)) from None
-    except (OSError, ValueError):  # USD reports it
-        return
