@@ -215,7 +215,7 @@ def test_a_damaged_crate_does_not_end_the_process(project: Path) -> None:
     content[len(content) // 3 : len(content) // 3 + 300] = b"\xff" * 300
     (project / "bad.usdc").write_bytes(content)
     assert "bad.usdc: cannot be read: is damaged" in checked(project, SPEC.format(file="bad.usdc", more=""))
-    assert "is damaged or needs too much memory" in wmspec("run", project / "bad.usdc").output
+    assert "is damaged, or needs too much time or memory" in wmspec("run", project / "bad.usdc").output
 
 
 def test_damaged_files_are_told_or_read() -> None:

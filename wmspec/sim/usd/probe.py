@@ -31,7 +31,8 @@ Request = Literal["layer", "stage"]
 def require_readable(path: Path, request: Request = "layer", shown: str = "") -> None:
     """Raise WmsError if a layer, or the stage of a file with all its layers, cannot be read within the bounds.
 
-    `path` is a regular file, and the message calls it `shown`. Half a second the first time, then about the time of reading it.
+    `path` is a regular file, and the message calls it `shown`. Takes half a second the first time, then about
+    the time of reading it.
     """
     about = path.stat()
     if not _can_read(str(path), about.st_mtime_ns, about.st_size, request):
