@@ -1,0 +1,36 @@
+"""Newton as an engine of wmspec: executes and exports a scene. The engine is imported on first use."""
+
+from __future__ import annotations
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.sim.scene.model import Renderer, Scene, Trace
+
+from .info import INFO as info
+
+__all__ = ["execute", "info", "native", "renderer"]
+__version__ = "0.2.0"
+
+
+def execute(scene: Scene) -> Trace:
+    """Return the trace of a scene's episode.
+
+    Raises WmsError for a scene that Newton does not support, EngineError if Newton fails.
+    """
+    from . import physics
+
+    return physics.execute(scene)
+
+
+def renderer(scene: Scene, width: int, height: int) -> Renderer:
+    """Raise WmsError: another engine draws."""
+    raise WmsError("Newton does not draw for wmspec; name another engine with --renderer")
+
+
+def native(scene: Scene) -> dict[str, str]:
+    """Return `run.py`, which needs Newton and NumPy alone: file name -> text.
+
+    Raises WmsError for a scene that Newton does not support.
+    """
+    from . import export
+
+    return export.native(scene)

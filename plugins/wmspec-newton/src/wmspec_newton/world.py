@@ -1,0 +1,219 @@
+"""The Newton implementation of `wmspec.sim.scene.physics.episode.World`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from wmspec.core.native_output import silence
+from wmspec.sim.scene.physics.episode import TOUCH_BEGIN, Grip
+from wmspec.sim.scene.physics.rigid import Assembly
+
+from .build import HEAVY, WORLD, build
+
+with silence():
+    import newton
+    import warp as wp
+
+XYZW = [4, 5, 6, 3]  # from a pose (x, y, z, w, i, j, k) to Newton's order of quaternions
+
+
+class World:
+    """A Newton model of the given bodies in order, with frames at their centres of mass, executed on the processor.
+
+    `ties`: `solref` of grips and loop closures. The solver is Newton's on top of MuJoCo, whose data this class reads
+    for what Newton does not return: contacts, and equality constraints that change during an episode.
+    """
+
+    def __init__(self, assembly: Assembly, grips: tuple[Grip, ...], contacts: Any, limits: Any, ties: Any) -> None:
+        wp.config.quiet, wp.config.enable_backward = True, False  # kernels without derivatives compile in less time
+        self.assembly, self.step_size = assembly, assembly.step
+        built = build(assembly, contacts, limits)
+        self.links, self.joints = built.links, built.joints
+        self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
+        self.tie(built.builder, grips, ties)
+        self.model = built.builder.finalize(device="cpu")
+        self.model.set_gravity(tuple(assembly.gravity))
+        self.solver = newton.solvers.SolverMuJoCo(
+            self.model,
+            use_mujoco_cpu=True,
+            solver="newton",
+            integrator="implicitfast" if any(limb.drive for tree in assembly.trees for limb in tree) else "euler",
+            cone="elliptic",
+            iterations=100,
+            tolerance=1e-10,
+            enable_multiccd=True,
+            njmax=4000,
+            nconmax=1000,
+        )
+        self.now, self.after, self.control = self.model.state(), self.model.state(), self.model.control()
+        newton.eval_fk(self.model, self.model.joint_q, self.model.joint_qd, self.now)
+        self.data = self.solver.mj_data
+        shapes = self.solver.mjc_geom_to_newton_shape.numpy()[0]
+        self.number = np.array([built.shapes.get(int(shape), -1) for shape in shapes])
+        self.coordinates = self.model.joint_q_start.numpy()
+        self.rates = self.model.joint_qd_start.numpy()
+        self.start = self.now.joint_q.numpy().copy()
+        self.start_poses = self.now.body_q.numpy().copy()
+        self.held: set[int] = set()
+        self.met: set[tuple[int, int]] = set()
+        self.damp()
+        self.begin()
+
+    def tie(self, builder: Any, grips: tuple[Grip, ...], ties: Any) -> None:
+        """Add loop closures, and grips that are inactive at first."""
+        from newton.solvers import mujoco as authoring
+
+        self.grips: dict[int, list[int]] = {}
+        rows = 0
+        for closure in self.assembly.loop_closures:
+            first, second = self.links.get(closure.first, WORLD), self.links.get(closure.second, WORLD)
+            points = closure.below if second != WORLD else closure.above
+            ends = (second, first) if second != WORLD else (first, second)
+            for point in points:
+                authoring.add_equality_connect(builder, *ends, anchor=point, solref=ties)
+                rows += 1
+        for number, grip in enumerate(grips):
+            self.grips[number] = []
+            for point in grip.points:
+                ends = self.links[grip.hand], self.links[grip.body]
+                authoring.add_equality_connect(builder, *ends, anchor=point, solref=ties, enabled=False)
+                self.grips[number].append(rows)
+                rows += 1
+
+    def damp(self) -> None:
+        """Set the damping of free bodies, which Newton's free joints do not have."""
+        for number, body in enumerate(self.assembly.bodies):
+            if body.motion == "dynamic" and number not in self.trees and any(body.damping):
+                at, (linear, angular) = self.freedom(number), body.damping
+                rates = [linear * body.mass] * 3 + [angular * moment for moment in body.moments]
+                self.solver.mj_model.dof_damping[at : at + 6] = rates
+
+    def freedom(self, body: int) -> int:
+        """Return the number of the first degree of freedom of a body in MuJoCo."""
+        return int(self.solver.mj_qd_start.numpy()[self.joints[body]])
+
+    def begin(self) -> None:
+        """Set the initial velocities of jointed bodies."""
+        speeds = self.now.joint_qd.numpy()
+        for tree in self.assembly.trees:
+            for limb in tree:
+                at = self.rates[self.joints[limb.body]]
+                if limb.kind == "free" and self.assembly.bodies[limb.body].velocity:
+                    speeds[at : at + 6] = self.assembly.bodies[limb.body].velocity
+                elif limb.rate:
+                    speeds[at : at + len(limb.rate)] = limb.rate
+        newton.eval_fk(self.model, self.now.joint_q, self.now.joint_qd, self.now)
+
+    def kick(self, body: int, linear: Any, angular: Any) -> None:
+        """Set the velocities of a free body."""
+        at = self.rates[self.joints[body]]
+        self.now.joint_qd.numpy()[at : at + 6] = [*linear, *angular]
+
+    def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
+        """Return a function that resets kinematic bodies to their paths before step i."""
+        ways = []
+        for body, (here, _, speeds) in paths.items():
+            joint = self.joints[body]
+            poses = np.concatenate([here[:, :3], here[:, XYZW]], axis=1)
+            ways.append((self.coordinates[joint], self.rates[joint], poses, speeds))
+
+        def drive(i: int) -> None:
+            places, rates = self.now.joint_q.numpy(), self.now.joint_qd.numpy()
+            for q, qd, poses, speeds in ways:
+                places[q : q + 7] = poses[i]
+                rates[qd : qd + 6] = speeds[i]
+
+        return drive
+
+    def push(self, body: int, force: Any, torque: Any) -> None:
+        """Apply a force and a torque at the centre of mass of a dynamic body during the next step."""
+        self.now.body_f.numpy()[self.links[body]] += [*force, *torque]
+
+    def aim(self, joint: int, target: float) -> None:
+        """Set the target of a drive."""
+        body = next(limb.body for tree in self.assembly.trees for limb in tree if limb.joint == joint)
+        self.control.joint_target_q.numpy()[self.coordinates[self.joints[body]]] = target
+
+    def hold(self, body: int, at: Any = None) -> None:
+        """Reset a dynamic body to its start or to `at`.
+
+        A free body becomes as heavy as a kinematic one and is held against gravity.
+        """
+        if body in self.trees:
+            for limb in self.trees[body]:
+                self.rest(limb.body)
+            newton.eval_fk(self.model, self.now.joint_q, self.now.joint_qd, self.now)
+            return
+        if body not in self.held:
+            self.held.add(body)
+            self.weigh(body, HEAVY, [HEAVY] * 3)
+        self.rest(body)
+        if at is not None:
+            pose = np.asarray(at)[[0, 1, 2, *XYZW]]
+            q = self.coordinates[self.joints[body]]
+            self.now.joint_q.numpy()[q : q + 7] = pose
+            self.now.body_q.numpy()[self.links[body]] = pose
+        self.push(body, -HEAVY * np.array(self.assembly.gravity), np.zeros(3))
+
+    def rest(self, body: int) -> None:
+        """Reset the joint of a body to its start, at rest."""
+        joint, link = self.joints[body], self.links[body]
+        places, speeds = (slice(starts[joint], starts[joint + 1]) for starts in (self.coordinates, self.rates))
+        self.now.joint_q.numpy()[places] = self.start[places]
+        self.now.joint_qd.numpy()[speeds] = 0
+        self.now.body_q.numpy()[link] = self.start_poses[link]
+        self.now.body_qd.numpy()[link] = 0
+
+    def free(self, body: int) -> None:
+        """Release a held body."""
+        if body not in self.trees:
+            self.held.remove(body)
+            self.weigh(body, self.assembly.bodies[body].mass, self.assembly.bodies[body].moments)
+
+    def weigh(self, body: int, mass: float, moments: Any) -> None:
+        """Set mass and moments of inertia."""
+        link = self.links[body]
+        self.model.body_mass.numpy()[link] = mass
+        self.model.body_inv_mass.numpy()[link] = 1 / mass
+        self.model.body_inertia.numpy()[link] = np.diag(moments)
+        self.model.body_inv_inertia.numpy()[link] = np.diag(1 / np.asarray(moments))
+        self.solver.notify_model_changed(newton.ModelFlags.BODY_INERTIAL_PROPERTIES)
+
+    def grip(self, number: int, grip: Grip, anchors: Any) -> None:
+        """Tie points of a hand to anchors in the frame of a body."""
+        for tie, point, anchor in zip(self.grips[number], grip.points, anchors, strict=True):
+            self.solver.mj_model.eq_data[tie, :6] = [*point, *anchor]
+            self.data.eq_active[tie] = 1
+
+    def loose(self, number: int, grip: Grip) -> None:
+        """Release a grip."""
+        for tie in self.grips[number]:
+            self.data.eq_active[tie] = 0
+
+    def step(self) -> None:
+        """Advance one step. Raises FloatingPointError if MuJoCo warns, after which it silently resets."""
+        self.solver.step(self.now, self.after, self.control, None, self.step_size)
+        self.now.clear_forces()
+        self.now, self.after = self.after, self.now
+        if self.data.warning.number.any():
+            raise FloatingPointError(f"MuJoCo warnings: {self.data.warning.number} at {self.data.time:.4f} s")
+
+    def state(self, body: int) -> Any:
+        """Return position, quaternion, linear and angular velocity of a body in world axes (13,)."""
+        link = self.links[body]
+        pose, speed = self.now.body_q.numpy()[link], self.now.body_qd.numpy()[link]
+        return np.concatenate([pose[:3], pose[[6, 3, 4, 5]], speed]).astype(float)
+
+    def touching(self) -> set[tuple[int, int]]:
+        """Return the pairs that touched in the last step."""
+        contact = self.data.contact
+        pairs = np.sort(self.number[contact.geom], axis=1).tolist()
+        near = set(map(tuple, pairs))
+        close = {tuple(pair) for pair, gap in zip(pairs, contact.dist.tolist(), strict=True) if gap < TOUCH_BEGIN}
+        met = close | (near & self.met)
+        if met != self.met:  # an equal set is the same object, which makes intervals quick to find
+            self.met = met
+        return self.met
