@@ -5,7 +5,7 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/vision/shape_room.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: dist sbom constraints help setup browser inspect demo quick lowest installed test test-all coverage generate check format docs conformance oracles agreement clean
+.PHONY: dist newton sbom constraints help setup browser inspect demo quick lowest installed test test-all coverage generate check format docs conformance oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
@@ -17,6 +17,7 @@ help:
 	@echo "make test-all  the same with the slow tests"
 	@echo "make installed an environment that has wmspec from a wheel, in build/installed"
 	@echo "make inspect   Inspect in an environment of its own, for the slow tests of exports"
+	@echo "make newton    the tests of the engine Newton, on wheels, in build/newton"
 	@echo "make coverage  the lines and branches that the tests of make test run, in out/coverage"
 	@echo "make generate  everything that is made from the code: tables, grammars, schema"
 	@echo "make format    rewrite the sources in the house style"
@@ -41,6 +42,14 @@ build/inspect/bin/inspect: | setup
 	$(BIN)/python -m venv build/inspect
 	build/inspect/bin/pip install --quiet inspect-ai openai pyarrow
 
+newton: setup
+	rm -rf build/newton build/newton-wheels
+	$(BIN)/python -m hatchling build -t wheel -d build/newton-wheels
+	cd plugins/wmspec-newton && ../../$(BIN)/python -m hatchling build -t wheel -d ../../build/newton-wheels
+	$(BIN)/python -m venv build/newton
+	build/newton/bin/pip install --quiet pytest 'mujoco>=4,<5' 'pyopengl>=3.1.6,<4' $(CURDIR)/build/newton-wheels/*.whl
+	cd plugins/wmspec-newton && PYTHONSAFEPATH=1 ../../build/newton/bin/python -m pytest -q -p no:cacheprovider tests
+
 demo: setup
 	$(BIN)/wmspec generate $(DEMO) -o out/demo --per-task 6 --backend all --seed 0
 	$(BIN)/wmspec view out/demo -o out/demo/sheet.png
@@ -53,7 +62,7 @@ check: setup
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
 	cd conformance && ../$(BIN)/deptry .
-	$(BIN)/python -m tools.prose README.md docs wmspec backends conformance tests tools benchmarks
+	$(BIN)/python -m tools.prose README.md docs wmspec backends conformance plugins tests tools benchmarks
 
 QUICK := -n auto --dist loadgroup --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
 
@@ -79,7 +88,7 @@ installed: setup
 test: check browser installed
 	$(TEST)
 
-test-all: check browser inspect installed
+test-all: check browser inspect newton installed
 	$(TEST) -m "" --hypothesis-profile long
 
 # Tracing more than doubles the time of Python code, so it is no part of `make test`.
@@ -112,6 +121,7 @@ dist: setup
 	rm -rf dist
 	$(BIN)/python -m hatchling build -d dist/wmspec
 	cd conformance && ../$(BIN)/python -m hatchling build -d ../dist/usdphysics-conformance
+	cd plugins/wmspec-newton && ../../$(BIN)/python -m hatchling build -d ../../dist/wmspec-newton
 
 docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet

@@ -21,7 +21,7 @@ def execute(scene: Scene) -> Trace:
     return physics.execute(scene)
 
 
-def renderer(scene: Scene, width: int, height: int) -> Renderer:
+def renderer(scene: Scene, width: int, height: int) -> Renderer:  # noqa: ARG001  the interface of engines
     """Raise WmsError: another engine draws."""
     raise WmsError("Newton does not draw for wmspec; name another engine with --renderer")
 

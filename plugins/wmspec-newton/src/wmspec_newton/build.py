@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import inf
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.joints.articulations import Link
+from wmspec.sim.scene.model.transform import multiply, rotate
 from wmspec.sim.scene.physics.episode import Vector
 from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape
 
 with silence():
     import newton
-    import warp as wp
 
 HEAVY = 1e6  # kg and kg m²: immovable by other bodies
 WORLD = -1
 
 
-class Built(NamedTuple):
+@dataclass(frozen=True)
+class Built:
     """A builder, and Newton's numbers: body -> link, body -> joint to its parent, shape -> body."""
 
     builder: Any
@@ -39,9 +41,9 @@ def build(assembly: Assembly, contacts: Any, limits: Vector) -> Built:
     limbs = {limb.body: limb for tree in assembly.trees for limb in tree}
     links = {i: add_link(builder, i, body) for i, body in enumerate(assembly.bodies) if body.motion != "static"}
     joints: dict[int, int] = {}
-    for body in links:
+    for body, link in links.items():
         if body not in limbs:
-            joints[body] = builder.add_joint_free(links[body], label=f"{body}")
+            joints[body] = builder.add_joint_free(link, label=f"{body}")
             builder.add_articulation([joints[body]])
     for tree in assembly.trees:
         for limb in tree:
@@ -60,32 +62,37 @@ def build(assembly: Assembly, contacts: Any, limits: Vector) -> Built:
 def add_link(builder: Any, number: int, body: Any) -> int:
     """Add a body that can move; a kinematic one is a heavy body whose state is set before every step."""
     led = body.motion == "kinematic"
-    return builder.add_link(
+    link: int = builder.add_link(
         xform=transform(body.start),
         mass=HEAVY if led else body.mass,
-        inertia=wp.mat33(np.diag([HEAVY] * 3 if led else body.moments)),
+        inertia=np.diag([HEAVY] * 3 if led else body.moments),
         com=(0.0, 0.0, 0.0),
         label=f"{number}",
         lock_inertia=True,
         custom_attributes={"mujoco:gravcomp": 1.0} if led else None,
     )
+    return link
 
 
 def add_joint(builder: Any, limb: Link, links: dict[int, int], limits: Vector) -> int:
     """Add the joint between a body and its parent."""
     parent, child = links.get(limb.parent, WORLD), links[limb.body]
+    joint: int
     if limb.kind == "free":
-        return builder.add_joint_free(child, label=f"{limb.body}")
+        joint = builder.add_joint_free(child, label=f"{limb.body}")
+        return joint
     frames = {"parent_xform": transform(limb.above), "child_xform": transform(limb.below), "label": f"{limb.body}"}
     if limb.kind == "fixed":
-        return builder.add_joint_fixed(parent, child, **frames)
+        joint = builder.add_joint_fixed(parent, child, **frames)
+        return joint
     if limb.kind == "ball":
-        return builder.add_joint_ball(parent, child, armature=0.0, **frames)
+        joint = builder.add_joint_ball(parent, child, armature=0.0, **frames)
+        return joint
     low, high = limb.limits or (-inf, inf)
     axis = newton.ModelBuilder.JointDofConfig(axis=(1.0, 0.0, 0.0), armature=0.0)
     if limb.limits:
         axis.limit_lower, axis.limit_upper = low, high
-        frames["custom_attributes"] = {"mujoco:solreflimit": wp.vec2(*limits)}
+        frames["custom_attributes"] = {"mujoco:solreflimit": limits}
     if limb.drive:
         stiffness, damping, target, velocity, most = limb.drive
         axis.target_ke, axis.target_kd, axis.target_q, axis.target_qd = stiffness, damping, target, velocity
@@ -99,24 +106,25 @@ def add_joint(builder: Any, limb: Link, links: dict[int, int], limits: Vector) -
 
 def add_shape(builder: Any, link: int, piece: CollisionShape, start: Any) -> int:
     """Add a shape to a link, or to the world at the place of a static body."""
-    here = transform(piece.pose)
     common = {
         "body": link,
-        "xform": here if link != WORLD else wp.transform_multiply(transform(start), here),
+        "xform": transform(piece.pose if link != WORLD else compose(np.array(start), np.array(piece.pose))),
         "cfg": newton.ModelBuilder.ShapeConfig(density=0.0, collision_group=0),  # collides in listed pairs only
     }
     size = piece.size
+    shape: int
     match piece.kind:
         case "box":
-            return builder.add_shape_box(hx=size[0], hy=size[1], hz=size[2], **common)
+            shape = builder.add_shape_box(hx=size[0], hy=size[1], hz=size[2], **common)
         case "sphere":
-            return builder.add_shape_sphere(radius=size[0], **common)
+            shape = builder.add_shape_sphere(radius=size[0], **common)
         case "cylinder":
-            return builder.add_shape_cylinder(radius=size[0], half_height=size[1] / 2, **common)
+            shape = builder.add_shape_cylinder(radius=size[0], half_height=size[1] / 2, **common)
         case "capsule":
-            return builder.add_shape_capsule(radius=size[0], half_height=size[1] / 2, **common)
+            shape = builder.add_shape_capsule(radius=size[0], half_height=size[1] / 2, **common)
         case _:
-            return builder.add_shape_convex_hull(mesh=hull(np.reshape(size, (-1, 3))), **common)
+            shape = builder.add_shape_convex_hull(mesh=hull(np.reshape(size, (-1, 3))), **common)
+    return shape
 
 
 def hull(points: Any) -> Any:
@@ -141,7 +149,12 @@ def add_pairs(builder: Any, assembly: Assembly, pieces: Any, contacts: Any) -> N
                     builder.add_custom_values(**{"mujoco:pair_geom1": a, "mujoco:pair_geom2": b, **row})
 
 
+def compose(outer: Any, inner: Any) -> Any:
+    """Return the pose (7,) of a pose `inner` in the frame `outer`."""
+    return np.concatenate([outer[:3] + rotate(outer[3:], inner[:3]), multiply(outer[3:], inner[3:])])
+
+
 def transform(pose: Any) -> Any:
-    """Return Newton's transform, whose quaternion is (x, y, z, w), of position and quaternion (w, x, y, z)."""
+    """Return Newton's transform of position and quaternion (w, x, y, z); Newton's quaternion is (x, y, z, w)."""
     x, y, z, w, i, j, k = map(float, pose)
-    return wp.transform((x, y, z), wp.quat(i, j, k, w))
+    return (x, y, z), (i, j, k, w)

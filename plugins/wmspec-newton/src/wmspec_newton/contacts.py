@@ -49,4 +49,5 @@ def constraint_solref(step: float) -> Vector:
 
 def limit_gains(step: float) -> Vector:
     """Return the `solref` of joint limits, inelastic."""
-    return solref(Friction(), step)
+    stiffness, damping = solref(Friction(), step)
+    return stiffness, damping

@@ -22,6 +22,11 @@ from .contacts import constraint_solref, contacts, limit_gains
 from .info import CONTACT_YIELD, INFO, STEPS_PER_SECOND
 from .world import World
 
+with silence():
+    import warp
+
+warp.config.quiet, warp.config.enable_backward = True, False  # kernels without derivatives compile in less time
+
 SINGLE_PRECISION = 1e-6  # Newton uses 32-bit floats
 
 

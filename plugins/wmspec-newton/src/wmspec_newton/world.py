@@ -15,7 +15,6 @@ from .build import HEAVY, WORLD, build
 
 with silence():
     import newton
-    import warp as wp
 
 XYZW = [4, 5, 6, 3]  # from a pose (x, y, z, w, i, j, k) to Newton's order of quaternions
 
@@ -28,7 +27,6 @@ class World:
     """
 
     def __init__(self, assembly: Assembly, grips: tuple[Grip, ...], contacts: Any, limits: Any, ties: Any) -> None:
-        wp.config.quiet, wp.config.enable_backward = True, False  # kernels without derivatives compile in less time
         self.assembly, self.step_size = assembly, assembly.step
         built = build(assembly, contacts, limits)
         self.links, self.joints = built.links, built.joints
@@ -42,6 +40,7 @@ class World:
             solver="newton",
             integrator="implicitfast" if any(limb.drive for tree in assembly.trees for limb in tree) else "euler",
             cone="elliptic",
+            jacobian="dense",
             iterations=100,
             tolerance=1e-10,
             enable_multiccd=True,
@@ -64,8 +63,6 @@ class World:
 
     def tie(self, builder: Any, grips: tuple[Grip, ...], ties: Any) -> None:
         """Add loop closures, and grips that are inactive at first."""
-        from newton.solvers import mujoco as authoring
-
         self.grips: dict[int, list[int]] = {}
         rows = 0
         for closure in self.assembly.loop_closures:
@@ -73,13 +70,13 @@ class World:
             points = closure.below if second != WORLD else closure.above
             ends = (second, first) if second != WORLD else (first, second)
             for point in points:
-                authoring.add_equality_connect(builder, *ends, anchor=point, solref=ties)
+                newton.solvers.mujoco.add_equality_connect(builder, *ends, anchor=point, solref=ties)
                 rows += 1
         for number, grip in enumerate(grips):
             self.grips[number] = []
             for point in grip.points:
                 ends = self.links[grip.hand], self.links[grip.body]
-                authoring.add_equality_connect(builder, *ends, anchor=point, solref=ties, enabled=False)
+                newton.solvers.mujoco.add_equality_connect(builder, *ends, anchor=point, solref=ties, enabled=False)
                 self.grips[number].append(rows)
                 rows += 1
 
@@ -188,7 +185,7 @@ class World:
             self.solver.mj_model.eq_data[tie, :6] = [*point, *anchor]
             self.data.eq_active[tie] = 1
 
-    def loose(self, number: int, grip: Grip) -> None:
+    def loose(self, number: int, grip: Grip) -> None:  # noqa: ARG002  the interface of worlds
         """Release a grip."""
         for tie in self.grips[number]:
             self.data.eq_active[tie] = 0

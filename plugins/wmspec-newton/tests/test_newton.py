@@ -1,0 +1,92 @@
+"""Newton as an engine of wmspec, in an environment that has both distributions.
+
+`make newton` runs these tests on the wheels.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wmspec
+from wmspec.core.diagnostics import WmsError
+
+ROOM = "use room\n\ntask t : custom.motion {\n  factor value in [%s]\n%s\n  horizon %s s\n  observe front at [0 s]\n}\n"
+BALL = "object ball { shape: sphere  size: 6 cm  mass: 100 g  color: red  on: floor }"
+DROP = "action go = drop(ball, height: 20 cm) at 0 s"
+
+
+def run(values: str, body: str, horizon: float = 1.0) -> list:
+    """The episodes in Newton of a task with the factor `value`."""
+    return [one.run("newton") for one in wmspec.load(text=ROOM % (values, body, horizon))]
+
+
+def test_wmspec_finds_it_by_its_entry_point() -> None:
+    assert {"mujoco", "newton"} <= {entry.name for entry in entry_points(group="wmspec.backends")}
+    done = subprocess.run([sys.executable, "-m", "wmspec", "doctor"], capture_output=True, text=True, check=False)
+    assert "ok  newton executes" in done.stdout, done.stdout
+
+
+@pytest.mark.parametrize("mass", ["20 g", "5 kg"])
+def test_a_thrown_ball_flies_on_a_parabola(mass: str) -> None:
+    ball = f"object ball {{ shape: sphere  size: 4 cm  mass: {mass}  color: red  at: (0 cm, 0 cm, 1.2 m) }}"
+    (flight,) = run("1", f"  {ball}\n  action go = launch(ball, direction: right, speed: 1 m/s) at 0 s", 0.4)
+    path, time = flight["ball"].position, flight.time
+    np.testing.assert_allclose(path[:, 2], 1.2 - 9.81 * time**2 / 2, atol=1e-4)
+    np.testing.assert_allclose(np.linalg.norm(path[:, :2] - path[0, :2], axis=1), time, atol=1e-4)
+
+
+def test_a_dropped_ball_rebounds_by_its_restitution() -> None:
+    slab = "object slab { shape: box  size: (80 cm, 60 cm, 4 cm)  restitution: value  fixed: true  on: floor }"
+    ball = "object ball { shape: sphere  size: 12 cm  mass: 200 g  color: red  restitution: value  on: slab }"
+    drop = "action let_go = drop(ball, height: 40 cm) at 0 s"
+    for restitution, episode in zip((0.3, 0.6), run("0.3, 0.6", f"  {slab}\n  {ball}\n  {drop}"), strict=True):
+        height, fall = episode["ball"].position[:, 2] - 0.10, np.sqrt(2 * 0.4 / 9.81)
+        after = height[(episode.time > fall) & (episode.time < fall * (1 + 2 * restitution))]
+        assert after.max() == pytest.approx(0.4 * restitution**2, rel=0.1)
+
+
+def test_a_sliding_box_stops_by_its_friction() -> None:
+    box = "object brick { shape: box  size: 10 cm  mass: 1 kg  color: red  friction: value  on: slab }"
+    slab = "object slab { shape: box  size: (300 cm, 60 cm, 4 cm)  friction: value  fixed: true  on: floor }"
+    go = "action go = launch(brick, direction: right, speed: 1.5 m/s) at 0 s"
+    for friction, episode in zip((0.2, 0.4), run("0.2, 0.4", f"  {slab}\n  {box}\n  {go}", 1.5), strict=True):
+        way = np.linalg.norm(np.ptp(episode["brick"].position[:, :2], axis=0))
+        assert way == pytest.approx(1.5**2 / (2 * friction * 9.81), rel=0.03)
+
+
+def test_the_native_script_runs_with_newton_alone(tmp_path: Path) -> None:
+    go = "action go = launch(ball, direction: right, speed: 50 cm/s) at 0.1 s"
+    (one,) = wmspec.load(text=ROOM % ("1", f"  {BALL}\n  {go}", 0.5))
+    for name, text in one.native("newton").items():
+        (tmp_path / name).write_text(text)
+    assert "wmspec" not in (tmp_path / "run.py").read_text()
+    subprocess.run([sys.executable, "-I", "run.py"], cwd=tmp_path, check=True, capture_output=True)
+    trace = np.load(tmp_path / "trace.npz")
+    found = trace["position"][:, list(trace["bodies"]).index("ball")]
+    np.testing.assert_array_equal(found, one.run("newton")["ball"].position)
+
+
+def test_the_same_episode_has_the_same_bytes() -> None:
+    (first,), (second,) = (run("1", f"  {BALL}\n  {DROP}", 0.5) for _ in range(2))
+    np.testing.assert_array_equal(first["ball"].position, second["ball"].position)
+
+
+def test_another_engine_draws() -> None:
+    (one,) = wmspec.load(text=ROOM % ("1", f"  {BALL}\n  {DROP}", 0.5))
+    with pytest.raises(WmsError, match="newton cannot draw"):
+        one.run("newton").frame("front", 0.0)
+    assert one.run("newton").frame("front", 0.0, renderer="mujoco").shape[2] == 3
+
+
+@pytest.mark.parametrize("task", ["slide", "arm_push"])
+def test_answers_of_the_catalogue_are_those_of_mujoco(task: str) -> None:
+    specs = Path(wmspec.__file__).parent / "specs"
+    found = sorted(specs.rglob(f"{task}.wms")) or sorted((specs.parents[1] / "specs").rglob(f"{task}.wms"))
+    agreement = wmspec.crosscheck(wmspec.load(found[0]), backend="mujoco,newton", sample=2)
+    assert all(instance.passes(strict=False) for instance in agreement.instances)
