@@ -60,6 +60,16 @@ def test_a_sliding_box_stops_by_its_friction() -> None:
         assert way == pytest.approx(1.5**2 / (2 * friction * 9.81), rel=0.03)
 
 
+def test_a_ball_passes_through_a_wall_as_in_mujoco() -> None:
+    wall = "object wall { shape: box  size: (4 cm, 40 cm, 30 cm)  on: floor at (20 cm, 0)  fixed: true }"
+    go = "action go = launch(ball, direction: right, speed: 1 m/s) at 0 s"
+    ghost = "action ghost = pass_through(ball, through: wall) for 0.6 s"
+    (one,) = wmspec.load(text=ROOM % ("1", f"  {BALL}\n  {wall}\n  {go}\n  {ghost}", 0.6))
+    ours, theirs = (one.run(engine)["ball"].position for engine in ("newton", "mujoco"))
+    assert np.ptp(ours[:, :2], axis=0).max() > 0.4
+    np.testing.assert_allclose(ours, theirs, atol=1e-3)
+
+
 def test_the_native_script_runs_with_newton_alone(tmp_path: Path) -> None:
     go = "action go = launch(ball, direction: right, speed: 50 cm/s) at 0.1 s"
     (one,) = wmspec.load(text=ROOM % ("1", f"  {BALL}\n  {go}", 0.5))

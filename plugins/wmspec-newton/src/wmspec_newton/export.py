@@ -10,7 +10,7 @@ from wmspec.sim.scene.script import episode_script
 from . import build
 from .contacts import constraint_solref, contacts, limit_gains
 from .physics import prepare
-from .world import XYZW, World
+from .world import NEVER, XYZW, World
 
 PARTS = (
     *(CollisionShape, Rigid, Link, LoopClosure, MimicConstraint, Assembly),
@@ -28,6 +28,7 @@ def native(scene: Scene) -> dict[str, str]:
         "HEAVY": build.HEAVY,
         "WORLD": build.WORLD,
         "XYZW": XYZW,
+        "NEVER": NEVER,
         "ASSEMBLY": whole,
         "EPISODE": timeline,
         "CONTACTS": contacts(whole),

@@ -16,6 +16,7 @@ from .build import HEAVY, WORLD, build
 with silence():
     import newton
 
+NEVER = -1e3  # m: a margin at which shapes never touch
 XYZW = [4, 5, 6, 3]  # from a pose (x, y, z, w, i, j, k) to Newton's order of quaternions
 
 
@@ -133,6 +134,12 @@ class World:
         """Set the target of a drive."""
         body = next(limb.body for tree in self.assembly.trees for limb in tree if limb.joint == joint)
         self.control.joint_target_q.numpy()[self.coordinates[self.joints[body]]] = target
+
+    def collide(self, one: int, other: int, collides: bool) -> None:
+        """Set whether two bodies collide: with a margin far below zero, MuJoCo finds no contact of a pair."""
+        model = self.solver.mj_model
+        bodies = np.sort(self.number[np.stack([model.pair_geom1, model.pair_geom2], axis=1)], axis=1)
+        model.pair_margin[(bodies == sorted((one, other))).all(axis=1)] = 0.0 if collides else NEVER
 
     def hold(self, body: int, at: Any = None) -> None:
         """Reset a dynamic body to its start or to `at`.
