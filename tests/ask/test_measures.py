@@ -14,7 +14,7 @@ from tests.physics.scenes import body, scene, turn
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.evaluate import evaluate
-from wmspec.lang.check.ir.ir import Call, Items, Operation, Option, Value
+from wmspec.lang.check.ir.ir import Call, Counterfactual, Items, Operation, Option, Value
 from wmspec.lang.check.statements.builder import observe, task, thing
 from wmspec.lang.check.tables.functions import FUNCTIONS
 from wmspec.runtime.questions.measure import Measured
@@ -51,7 +51,12 @@ def measured(
     zero = np.zeros_like(position)
     trace = Trace("hand", tuple(b.name for b in made), T, position, orientation, velocity, zero, contacts)
     looks = [("front", time) for time in window]
-    return Measured(Evaluator(SPEC, {}), Observed(scene(*made, duration=2.0), trace, looks))
+    return Measured(Evaluator(SPEC, {}), Observed(scene(*made, duration=2.0), trace, looks), unimagined)
+
+
+def unimagined(change: Counterfactual) -> Measured:
+    """No change is imagined here."""
+    raise AssertionError(change.name)
 
 
 def of(m: Measured, function: str, *arguments: Any) -> Any:

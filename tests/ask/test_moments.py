@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import cache, partial
+from functools import cache
 
 import pytest
 
@@ -103,7 +103,7 @@ def answers(engine: str) -> dict[str, object]:
     run = execute(design, design[1], None, engines)
     found = {}
     for text, question in zip(probed, design.spec.questions, strict=True):
-        asking = QuestionContext(question, run, partial(execute, design, design[1], pair=engines), engines)
+        asking = QuestionContext(question, run, engines)
         found[text] = evaluate(question.answer, asking.measured)
     return found
 

@@ -15,6 +15,7 @@ from wmspec.dataset.audit.given import companion_finding, given_by, given_in_wor
 from wmspec.dataset.audit.model import Finding
 from wmspec.dataset.audit.motion import motion_finding
 from wmspec.dataset.audit.vocabulary import vocabulary_finding
+from wmspec.dataset.audit.what_if_answers import what_if_finding
 from wmspec.runtime.questions.legibility.bounds import BOUNDS, REFERENCE_SIDE
 
 WEIGHTS, WAYS = ("light", "heavy"), ("left", "right")
@@ -206,3 +207,17 @@ def test_tiers_of_one_answer_are_left_out() -> None:
         lambda group, way: None if way == "left" else 1.0 + group % 2,
     )
     assert found is None
+
+
+@pytest.mark.parametrize(
+    ("actual", "verdict"),
+    [(lambda answer, _: answer, "unclear"), (lambda answer, _: {"yes": "no", "no": "yes"}[answer], "unclear"),
+     (lambda _, weight: "yes" if weight == LEVELS[0][0] else "no", "holds"), (lambda *_: None, None)],
+)  # fmt: skip
+def test_what_ifs_are_not_what_happens(actual: Callable[[str, str], str | None], verdict: str | None) -> None:
+    def make(_: int, weight: str, way: str) -> dict[str, Any]:
+        answer = "yes" if way == "left" else "no"
+        return labelled(["yes", "no"], answer, answer_value=answer, actual_value=actual(answer, weight))
+
+    found = what_if_finding(rows("t", make, 24))
+    assert (found.verdict if found else None) == verdict

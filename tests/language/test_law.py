@@ -13,6 +13,8 @@ from tests.stage.composed import Difference, diff
 from tests.stage.law import violations
 from wmspec.compile.design.depend import Dependencies, dependencies
 from wmspec.compile.design.design import Design
+from wmspec.compile.design.what_ifs import what_ifs
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import base_layer, compose, override_layer
@@ -54,7 +56,11 @@ def test_a_counterfactual_changes_its_target_alone(path: Path, data: st.DataObje
     here = design[data.draw(st.integers(0, len(design) - 1))]
     names = {thing.name for thing in spec.things}
     for question in spec.questions:
-        for change in (c for c in question.alternatives(here.factors) if c.levels or c.owner in names):
+        changes = (
+            *question.alternatives(here.factors),
+            *what_ifs(question, Evaluator(spec, here.values, None, here.key)),
+        )
+        for change in (c for c in changes if c.levels or c.owner in names):
             truth, altered = document(spec, here), document(spec, here, change)
             assert truth.differing(altered), f"{change.name} changes nothing"
             assert_law(spec, truth, altered, *changed_by(change))
@@ -84,6 +90,9 @@ def test_the_law_holds_on_random_specs(spec: TaskSpec, data: st.DataObject) -> N
         (f.name,): document(spec, design[i]) for f in design.factors for i in design.neighbours(here.index, f.name)[:1]
     }
     changed |= {changed_by(c): document(spec, here, c) for c in spec.questions[0].alternatives(here.factors)}
+    values = Evaluator(spec, here.values, None, here.key)
+    imagined = [change for question in spec.questions for change in what_ifs(question, values)]
+    changed |= {changed_by(change): document(spec, here, change) for change in imagined}
     for sources, other in changed.items():
         assert violations(depend, truth, other, *sources) == ()
     sources, other = data.draw(st.sampled_from(list(changed.items())))

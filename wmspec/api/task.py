@@ -8,10 +8,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack, overload
 
+from wmspec.compile.design.depend import dependencies
 from wmspec.compile.design.design import Design
 from wmspec.compile.design.design import Instance as Drawn
 from wmspec.compile.design.dimension import dimension
 from wmspec.compile.design.levels import Level
+from wmspec.compile.design.what_ifs import possible_what_ifs
 from wmspec.core import wm_abench
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.lang.check.ir.ir import Choices, Counterfactual, Interval, TaskSpec
@@ -114,7 +116,10 @@ class Task(Sequence["Instance"]):
 
     @property
     def counterfactuals(self) -> tuple[str, ...]:
-        """The names of the counterfactuals, with the number of the question if several questions have some."""
+        """The names of the counterfactuals, with the number of the question if several questions have some.
+
+        What-ifs are among them, by the words of their change, such as `without_ball`.
+        """
         return tuple(self._changes)
 
     @property
@@ -173,11 +178,14 @@ class Task(Sequence["Instance"]):
     @cached_property
     def _changes(self) -> dict[str, Counterfactual]:
         many = sum(bool(question.counterfactuals) for question in self.spec.questions) > 1
-        return {
+        named = {
             f"{change.name} ({number})" if many else change.name: change
             for number, question in enumerate(self.spec.questions, 1)
             for change in question.counterfactuals
         }
+        depend = dependencies(self.spec)
+        imagined = (change for question in self.spec.questions for change in possible_what_ifs(question, depend))
+        return {change.name: change for change in imagined} | named
 
     def change(self, counterfactual: str) -> Counterfactual | None:
         """Return the counterfactual with this name; None for "". Raises WmsError if there is none."""

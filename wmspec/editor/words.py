@@ -12,7 +12,7 @@ from wmspec.lang.parse.tables import grammar, tables
 
 #: Keywords within expressions; all others begin or divide statements.
 _JOINING = ("and", "or", "not", "if", "then", "else", "true", "false", "in", "by", "of", "as", "at", "for", "after",
-            "with", "when", "apart", "unless", "only", "about")  # fmt: skip
+            "with", "when", "under", "among", "apart", "unless", "only", "about")  # fmt: skip
 #: The settings, a single terminal of the grammar.
 _SETTING = re.search(r"^SETTING\S*: /\((\S+)\)", grammar(), re.MULTILINE)
 

@@ -101,7 +101,7 @@ class _Drawer:
         task = self._tasks[d.task]
         instance, run = task.design[d.index], d.run or TRUTH
         try:
-            values = values_of(task.design, instance, runs(task.spec, instance)[run])
+            values = values_of(task.design, instance, runs(task.design, instance)[run])
             scene = self._scenes.of(values)
             traces = (self._traces[d.engines[0]].trace(scene), self._traces[d.engines[1]].trace(scene))
         except WmsError as error:

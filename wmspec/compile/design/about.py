@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from wmspec.compile.design.depend import dependencies
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.lang.check.ir.evaluate import evaluate, subexpressions
-from wmspec.lang.check.ir.ir import Expr, Interpolation, Question, Ref, Value
+from wmspec.lang.check.ir.ir import Expr, Interpolation, Question, Ref, Value, WhatIf
 
 
 def referenced_objects(question: Question, values: Evaluator) -> set[str]:
@@ -22,6 +22,8 @@ def referenced_objects(question: Question, values: Evaluator) -> set[str]:
     things = {t.name: t for t in values.spec.things}
     names: set[str] = set()
     for part in _subexpressions(spoken, values):
+        if isinstance(part, WhatIf) and part.change.owner:
+            names.add(part.change.owner)
         if isinstance(part, Value | Ref):
             value = evaluate(part, values)
             names.update(v for v in (value if isinstance(value, tuple) else (value,)) if isinstance(v, str))

@@ -15,8 +15,8 @@ from wmspec.compile.design.levels import Level
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import ImpossibleValue, SpecError, WmsError
 from wmspec.core.places import Location
-from wmspec.lang.check.ir.evaluate import evaluate
-from wmspec.lang.check.ir.ir import Choices, Expr, Factor, Operation, TaskSpec
+from wmspec.lang.check.ir.evaluate import Environment, evaluate
+from wmspec.lang.check.ir.ir import Choices, Counterfactual, Expr, Factor, Operation, TaskSpec
 
 #: Maximum number of combinations on which the conditions of a task are evaluated; takes about 0.5 s.
 MAX_TRIED = 100_000
@@ -79,6 +79,9 @@ class _FactorEnvironment:
 
     def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:
         return self._scene.call(function, arguments, **options)
+
+    def under(self, change: Counterfactual) -> Environment:
+        return self._scene.under(change)
 
 
 def constraints(spec: TaskSpec) -> tuple[Constraint, ...]:

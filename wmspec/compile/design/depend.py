@@ -69,6 +69,10 @@ class Dependencies:
             self._all[source] = self._reached((source,))
         return self._all[source]
 
+    def named(self, expr: Expr) -> frozenset[str]:
+        """Return the names of the entities that an expression may refer to."""
+        return self._named(expr)
+
     # ------------------------------------------------------------ from one to the next
 
     def _reached(self, sources: Iterable[str]) -> frozenset[str]:

@@ -13,7 +13,7 @@ from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.limits import EPISODE_SECONDS
 from wmspec.core.places import Location
 from wmspec.core.space import Pose, Vector
-from wmspec.lang.check.ir.evaluate import NoValue, evaluate
+from wmspec.lang.check.ir.evaluate import NoValue, Unchanged, evaluate
 from wmspec.lang.check.ir.ir import Counterfactual, Entity, Expr, TaskSpec, Value
 from wmspec.lang.check.tables import colors
 from wmspec.lang.check.tables.verbs import VERBS
@@ -35,8 +35,9 @@ _MOMENT = PropertySpec((A_TIME,), "", least=0)
 class Evaluator:
     """An environment for `evaluate` without measurements: the design's side of the language.
 
-    `change` is the counterfactual to apply, if any. `own` are the levels without it. `key` is the prefix of random
-    draws, used for scattered objects.
+    `change` is the counterfactual to apply, if any; leaving out an object or action changes no other value. `own` are
+    the levels without it. `key` is the prefix of random draws, used for scattered
+    objects.
     """
 
     def __init__(
@@ -52,6 +53,7 @@ class Evaluator:
         self.change = change
         self.key = key
         self._changed = (change.owner, change.property) if change else ()
+        self._removes = change is not None and change.change == "without"
         self._lets = {let.name: let for let in spec.lets}
         self._things = {t.name: t for t in spec.things}
         self._known: dict[tuple[str, str], Any] = {}
@@ -68,6 +70,8 @@ class Evaluator:
         """Return a factor, nuisance or `let`, or `end`, the end of the episode."""
         if name in self.assignment:
             return self.assignment[name]
+        if self._removes:
+            return self.truth.ref(name)
         return self.memoized(("", name), lambda: self._named(name))
 
     def during(self, time: float) -> bool:
@@ -76,6 +80,8 @@ class Evaluator:
 
     def property(self, owner: str, name: str) -> object:
         """Return a property or argument of any type. Raises WmsError with its location if it is invalid."""
+        if self._removes:
+            return self.truth.property(owner, name)
         key = (owner, name)
         if key in self._known:
             return self._known[key]
@@ -204,12 +210,22 @@ class Evaluator:
         """
         thing = self._things[name]
         if thing.kind == "action":
-            change = self.change
-            about = change is not None and change.owner == name
-            happens = about if thing.added else not (about and change is not None and change.change == "without")
+            about = self.change is not None and self.change.owner == name
+            happens = about if thing.added else not (about and self._removes)
             happens = happens and ("when" not in thing.properties or self.flag(name, "when"))
             return happens and ("object" not in thing.properties or self.is_present(self.reference(name, "object")))
+        if self._removes and self.change is not None and self.change.owner in (name, thing.of):
+            return False  # the object, or the asset with its links and joints
         return "present" not in thing.properties or self.flag(name, "present")
+
+    def under(self, change: Counterfactual) -> Evaluator:
+        """Return the values with one change. Raises Unchanged if it equals the instance."""
+        if change.change == "levels" and all(self.own[name] == level for name, level in change.levels.items()):
+            levels = ", ".join(change.levels)
+            raise Unchanged(f"the instance has this level of {levels} itself, so `{change.name}` changes nothing")
+        if change.change == "without" and not self.is_present(change.owner):
+            raise Unchanged(f"`{change.owner}` is not there, so `{change.name}` changes nothing")
+        return Evaluator(self.spec, self.own, change, self.key)
 
     def ends(self, joint: str) -> tuple[str, ...]:
         """Return the objects that a joint connects: two, or one that it connects to the world."""
@@ -268,6 +284,8 @@ class Evaluator:
 
     def pose(self, owner: str) -> Pose:
         """Return the initial pose of an object in the world. A supported object touches its support exactly."""
+        if self._removes:
+            return self.truth.pose(owner)
         return self.memoized((owner, "pose"), lambda: placement.pose(self, owner))
 
     # ------------------------------------------------------------ working a value out

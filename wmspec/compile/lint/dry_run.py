@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.design import Design
+from wmspec.compile.design.what_ifs import what_ifs
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.lint import (
     action_rules,
@@ -78,7 +79,7 @@ def _lint_scene(scene: LintScene, linter: Linter, *, changed: bool) -> None:
     linter.check(scene, giveaway_rules.SCENE_RULES)
     things = {t.name for t in spec.things}
     for question in spec.questions if changed else ():
-        for change in question.alternatives(instance.factors):
+        for change in (*question.alternatives(instance.factors), *what_ifs(question, scene.values)):
             if change.change == "levels" or change.owner in things:
                 with linter.collecting():
                     otherwise = replace(scene, values=Evaluator(spec, instance.values, change, instance.key))

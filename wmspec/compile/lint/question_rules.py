@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.lang.check.expressions.measured import is_measured
 from wmspec.lang.check.ir.evaluate import NoValue, evaluate
-from wmspec.lang.check.ir.ir import Call, Operation, Question
+from wmspec.lang.check.ir.ir import Call, Operation, Question, WhatIf
 
 #: s: closer times are the same.
 _MOMENT = 1e-6
@@ -37,6 +37,8 @@ def required_objects(
 def answer_picture_time(question: Question, values: Evaluator) -> float | None:
     """Return the time (s) of the picture that is the answer; None for other answers and measured times."""
     answer = question.answer
+    if isinstance(answer, WhatIf):
+        answer = answer.value
     while isinstance(answer, Operation) and answer.operator == "if":
         condition, then, otherwise = answer.operands
         if is_measured(values.spec, condition):

@@ -9,7 +9,9 @@ def changed_by(change: Counterfactual) -> tuple[str, ...]:
     """Return the sources that a counterfactual changes: an `owner.property`, presence, or two start times."""
     if change.change == "levels":
         return tuple(change.levels)
-    if change.change in ("without", "add"):
+    if change.change == "without":
+        return (f"{change.owner}.there", f"{change.owner}.present")
+    if change.change == "add":
         return (f"{change.owner}.there",)
     if change.change == "order":
         return (f"{change.owner}.start", f"{change.property}.start")

@@ -11,6 +11,8 @@ from pathlib import Path
 
 from wmspec.compile.design.describe import format_levels
 from wmspec.compile.design.design import Design, Instance
+from wmspec.compile.design.what_ifs import what_ifs
+from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import base_layer, override_layer
@@ -39,13 +41,17 @@ def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]
             base, truth, "./base.usda", f"{spec.name}, instance {instance.index}: {assigned}"
         ),
     }
+    values, written_changes = Evaluator(spec, instance.values, None, instance.key), list[Counterfactual]()
     for question in spec.questions:
-        for change in question.alternatives(instance.factors):
+        for change in (*question.alternatives(instance.factors), *what_ifs(question, values)):
             target = ", ".join(change.levels) or f"{change.owner}{'.' if change.property else ''}{change.property}"
             what = f"What if: {change.name}, a change of {target}"
             file = f"{name}.{change.name}.usda"
+            if file in layers and change in written_changes:  # of another question
+                continue
             if file in layers:  # a counterfactual of another question has this name
                 file = f"{name}.{spec.questions.index(question)}.{change.name}.usda"
+            written_changes.append(change)
             layers[file] = override_layer(truth, written(change), f"./{name}.usda", what)
     for file, image in images.items():
         _write(folder / file, image.read_bytes())

@@ -23,6 +23,7 @@ from wmspec.dataset.audit.motion import motion_finding
 from wmspec.dataset.audit.stability import stability
 from wmspec.dataset.audit.summary import summary
 from wmspec.dataset.audit.vocabulary import vocabulary_finding
+from wmspec.dataset.audit.what_if_answers import what_if_finding
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_ordered
 
@@ -33,7 +34,7 @@ TASK_TIMEOUT = 24 * 3600.0
 _ORDER = ("fails", "unclear", "reported", "holds")
 
 #: Checks of one question that apply to some questions only.
-_OPTIONAL = (vocabulary_finding, motion_finding, constant_answer_finding)
+_OPTIONAL = (vocabulary_finding, motion_finding, constant_answer_finding, what_if_finding)
 
 
 @dataclass

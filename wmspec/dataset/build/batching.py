@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.design import Design, Instance
+from wmspec.compile.design.what_ifs import possible_what_ifs
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import build_document
@@ -73,7 +74,8 @@ class _BatchKey:
 
     def __init__(self, design: Design) -> None:
         spec, depend = design.spec, Dependencies(design.spec)
-        changes = (change for question in spec.questions for change in question.counterfactuals)
+        changes = [change for question in spec.questions for change in question.counterfactuals]
+        changes += [change for question in spec.questions for change in possible_what_ifs(question, depend)]
         changed = {source for change in changes for name in changed_by(change) for source in depend.source(name)}
         relevant = {source for name in _physics_variables(design) for source in depend.source(name)}
         self._looks = [factor.name for factor in design.factors if factor.name not in changed]

@@ -29,6 +29,8 @@ REASONS = {
     "unstable": "the answer does not survive a nudge, or the engine gave up on the episode",
     "group": "the options are a closed set, and a sibling in the group yields no question",
     "balance": "no choice of draws was found for which the answers come equally often",
+    "cause": "no candidate, or more than one, is the cause",
+    "unchanged": "the change that the question imagines equals the instance itself",
     "error": "something went wrong that has no reason of its own",
     "crashed": "the engine crashed, twice, or there was not enough memory",
     "timeout": "the engine took too long, twice",

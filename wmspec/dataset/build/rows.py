@@ -12,6 +12,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from wmspec.compile.design.dimension import dimension
+from wmspec.compile.design.what_ifs import imagines
 from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.images import encode_png, encode_webp
 from wmspec.lang.check.ir.ir import Choices, Factor, TaskSpec
@@ -114,6 +115,12 @@ OUTCOMES: dict[str, tuple[pa.DataType, str]] = {
     "option_outcome": (_TEXTS, "of what kind each option is as an outcome; null where the question names none")
 }
 
+#: Additional columns for questions about what would have been.
+WHAT_IFS: dict[str, tuple[pa.DataType, str]] = {
+    "what_if": (_TEXTS, "the changes that the question imagines: the kind of each, what, from what, to what"),
+    "actual_value": (pa.string(), "what the answer would be in the episode as it is, in words; null if it has none"),
+}
+
 #: Additional columns for questions with balanced answers.
 REDRAWN: dict[str, tuple[pa.DataType, str]] = {
     "redrawn": (pa.int64(), "how often the nuisances of the block were drawn before these, for the balance of answers")
@@ -160,7 +167,13 @@ def schema(spec: TaskSpec) -> pa.Schema:
     varied, drawn = _split_nuisances(spec.factors)
     fields = [
         pa.field(name, kind)
-        for columns in (redraw_columns(spec), outcome_columns(spec), hidden_columns(spec), channel_columns(spec))
+        for columns in (
+            redraw_columns(spec),
+            outcome_columns(spec),
+            hidden_columns(spec),
+            what_if_columns(spec),
+            channel_columns(spec),
+        )
         for name, (kind, _) in columns.items()
     ]
     fields += [_column(spec, "factor", f) for f in varied]
@@ -190,6 +203,11 @@ def outcome_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
 def hidden_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
     """Return the columns for objects that may be hidden, if a question has some."""
     return HIDDEN if any(question.visibility for question in spec.questions) else {}
+
+
+def what_if_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
+    """Return the columns for what-ifs, if a question has some."""
+    return WHAT_IFS if any(imagines(question) for question in spec.questions) else {}
 
 
 def _has_named_values(factor: Factor) -> bool:
@@ -226,6 +244,7 @@ def _type(factor: Factor) -> pa.DataType:
 def encode(question: QuestionRow, rows_of: RowsOf) -> Row:
     """Return the row of a question. Encoding pictures takes a few milliseconds each, so call it in the worker."""
     engine = question.engine if rows_of == "engines" else None
+    imagined = {"what_if": [_change(each) for each in question.what_ifs], "actual_value": question.actual}
     return {
         "id": identity(question.seed, question.task, question.index, question.question, engine),
         "task": question.task,
@@ -258,6 +277,7 @@ def encode(question: QuestionRow, rows_of: RowsOf) -> Row:
         "seed": question.seed,
         **({} if question.redrawn is None else {"redrawn": question.redrawn}),
         **({} if question.visible is None else {"context_visible": [asdict(each) for each in question.visible]}),
+        **(imagined if question.what_ifs else {}),
         **_channel_columns(question.context),
         **{f"factor.{n}": v for n, v in question.factors.items()},
         **{f"level.{n}": words for n, words in question.levels.items()},

@@ -198,6 +198,9 @@ class _Builder:
     def change_state(self, c: Any, span: Span) -> s.Change:
         return s.Change("state", self(c[0]), self(c[1]), span)
 
+    def change_level(self, c: Any, span: Span) -> s.Change:
+        return s.Change("level", self(c[0]), self(c[1]), span)
+
     def change_without(self, c: Any, span: Span) -> s.Change:
         return s.Change("without", self(c[0]), None, span)
 
@@ -214,6 +217,16 @@ class _Builder:
 
     def conditional(self, c: Any, span: Span) -> s.Operation:
         return s.Operation("if", self.every(c), span)
+
+    def taken_away(self, c: Any, span: Span) -> s.WhatIf:
+        target = self(c[1])
+        return s.WhatIf(self(c[0]), s.Change("without", target, None, target.span), span)
+
+    def under(self, c: Any, span: Span) -> s.WhatIf:
+        return s.WhatIf(self(c[0]), self(c[1]), span)
+
+    def cause(self, c: Any, span: Span) -> s.Cause:
+        return s.Cause(self(c[0]), self(c[1]), span)
 
     def either(self, c: Any, span: Span) -> s.Operation:
         return s.Operation("or", self.every(c), span)

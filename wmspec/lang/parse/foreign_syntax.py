@@ -42,6 +42,8 @@ def foreign_candidates(place: RepairSite) -> Iterator[Repair]:
         _decimal,
         _needless_brackets,
         _shared_unit,
+        _chain,
+        _membership,
     ):
         yield from guess(place)
 
@@ -136,6 +138,49 @@ def _shared_unit(place: RepairSite) -> Iterator[Repair]:
         help = f"write `({', '.join(t.text for t in made if t.type == 'QUANTITY')})`"
         words = (place.words[opened], *made, place.before)
         yield Repair(opened, end, words, "a tuple has no unit of its own, as a list has", help, 0.6)
+
+
+def _chain(place: RepairSite) -> Iterator[Repair]:
+    """A chain of comparisons: `1 < n < 4`."""
+    if place.word.type != "COMPARE" or place.word.type in place.accepted:
+        return
+    start = _value_start(place.words, place.i)
+    first = next((k for k in range(start, place.i) if place.words[k].type == "COMPARE"), None)
+    middle = place.words[first + 1 : place.i] if first is not None else ()
+    if first is None or not middle:
+        return
+    low, high = _text(place.words[start : place.i]), place.words[place.i + 1 : _value_end(place.words, place.i + 1)]
+    help = f"write `{low} and {_text(middle)} {place.word.text} {_text(high)}`"
+    made = (_word("and", place), *middle, place.word)
+    yield place.instead(*made, message="comparisons form no chain", help=help, cost=0.2)
+
+
+def _membership(place: RepairSite) -> Iterator[Repair]:
+    """Membership: `n in [2, 3]`."""
+    if place.word.type != "IN" or place.word.type in place.accepted or place.after.type != "LSQB":
+        return
+    start, stop = _value_start(place.words, place.i), _value_end(place.words, place.i + 1)
+    value, items = place.words[start : place.i], place.words[place.i + 2 : stop - 1]
+    if not value or not items or any(t.type in _OPENING for t in items):
+        return
+    made, sign = [], place.word._replace(type="COMPARE", text="==")
+    for k, item in enumerate(t for t in items if t.type != "COMMA"):
+        made += [*([_word("or", place), *value] if k else []), sign, item]
+    help = f"write `{_text(value)} {' '.join(t.text for t in made)}`"
+    yield Repair(place.i, stop, tuple(made), "`in` is unexpected here", help, 0.2)
+
+
+def _value_end(words: Sequence[Token], i: int) -> int:
+    """Return the index after the value that begins at token `i`, on its line."""
+    ends = {"COMMA", "RPAR", "RSQB", "RBRACE", "COMPARE"} | _keywords()
+    deep = 0
+    for k in range(i, min(len(words), i + _MAX_TOKENS)):
+        if deep == 0 and k > i and (words[k].type in ends or words[k].line > words[i].line):
+            return k
+        deep += (words[k].type in _OPENING) - (words[k].type in _CLOSING)
+        if deep == 0 and words[k].type in _CLOSING:
+            return k + 1
+    return min(len(words), i + _MAX_TOKENS)
 
 
 # ---------------------------------------------------------------- choices

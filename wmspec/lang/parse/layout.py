@@ -176,7 +176,7 @@ class Layout:
 
     def _changes(self, changes: Iterable[s.Change]) -> None:
         for change in changes:
-            if change.kind in ("action", "state") and change.value is not None:
+            if change.kind in ("action", "state", "level") and change.value is not None:
                 self.cells[change.target.span.start] = "target"
                 self.cells[change.value.span.start] = "value"
 

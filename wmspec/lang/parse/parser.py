@@ -7,6 +7,7 @@ from wmspec.core.places import Source, Span
 from wmspec.lang.parse.braces import balance_braces, repair_indented_block
 from wmspec.lang.parse.build import build_expression, build_file
 from wmspec.lang.parse.confusables import replace_confusables
+from wmspec.lang.parse.idioms import color_in_comment, hexadecimal_color, replace_idioms
 from wmspec.lang.parse.lexer import Token, tokenize
 from wmspec.lang.parse.lr_parser import END, LRParser, Tree
 from wmspec.lang.parse.quotes import join_lines, repair_quotes
@@ -115,7 +116,7 @@ def _repair_error(
 
 
 def _tokens(source: Source, where: Span, report: Report) -> list[Token]:
-    tokens = [t for t in tokenize(where.text, where.start) if t.type not in ("WHITE", "COMMENT")]
+    tokens = _uncommented(source, where, report)
     for _ in range(MAX_QUOTE_REPAIRS):
         i = next((i for i, t in enumerate(tokens) if t.type == "OPEN_STRING"), None)
         if i is None:
@@ -123,7 +124,22 @@ def _tokens(source: Source, where: Span, report: Report) -> list[Token]:
         tokens = _close_on_later_line(source, tokens, i, report) or _repair_quotes(source, where, tokens, i, report)
     while (i := next((i for i, t in enumerate(tokens) if t.type == "OPEN_STRING"), None)) is not None:
         tokens = _close_at_line_end(tokens, i, source, report)
-    return [*replace_confusables(source, tokens, report), Token(END, "", where.end, source.position(where.end)[0])]
+    tokens = replace_idioms(source, list(replace_confusables(source, tokens, report)), report)
+    return [*tokens, Token(END, "", where.end, source.position(where.end)[0])]
+
+
+def _uncommented(source: Source, where: Span, report: Report) -> list[Token]:
+    """Return the tokens without comments; a hexadecimal colour, which looks like one, is reported."""
+    tokens = [t for t in tokenize(where.text, where.start) if t.type != "WHITE"]
+    while (found := color_in_comment(tokens)) is not None:
+        i, color = found
+        comment, remedy = tokens[i], f"write `{hexadecimal_color(color[1:])}`"
+        span = Span(source, comment.start, comment.start + len(color))
+        report.add("WMS102", "`#` begins a comment, and no colour", span, remedy)
+        rest = [t for t in tokenize(comment.text[len(color) :], span.end) if t.type != "WHITE"]
+        made = comment._replace(type="NAME", text="gray")
+        tokens = [*tokens[:i], made, *(t._replace(line=comment.line) for t in rest), *tokens[i + 1 :]]
+    return [t for t in tokens if t.type != "COMMENT"]
 
 
 def _repair_quotes(source: Source, where: Span, tokens: list[Token], i: int, report: Report) -> list[Token]:

@@ -116,6 +116,22 @@ class Items(Node):
     span: Span
 
 
+class WhatIf(Node):
+    """`value without ball`, `value under state ball.mass: 2 kg`: the value in the episode with one change."""
+
+    value: Expr
+    change: Change
+    span: Span
+
+
+class Cause(Node):
+    """`cause of condition among [a, b]`: the one of the candidates without which the condition does not hold."""
+
+    condition: Expr
+    candidates: Expr
+    span: Span
+
+
 class Called(Node):
     """`150 g called "empty"`: a level of a factor with its label."""
 
@@ -124,7 +140,7 @@ class Called(Node):
     span: Span
 
 
-Expr = Called | Number | Text | Truth | Name | Member | Index | Call | Operation | Range | Items
+Expr = Called | Number | Text | Truth | Name | Member | Index | Call | Operation | Range | Items | WhatIf | Cause
 
 # ---------------------------------------------------------------- statements
 
@@ -291,7 +307,10 @@ class Observe(Node):
 
 
 class Change(Node):
-    """The one change of a counterfactual: `kind` is action, state, without, order or add (an action, its `timings`)."""
+    """The one change of a counterfactual or what-if.
+
+    `kind` is action, state, level (of a factor), without, order, or add (an action with its `timings`).
+    """
 
     kind: str
     target: Expr
@@ -411,6 +430,11 @@ def texts(node: object) -> Iterator[Text]:
 def lists(node: object) -> Iterator[Items]:
     """Yield all lists in a subtree."""
     return (items for items in _nodes_of_type(node, Items) if items.kind == "list")
+
+
+def calls(node: object) -> Iterator[Call]:
+    """Yield all calls in a subtree."""
+    return _nodes_of_type(node, Call)
 
 
 def numbers(node: object) -> Iterator[Number]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import combinations
 
 from wmspec.compile.design.design import Design, Instance
+from wmspec.compile.design.what_ifs import what_ifs
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.ir import Counterfactual, Question, TaskSpec
 from wmspec.runtime.caches.render_cache import RenderCache
@@ -17,7 +18,6 @@ from wmspec.runtime.compare.answers import EngineAnswer, agree, answer, differen
 from wmspec.runtime.compare.compare import compare
 from wmspec.runtime.compare.model import Cause, CheckResult, Comparison, Failure, Pair, Verdict
 from wmspec.runtime.compare.tolerance import Tolerances
-from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import TRUTH
 from wmspec.runtime.questions.question_context import QuestionContext
 from wmspec.runtime.questions.runs import EnginePair, Run, values_of
@@ -54,23 +54,24 @@ def run_name(spec: TaskSpec, q: int, change: Counterfactual) -> str:
     return change.name if len(spec.questions) == 1 else f"{change.name} ({q + 1})"
 
 
-def runs(spec: TaskSpec, instance: Instance) -> dict[str, Counterfactual | None]:
+def runs(design: Design, instance: Instance) -> dict[str, Counterfactual | None]:
     """Return what is executed of an instance, by name: the truth, and the counterfactuals of all questions."""
     changes: dict[str, Counterfactual | None] = {TRUTH: None}
-    for q, question in enumerate(spec.questions):
-        changes |= {run_name(spec, q, change): change for change in _changes(question, instance)}
+    for q, question in enumerate(design.spec.questions):
+        changes |= {run_name(design.spec, q, change): change for change in _changes(question, design, instance)}
     return changes
 
 
-def _changes(question: Question, instance: Instance) -> tuple[Counterfactual, ...]:
-    """Return the counterfactuals that a question executes."""
-    return KINDS[question.kind].executed(question, instance.factors)
+def _changes(question: Question, design: Design, instance: Instance) -> tuple[Counterfactual, ...]:
+    """Return the counterfactuals and what-ifs that a question executes."""
+    options = question.alternatives(instance.factors) if question.kind == "pictures" else ()
+    return options + what_ifs(question, values_of(design, instance))
 
 
 def _scenes(design: Design, instance: Instance) -> tuple[dict[str, Scene], list[Failure]]:
     """Return the scenes to execute, by run, and those that cannot be built."""
     scenes, failures = {}, []
-    for run, change in runs(design.spec, instance).items():
+    for run, change in runs(design, instance).items():
         try:
             scenes[run] = _reader().of(values_of(design, instance, change))
         except WmsError as error:
@@ -101,7 +102,7 @@ class _Executed:
     def verdicts(self, q: int, pairs: Sequence[Pair], comparisons: Sequence[Comparison]) -> list[Verdict]:
         """Return a question's verdict for every pair of engines that executed its runs."""
         spec, question = self.design.spec, self.design.spec.questions[q]
-        runs = {TRUTH, *(run_name(spec, q, change) for change in _changes(question, self.instance))}
+        runs = {TRUTH, *(run_name(spec, q, change) for change in _changes(question, self.design, self.instance))}
         answers = {
             engine: self._answer(q, engine)
             for engine in dict.fromkeys(engine for pair in pairs for engine in pair)
@@ -117,16 +118,18 @@ class _Executed:
     def _answer(self, q: int, engine: str) -> EngineAnswer:
         spec, question = self.design.spec, self.design.spec.questions[q]
 
-        def alternative(change: Counterfactual) -> Run:
-            return self._run(engine, run_name(spec, q, change), change)
+        def under(change: Counterfactual) -> Run:
+            return self._run(engine, run_name(spec, q, change), change, under)
 
         pair = EnginePair(TraceCache(engine), _renders(engine))
-        return answer(QuestionContext(question, self._run(engine, TRUTH, None), alternative, pair))
+        return answer(QuestionContext(question, self._run(engine, TRUTH, None, under), pair))
 
-    def _run(self, engine: str, name: str, change: Counterfactual | None) -> Run:
+    def _run(
+        self, engine: str, name: str, change: Counterfactual | None, under: Callable[[Counterfactual], Run]
+    ) -> Run:
         """Return an executed run as the questions read it."""
         values = values_of(self.design, self.instance, change)
-        return Run(values, self.scenes[name], self.traces[engine, name])
+        return Run(values, self.scenes[name], self.traces[engine, name], under)
 
 
 def _verdict(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import TypeVar
 
 from wmspec.compile.design.about import referenced_objects
@@ -15,12 +14,14 @@ from wmspec.lang.check.expressions.measured import COURSE, is_measured, moments
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Channel, Level, TaskSpec
 from wmspec.runtime.questions.answer_label import answer_label, member_label
+from wmspec.runtime.questions.changes import change_of
 from wmspec.runtime.questions.declared_visibility import visible_parts
 from wmspec.runtime.questions.gates import smallest_margin
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.legibility import legibility, require_legible
 from wmspec.runtime.questions.model import (
     Answer,
+    Change,
     Measurement,
     Picture,
     QuestionRow,
@@ -60,7 +61,7 @@ def ask(design: Design, index: int, pair: EnginePair) -> list[QuestionRow | Reje
 
 def question_row(design: Design, instance: Instance, q: int, run: Run, pair: EnginePair) -> QuestionRow | Rejected:
     """Return one question of an executed instance."""
-    asking = _context(design, instance, q, run, pair)
+    asking = _context(design, q, run, pair)
     made = _caught(lambda: _Row(design, instance, q, asking).row())
     if isinstance(made, Reject):
         return rejected(design, instance, q, pair, made, asking)
@@ -72,7 +73,7 @@ def measurement(design: Design, instance: Instance, q: int, run: Run, pair: Engi
 
     It must pass the gates of the question. Gates on pictures and nudges are those of the other engine.
     """
-    asking = _context(design, instance, q, run, pair)
+    asking = _context(design, q, run, pair)
 
     def measured() -> Measurement:
         _, answer = _valid_answer(asking)
@@ -90,8 +91,8 @@ def rejected(
     return Rejected(design.spec.name, instance.index, q, pair.traces.engine, why.reason, why.detail, label)
 
 
-def _context(design: Design, instance: Instance, q: int, run: Run, pair: EnginePair) -> QuestionContext:
-    return QuestionContext(design.spec.questions[q], run, partial(execute, design, instance, pair=pair), pair)
+def _context(design: Design, q: int, run: Run, pair: EnginePair) -> QuestionContext:
+    return QuestionContext(design.spec.questions[q], run, pair)
 
 
 def _caught(make: Callable[[], T]) -> T | Reject:
@@ -212,7 +213,9 @@ class _Row:
             margin=margin,
             sorted_outcomes=any(question.kinds for question in spec.questions),
             levels=names_of(spec, instance.values),
-            measured=dict(sorted(measured.readings.items())),
+            measured=measured.all_readings(),
+            what_ifs=self.what_ifs(),
+            actual=answer.actual_words,
             legibility=legible,
             label=_member(self.design, instance, self.q) or answer_label(asking),
             visible=self.visible_parts(names),
@@ -223,7 +226,7 @@ class _Row:
         """Raise Reject unless everything that the question is about is visible, in the options too."""
         asking, kind = self.asking, KINDS[answer.kind]
         depicted = kind.option_images(asking, answer)
-        runs = [asking.run, *(option.run for option in depicted)]
+        runs = [asking.run, *asking.imagined, *(option.run for option in depicted)]
         things = {thing.name for thing in asking.values.spec.things}  # links of an arm may be hidden
         needed = referenced_objects(asking.question, asking.values).union(*(run.movers() & things for run in runs))
         needed |= asking.declared.required
@@ -252,6 +255,12 @@ class _Row:
         """Return the visible objects of a picture."""
         run, (camera, time) = self.asking.run, view
         return visible_objects(run, run.draw(camera, time, self.asking.pair), time, names)
+
+    def what_ifs(self) -> tuple[Change, ...]:
+        """Return the changes of the what-ifs of the question."""
+        before = self.asking.values
+        imagined = [run.values for run in self.asking.imagined]
+        return tuple(change_of(after.change, (), before, after) for after in imagined if after.change is not None)
 
     def difference(self) -> Strength | None:
         """Return the strength of the stimulus, if the question defines it."""

@@ -14,7 +14,8 @@ from wmspec.runtime.questions.verbalize import verbalize
 def change_of(change: Counterfactual, orbit: Sequence[OrbitFactor], before: Evaluator, after: Evaluator) -> Change:
     """Return the change with values before and after."""
     if change.change == "without":
-        return Change("without", change.owner, "done", "left out")
+        done = "done" if before.spec.thing(change.owner).kind == "action" else "there"
+        return Change("without", change.owner, done, "left out")
     if change.change == "add":
         return Change("add", change.owner, "left out", "done")
     if change.change == "levels":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar, Final, Literal
+from typing import Any, ClassVar, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,8 +74,8 @@ class Change:
 
 
 #: The kind of an option: the truth, a wrong label, a counterfactual; in a closed set, whether state, action or both
-#: differ from the truth.
-OptionKind = Literal["truth", "label", "counterfactual", "state", "action", "both"]
+#: differ from the truth; of a what-if, what happens without its change.
+OptionKind = Literal["truth", "label", "counterfactual", "state", "action", "both", "actual"]
 
 
 #: Kinds of options that show what does not happen.
@@ -148,9 +148,15 @@ class Vote:
 
 @dataclass(frozen=True)
 class Answer:
-    """The answer of an engine with everything needed for comparison. Each kind of question has a subclass."""
+    """The answer of an engine with everything needed for comparison. Each kind of question has a subclass.
+
+    `actual` is the value of a what-if's expression in the true episode, None if it has none there or is no what-if, and
+    `actual_words` its wording.
+    """
 
     kind: ClassVar[QuestionKind]
+    actual: Any = field(default=None, kw_only=True)
+    actual_words: str | None = field(default=None, kw_only=True)
 
 
 @dataclass(frozen=True)
@@ -174,7 +180,9 @@ class QuestionRow:
     it. `objects` are those of every shown picture, `crossed` the factors that vary within the group. `redrawn` counts
     earlier draws of a balanced group (None: not balanced). `legibility` are all applicable measures. `label` is
     the answer as it is counted (see `answer_label`). `visible` has the visible share, in every shown picture, of
-    objects that may be hidden (None: no question of the task allows it). `evidence` is compared with other engines.
+    objects that may be hidden (None: no question of the task allows it). `what_ifs` are the changes that the question
+    imagines, and `actual` is the value of its expression without them, in words. `evidence` is compared with other
+    engines.
     """
 
     task: str
@@ -210,6 +218,8 @@ class QuestionRow:
     legibility: tuple[Legibility, ...] = ()
     label: str = ""
     visible: tuple[VisiblePart, ...] | None = None
+    what_ifs: tuple[Change, ...] = ()
+    actual: str | None = None
 
     @property
     def kind(self) -> QuestionKind:
@@ -220,7 +230,7 @@ class QuestionRow:
 #: Reasons of rejections. The word before a colon is counted.
 Reason = Literal[
     "ensure", "margin", "alike", "unseen", "illegible", "overlap", "unstable", "disagreement", "invalid", "error",
-    "group", "balance", "crashed", "timeout",
+    "group", "balance", "cause", "unchanged", "crashed", "timeout",
 ]  # fmt: skip
 
 #: Reasons that depend on the machine: the instance may succeed another time.

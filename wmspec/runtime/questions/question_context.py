@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
+from wmspec.compile.design.what_ifs import what_ifs
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.rng import bits
+from wmspec.lang.check.ir.evaluate import NoCause, Unchanged
 from wmspec.lang.check.ir.ir import Counterfactual, Question
 from wmspec.runtime.questions.declared_visibility import DeclaredVisibility, declared_visibility
 from wmspec.runtime.questions.measure import Measured
-from wmspec.runtime.questions.model import Reject
+from wmspec.runtime.questions.model import Reason, Reject
 from wmspec.runtime.questions.observed import Observed
 from wmspec.runtime.questions.referring_expressions import Ambiguous
 from wmspec.runtime.questions.runs import EnginePair, Run
@@ -22,11 +24,10 @@ from wmspec.runtime.questions.views import View, views_of
 
 @dataclass(frozen=True)
 class QuestionContext:
-    """A question, the true `run`, and the function that executes a counterfactual."""
+    """A question and the true `run`."""
 
     question: Question
     run: Run
-    execute: Callable[[Counterfactual], Run]
     pair: EnginePair
 
     @property
@@ -52,11 +53,20 @@ class QuestionContext:
     @cached_property
     def measured(self) -> Measured:
         """Measured values of the true run."""
-        return Measured(self.values, self.observed)
+        return self.measure(self.run, self.observed)
 
     def measured_on(self, run: Run) -> Measured:
         """Return measured values of another run from the same views."""
-        return Measured(run.values, run.observed(self.views, self.pair))
+        return self.measure(run, run.observed(self.views, self.pair))
+
+    def measure(self, run: Run, observed: Observed) -> Measured:
+        """Return an environment of its own for a run and its observations."""
+        return Measured(run.values, observed, lambda change: self.measured_on(run.under(change)))
+
+    @cached_property
+    def imagined(self) -> tuple[Run, ...]:
+        """The run of each what-if of the question. Raises Reject if an execution fails."""
+        return tuple(map(self.run.under, what_ifs(self.question, self.values)))
 
     @cached_property
     def changes(self) -> tuple[Counterfactual, ...]:
@@ -66,7 +76,7 @@ class QuestionContext:
     @cached_property
     def alternatives(self) -> tuple[Run, ...]:
         """The run of each counterfactual. Raises Reject if an execution fails."""
-        return tuple(map(self.execute, self.changes))
+        return tuple(map(self.run.under, self.changes))
 
 
 class AnswerSlot(Protocol):
@@ -106,4 +116,5 @@ class ClosedSlot:
 
 def rejection_of(error: WmsError) -> Reject:
     """Return the rejection for an instance whose values lead to an error, such as a division by zero."""
-    return Reject("alike" if isinstance(error, Ambiguous) else "invalid", str(error))
+    reasons: dict[type[WmsError], Reason] = {Ambiguous: "alike", NoCause: "cause", Unchanged: "unchanged"}
+    return Reject(reasons.get(type(error), "invalid"), str(error))

@@ -31,9 +31,14 @@ def require_stable(asking: QuestionContext, answer: Answer, key: tuple[object, .
 def _nudges(asking: QuestionContext, key: tuple[object, ...]) -> Iterator[tuple[float, Run]]:
     """Yield displacements (m) of free bodies and the resulting runs."""
     run, distance = asking.run, asking.question.stable
-    loose = set(free_bodies(run.scene))
-    if not (loose & run.movers() if distance is None else loose):
+    if not any(_may_vary(each, distance is None) for each in (run, *asking.imagined)):
         return
     by = DEFAULT_NUDGE if distance is None else evaluate(distance, asking.values)
     for k in range(DEFAULT_NUDGES if distance is None else SPEC_NUDGES):
         yield by, nudged(run, by, (*key, k), asking.pair)
+
+
+def _may_vary(run: Run, moving: bool) -> bool:
+    """Whether a nudge may change a run: it has free bodies; with `moving`, one of them moves."""
+    loose = set(free_bodies(run.scene))
+    return bool(loose & run.movers() if moving else loose)

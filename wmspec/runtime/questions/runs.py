@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,11 +49,12 @@ class EnginePair:
 
 @dataclass(frozen=True)
 class Run:
-    """An executed episode."""
+    """An executed episode; `under` executes it with a change."""
 
     values: Evaluator
     scene: Scene
     trace: Trace
+    under: Callable[[Counterfactual], Run]
 
     def movable(self) -> list[str]:
         """Return the names of movable bodies."""
@@ -114,7 +116,7 @@ def execute(design: Design, instance: Instance, change: Counterfactual | None, p
         scene = pair.scenes.of(values)
         for a, b, depth in overlaps(scene):
             raise Reject("overlap", f"{label}{a} and {b} are {depth * 1000:.1f} mm deep in each other at the start")
-        return Run(values, scene, pair.traces.trace(scene))
+        return Run(values, scene, pair.traces.trace(scene), partial(execute, design, instance, pair=pair))
     except EngineError as error:
         raise Reject("unstable", f"{label}{error}") from None
     except WmsError as error:
@@ -168,16 +170,19 @@ def free_bodies(scene: Scene) -> list[str]:
 def nudged(run: Run, by: float, key: Iterable[object], pair: EnginePair) -> Run:
     """Return the episode with every free body displaced by `by` metres in a direction drawn from `key`.
 
+    Its changed episodes begin with the same displacements.
+
     Raises Reject if the engine fails.
     """
-    names, bodies = free_bodies(run.scene), []
+    names, bodies, drawn = free_bodies(run.scene), [], tuple(key)
     for body in run.scene.bodies:
-        turn = 2 * math.pi * uniform(*key, body.name, "nudge")
+        turn = 2 * math.pi * uniform(*drawn, body.name, "nudge")
         aside = by * np.array([math.cos(turn), math.sin(turn), 0.0])
         pose = replace(body.pose, position=body.pose.position + aside)
         bodies.append(replace(body, pose=pose) if body.name in names else body)
     scene = replace(run.scene, bodies=tuple(bodies))
     try:
-        return Run(run.values, scene, pair.traces.trace(scene))
+        trace = pair.traces.trace(scene)
     except WmsError as error:
         raise Reject("unstable", f"displaced by {by * 1000:g} mm: {error}") from None
+    return Run(run.values, scene, trace, lambda change: nudged(run.under(change), by, drawn, pair))

@@ -140,6 +140,14 @@ def format_expression(expr: ir.Expr) -> str:
             return f"{expr.function}({', '.join([*map(format_expression, expr.arguments), *options])})"
         case ir.Operation():
             return _operation(expr.operator, [_operand(o) for o in expr.operands])
+        case ir.WhatIf() | ir.Cause():
+            return _imagined(expr)
+
+
+def _imagined(expr: ir.WhatIf | ir.Cause) -> str:
+    if isinstance(expr, ir.WhatIf):
+        return f"{format_expression(expr.value)} under {expr.change.name}"
+    return f"cause of {format_expression(expr.condition)} among {format_expression(expr.candidates)}"
 
 
 def _operation(operator: str, operands: list[str]) -> str:

@@ -12,7 +12,7 @@ from typing import NoReturn
 
 from wmspec.core.diagnostics import Note, Remedy, Report
 from wmspec.core.places import Span
-from wmspec.lang.check.expressions import calls, lists, members, names, operators
+from wmspec.lang.check.expressions import calls, foreign_values, lists, members, names, operators, what_ifs
 from wmspec.lang.check.expressions.libraries import library_declaring
 from wmspec.lang.check.expressions.scope import Scope
 from wmspec.lang.check.expressions.typed import ZERO, Failed, Typed, constant, example, fits
@@ -48,7 +48,9 @@ class Expressions:
         self._open: list[tuple[tuple[str, str], Span]] = []
         self._depth = self._deepest = 0
         self._height: dict[tuple[str, str], int] = {}
+        self.imagining = False  # whether this is inside a what-if
         self.domain_of: Callable[[s.Factor], Type]  # set by `Factors`, which checks domains
+        self.change_of: Callable[[s.Change], ir.Counterfactual]  # set by `Counterfactuals`, which checks changes
 
     def value(self, e: s.Expr, expected: tuple[Type, ...], what: str) -> Typed:
         """Check an expression that must have one of the expected types. `what` names the place in messages."""
@@ -83,10 +85,10 @@ class Expressions:
                 return calls.call(self, e)
             case s.Operation():
                 return operators.operation_of(self, e, expected)
-            case s.Items() | s.Called():
-                return lists.items(self, e, expected)
-            case s.Range():
-                return lists.range_(self, e)
+            case s.Items() | s.Called() | s.Range():
+                return lists.list_of(self, e, expected)
+            case s.WhatIf() | s.Cause():
+                return what_ifs.imagined(self, e)
 
     def all_of(self, e: s.Name, declared: s.Action | s.Factor) -> Typed:
         """Return all members of a set of actions or nuisances."""
@@ -133,6 +135,7 @@ class Expressions:
         examples = [f"`{example(k)}`" for k in expected[:2] if example(k)]
         quantities = isinstance(actual, Quantity | Vector) and isinstance(expected[0], Quantity | Vector)
         help = f"write something like {' or '.join(examples)}" if examples else ""
+        help = foreign_values.remedy(e, expected) or help
         if isinstance(e, s.Text) and e.value in names.names_of_types(self, expected):
             help = Remedy.of(f"write `{e.value}`, without quotes", span.text, e.value)
         if actual == OBJECT and DIRECTION in expected:
@@ -194,8 +197,8 @@ class Expressions:
 
     def _evaluated(self, key: tuple[str, str], span: Span, make: Callable[[], Typed]) -> Typed | None:
         """Check a declaration independently of the action or answer that refers to it."""
-        before = self.subject, self.measured, self._deepest
-        self.subject, self.measured, self._deepest = None, False, self._depth
+        before = self.subject, self.measured, self._deepest, self.imagining
+        self.subject, self.measured, self._deepest, self.imagining = None, False, self._depth, False
         self._open.append((key, span))
         self._depth += 1
         try:
@@ -207,7 +210,8 @@ class Expressions:
             self._depth -= 1
             self._open.pop()
             self._height[key] = self._deepest - self._depth
-            self.subject, self.measured, self._deepest = *before[:2], max(before[2], self._deepest)
+            self.subject, self.measured, self.imagining = before[0], before[1], before[3]
+            self._deepest = max(before[2], self._deepest)
 
     def _deepen(self, more: int, span: Span) -> None:
         self._deepest = max(self._deepest, self._depth + more)

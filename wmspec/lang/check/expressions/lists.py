@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.core.places import Span
 from wmspec.lang.check.expressions import names
+from wmspec.lang.check.expressions.foreign_values import shared_unit
 from wmspec.lang.check.expressions.typed import Typed, common_type, constant, fits
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.types import units
@@ -20,6 +21,11 @@ if TYPE_CHECKING:
 
 #: Maximum number of values of a range.
 MAX_VALUES = 10_000
+
+
+def list_of(check: Expressions, e: s.Items | s.Called | s.Range, expected: tuple[Type, ...]) -> Typed:
+    """Check a list, a tuple or a range."""
+    return range_(check, e) if isinstance(e, s.Range) else items(check, e, expected)
 
 
 def items(check: Expressions, e: s.Items | s.Called, expected: tuple[Type, ...]) -> Typed:
@@ -40,6 +46,8 @@ def items(check: Expressions, e: s.Items | s.Called, expected: tuple[Type, ...])
         if kind is not None and common is None:
             if names.may_be_undeclared_name(check, e.items[0], kind):  # the declared name may be misspelled
                 check.type_mismatch(e.items[0], kind, (typed.type,), f"this {e.kind}, like its other items,")
+            if unit_remedy := shared_unit(e.items) if e.kind == "list" else "":
+                check.fail("WMS301", "only the last number of this list has a unit", e.span, unit_remedy)
             check.type_mismatch(written, typed.type, (kind,), f"this {e.kind}, like its first item,")
         kind = common
     expr = ir.Items(items=tuple(i.expr for i in checked))

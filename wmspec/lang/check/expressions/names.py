@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from wmspec.core.diagnostics import MAX_LISTED_NAMES, suggestion
 from wmspec.lang.check.expressions.typed import Failed, Typed, fits
 from wmspec.lang.check.ir import ir
+from wmspec.lang.check.tables.missing import LIBRARY_SHAPES, NOT_RIGID, RIGID_REMEDY
 from wmspec.lang.check.tables.vocabulary import SETS, WORD_ALIASES, WORDS
 from wmspec.lang.check.types.types import (
     A_TIME,
@@ -103,6 +104,8 @@ def _word(word: str, expected: tuple[Type, ...]) -> Typed | None:
 
 def suggest(check: Expressions, name: str, expected: tuple[Type, ...]) -> str:
     """Return a suggestion for a name: first names of the expected types, then all others."""
+    if known := _known_mistake(check, name, expected):
+        return known
     fit, values = names_of_types(check, expected), check.scope.of(s.Factor, s.Let)
     if (other := WORD_ALIASES.get(name)) in fit:
         return f"did you mean `{other}`?"
@@ -110,7 +113,32 @@ def suggest(check: Expressions, name: str, expected: tuple[Type, ...]) -> str:
         kind in BLOCKS.values() for kind in expected
     )  # no word of the language has these types
     groups = [[w for w in group if w != name] for group in (fit, values, [] if named else check.scope.known())]
-    return suggestion(name, *groups)
+    help = suggestion(name, *groups)
+    if Word("color") in expected and not help.startswith("did you mean"):
+        return "write a word such as `red` or `green`, or `rgb(100 %, 80 %, 0 %)`"
+    return help
+
+
+def _known_mistake(check: Expressions, name: str, expected: tuple[Type, ...]) -> str:
+    """Return the remedy for a name of something that wmspec lacks, or of a property without its owner, or ''."""
+    if name in NOT_RIGID:
+        return RIGID_REMEDY
+    if name in LIBRARY_SHAPES:
+        return f"`{name}` is a library: write `use {name} as NAME`"
+    owners = [] if expected else _owners(check, name)
+    return f"did you mean `{owners[0]}.{name}`?" if owners else ""
+
+
+def _owners(check: Expressions, name: str) -> list[str]:
+    """Return the actions with this argument, then the objects with this property."""
+    actions, objects = [], []
+    for declared in check.scope.names.values():
+        if isinstance(declared, s.Action) and isinstance(declared.call, s.Call):
+            if any(argument.name is not None and argument.name.id == name for argument in declared.call.arguments):
+                actions.append(declared.name.id)
+        elif isinstance(declared, s.Block) and any(p.name.id == name for p in declared.properties):
+            objects.append(declared.name.id)
+    return [owner for owner in (*actions, *objects) if owner not in check.scope.sets]
 
 
 def suggest_replacement(check: Expressions, e: s.Name, expected: tuple[Type, ...]) -> str:

@@ -8,6 +8,7 @@ from functools import cached_property
 
 from wmspec.core.diagnostics import Note, suggestion
 from wmspec.core.places import Span
+from wmspec.lang.check.tables.missing import NOT_RIGID, RIGID_REMEDY
 from wmspec.lang.check.tables.property_schema import (
     EntityType,
     allowed_properties,
@@ -65,6 +66,8 @@ class Owner:
 
 def _suggest(name: str, known: list[str]) -> str:
     """Return a suggestion for a property: its alias or the most similar name."""
+    if name in NOT_RIGID:
+        return RIGID_REMEDY
     other = PROPERTY_ALIASES.get(name)
     return f"did you mean `{other}`?" if other in known else suggestion(name, known)
 

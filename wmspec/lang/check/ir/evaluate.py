@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.lang.check.ir.ir import Call, Expr, Items, Operation, Property, Ref, Value
+from wmspec.core.places import Location
+from wmspec.lang.check.ir.ir import Call, Cause, Counterfactual, Expr, Items, Operation, Property, Ref, Value, WhatIf
 
 
 class Environment(Protocol):
@@ -22,9 +23,20 @@ class Environment(Protocol):
     def call(self, function: str, arguments: tuple[Any, ...], **options: Any) -> Any:
         """Return the result of a function for evaluated arguments and options."""
 
+    def under(self, change: Counterfactual) -> Environment:
+        """Return the environment with one change. Raises Unchanged if the change has no effect."""
+
 
 class NoValue(ImpossibleValue):
     """An expression has no value; the caller adds the location."""
+
+
+class NoCause(NoValue):
+    """No candidate, or more than one, is the cause."""
+
+
+class Unchanged(NoValue):
+    """A change equals the instance itself."""
 
 
 def _divide(a: float, b: float) -> float:
@@ -104,6 +116,42 @@ _LAZY_OPERATORS: dict[str, Callable[[tuple[Expr, ...], Environment], Any]] = {
 }
 
 
+def _what_if(expr: WhatIf, env: Environment) -> Any:
+    return evaluate(expr.value, env.under(resolved(expr.change, env)))
+
+
+def _cause(expr: Cause, env: Environment) -> str:
+    """Return the only candidate without which the condition does not hold."""
+    candidates: tuple[str, ...] = evaluate(expr.candidates, env)
+    if not evaluate(expr.condition, env):
+        raise NoCause("it does not happen, so nothing is its cause")
+    causes = [name for name in candidates if not _holds_without(expr, name, env)]
+    if len(causes) != 1:
+        found = f"it needs {' and '.join(causes)}" if causes else f"it happens without any of {', '.join(candidates)}"
+        raise NoCause(f"{found}, so no single one is its cause")
+    return causes[0]
+
+
+def _holds_without(expr: Cause, name: str, env: Environment) -> bool:
+    try:
+        return bool(evaluate(expr.condition, env.under(without(name, expr.place))))
+    except Unchanged:  # an absent candidate
+        return True
+
+
+def without(name: str, place: Location) -> Counterfactual:
+    """Return the change that leaves out an object or action."""
+    label = f"without_{name}"
+    return Counterfactual(name=label, change="without", owner=name, property="", value=None, sort="", place=place)
+
+
+def resolved(change: Counterfactual, env: Environment) -> Counterfactual:
+    """Return a change with its owner, which may depend on factors."""
+    if change.change != "without" or change.value is None:
+        return change
+    return without(evaluate(change.value, env), change.place)
+
+
 #: Evaluators by expression class.
 _EVALUATORS: dict[type, Callable[[Any, Environment], Any]] = {
     Value: lambda expr, _: expr.value,
@@ -112,6 +160,8 @@ _EVALUATORS: dict[type, Callable[[Any, Environment], Any]] = {
     Items: _items,
     Call: _call,
     Operation: _operation,
+    WhatIf: _what_if,
+    Cause: _cause,
 }
 
 
@@ -131,3 +181,8 @@ def subexpressions(expr: Expr) -> Iterator[Expr]:
                 stack.extend(option.value for option in node.options)
             case Operation():
                 stack.extend(node.operands)
+            case WhatIf():
+                stack.append(node.value)
+                stack.extend(e for e in (node.change.value,) if e is not None)
+            case Cause():
+                stack += (node.condition, node.candidates)

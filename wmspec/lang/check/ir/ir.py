@@ -96,7 +96,24 @@ class Items(Node):
     items: tuple[Expr, ...]
 
 
-Expr = Annotated[Value | Ref | Property | Operation | Call | Items, ByKind()]
+class WhatIf(Node):
+    """The value of an expression in the episode with one `change`."""
+
+    kind: Literal["what_if"] = "what_if"
+    value: Expr
+    change: Counterfactual
+
+
+class Cause(Node):
+    """The one of the `candidates` (objects or actions) without which `condition` does not hold."""
+
+    kind: Literal["cause"] = "cause"
+    condition: Expr
+    candidates: Expr
+    place: Location
+
+
+Expr = Annotated[Value | Ref | Property | Operation | Call | Items | WhatIf | Cause, ByKind()]
 
 # ---------------------------------------------------------------- parts of a task
 
@@ -229,10 +246,15 @@ def time_of_last_picture(observations: Iterable[Observation]) -> Call:
 Change = Literal["action", "state", "without", "order", "add", "levels"]
 
 
-class Counterfactual(Node):
-    """One change of an instance: `owner.property` becomes `value` (of type `sort`), or an action is left out.
+#: The name of the option that shows the episode as it is, where the answer is a what-if.
+ACTUAL = "actual"
 
-    A left-out or added action has no `property`, `value` or `sort`. The change `order` swaps the start times of the
+
+class Counterfactual(Node):
+    """One change of an instance: `owner.property` becomes `value` (of type `sort`), or `owner` is left out.
+
+    A left-out object or action, and an added action, has no `property` or `sort`. Without an `owner`, `value` is the
+    left-out one, which depends on factors. The change `order` swaps the start times of the
     actions `owner` and `property`. The change `levels` sets other levels of factors. Counterfactuals for each other
     level have `levels` too; an instance with these levels has no such counterfactual.
     """

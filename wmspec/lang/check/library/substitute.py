@@ -76,6 +76,11 @@ def _expression(e: s.Expr, values: Values) -> s.Expr:
             assert start is not None
             assert stop is not None
             return replace(e, start=start, stop=stop, step=step, count=count)
+        case s.WhatIf():
+            return replace(e, value=_expression(e.value, values))
+        case s.Cause():
+            condition, candidates = _expression(e.condition, values), _expression(e.candidates, values)
+            return replace(e, condition=condition, candidates=candidates)
     return e
 
 
@@ -93,4 +98,8 @@ def _children(e: s.Expr) -> tuple[s.Expr, ...]:
             return e.items
         case s.Range():
             return tuple(x for x in (e.start, e.stop, e.step, e.count) if x is not None)
+        case s.WhatIf():
+            return (e.value,)
+        case s.Cause():
+            return e.condition, e.candidates
     return ()

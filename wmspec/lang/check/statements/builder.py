@@ -28,7 +28,7 @@ from wmspec.lang.check.tables.vocabulary import FACTOR_DIMENSIONS, JOINTS, TOLER
 PYTHON_LOCATION = Location(file="<python>", line=1, column=1, start=0, end=0)
 
 Part = ir.Factor | ir.Let | ir.Require | ir.Entity | ir.Observation | ir.Question
-_NODES = (ir.Value, ir.Ref, ir.Property, ir.Operation, ir.Call, ir.Items)
+_NODES = (ir.Value, ir.Ref, ir.Property, ir.Operation, ir.Call, ir.Items, ir.WhatIf, ir.Cause)
 
 
 def expression(value: Any) -> ir.Expr:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import cast
 
@@ -14,6 +15,7 @@ from wmspec.lang.check.expressions.members import named
 from wmspec.lang.check.expressions.typed import Typed, constant
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.library.files import resolve_path
+from wmspec.lang.check.statements.factors import Factors
 from wmspec.lang.check.statements.objects import Entities
 from wmspec.lang.check.tables.vocabulary import FILES, PropertySpec
 from wmspec.lang.check.types.types import ACTION, CAMERA, JOINT, LIGHT, OBJECT, PART, ROBOT, WORLD, article
@@ -26,11 +28,14 @@ _CHANGEABLE = (OBJECT, PART, CAMERA, LIGHT, JOINT, ROBOT, WORLD)
 class Counterfactuals:
     """Checks the counterfactuals of a task; an error is reported and raises `Failed`."""
 
-    def __init__(self, check: Expressions, things: Entities) -> None:
+    def __init__(self, check: Expressions, things: Entities, factors: Factors) -> None:
         self.check = check
         self.things = things
+        self.factors = factors
         self.added: list[ir.Entity] = []
         """The actions that counterfactuals add."""
+        self._what_ifs: dict[str, ir.Counterfactual] = {}
+        check.change_of = self.what_if
 
     def counterfactual(self, written: s.Counterfactual) -> ir.Counterfactual:
         """Return a counterfactual with its one change."""
@@ -40,11 +45,22 @@ class Counterfactuals:
             what = f"a counterfactual changes exactly one thing, but `{name}` changes {many}"
             remedy = "make one counterfactual of each change" if many else "write the change"
             self.check.fail("WMS503", what, written.name.span, remedy)
-        (change,) = written.changes
+        return self._change(name, written.changes[0])
+
+    def what_if(self, change: s.Change) -> ir.Counterfactual:
+        """Return the change of a what-if, named by its own words; two of the same words are one."""
+        words = re.sub(r"\W+", "_", change.span.words).strip("_")
+        name = f"without_{words}" if change.kind == "without" else words
+        if name not in self._what_ifs:
+            self._what_ifs[name] = self._change(name, change)
+        return self._what_ifs[name]
+
+    def _change(self, name: str, change: s.Change) -> ir.Counterfactual:
         match change.kind:
             case "without":
-                owner = self._action(change.target, "`without`")
-                return self._made(name, change, owner, "", None, "")
+                return self._without(name, change)
+            case "level":
+                return self._level(name, change)
             case "order":
                 return self._order(name, change)
             case "add":
@@ -57,13 +73,28 @@ class Counterfactuals:
     ) -> ir.Counterfactual:
         return ir.Counterfactual(
             name=name,
-            change=cast(ir.Change, change.kind),
+            change=cast(ir.Change, "levels" if change.kind == "level" else change.kind),
             owner=owner,
             property=prop,
             value=value,
             sort=sort,
             place=Location.of(change.span),
         )
+
+    def _without(self, name: str, change: s.Change) -> ir.Counterfactual:
+        """Leave out an object or an action; which one may depend on factors."""
+        removed = self.check.value(change.target, (ACTION, OBJECT), "`without`").expr
+        if isinstance(removed, ir.Value):
+            return self._made(name, change, str(removed.value), "", None, "")
+        return self._made(name, change, "", "", removed, "")
+
+    def _level(self, name: str, change: s.Change) -> ir.Counterfactual:
+        """Set another level of a factor."""
+        assert isinstance(change.target, s.Name)
+        assert change.value is not None
+        factor = self.factors.declared(change.target.id, change.target.span)
+        level = self.factors.level(factor, change.value)
+        return replace(self._made(name, change, "", "", None, ""), levels={factor.name.id: level})
 
     def _action(self, e: s.Expr, what: str) -> str:
         """Return the name of an action."""

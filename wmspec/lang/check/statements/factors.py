@@ -170,14 +170,14 @@ class Factors:
     def _factor(self, e: s.Expr, taken: dict[str, Span]) -> str:
         """Return the name of a factor, which must not be `taken`."""
         name = e.span.text
-        self._declared(name, e.span)
+        self.declared(name, e.span)
         if name in taken:
             notes = (Note("named here first", taken[name]),)
             self.check.fail("WMS202", f"`{name}` is named twice", e.span, "name it once", notes)
         taken[name] = e.span
         return name
 
-    def _declared(self, name: str, span: Span) -> s.Factor:
+    def declared(self, name: str, span: Span) -> s.Factor:
         """Return the factor of that name."""
         factor = self.check.scope.names.get(name)
         if not isinstance(factor, s.Factor) or factor.nuisance:
@@ -197,24 +197,27 @@ class Factors:
         levels: dict[str, Level] = {}
         for p in design.baseline:
             name = p.name.id
-            factor = self._declared(name, p.name.span)
+            factor = self.declared(name, p.name.span)
             if name in levels:
                 self.check.fail("WMS202", f"`{name}` is set twice", p.name.span, "remove one")
             if p.at is not None:
                 self.check.fail("WMS101", "`at` has no meaning here", p.at.span, "write one value")
-            levels[name] = self._level(factor, p.value)
+            levels[name] = self.level(factor, p.value)
         return levels
 
-    def _level(self, factor: s.Factor, e: s.Expr) -> Level:
+    def level(self, factor: s.Factor, e: s.Expr) -> Level:
         """Return one of the values of a factor."""
         written = read_domain(self.check, factor.domain)
+        names = labels(written) or ()
+        if isinstance(e, s.Text) and e.value in names:
+            return written.options[names.index(e.value)].value
         expr = self.check.value(e, (written.type,), f"`{factor.name.id}`").expr
         for option in written.options:
             if _same(option.value, expr):
                 return option.value
         message = f"`{e.span.text}` is none of the values of `{factor.name.id}`"
         notes = (Note("they are these", factor.domain.span),)
-        self.check.fail("WMS304", message, e.span, "add it to them, or begin from another", notes)
+        self.check.fail("WMS304", message, e.span, "add it to them, or write one of them", notes)
 
 
 def _same(value: Level, expr: ir.Expr) -> bool:

@@ -17,6 +17,7 @@ from wmspec.lang.check.expressions.typed import ZERO, Failed, Typed, common_type
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.library.modules import Modules
 from wmspec.lang.check.statements.counterfactuals import Counterfactuals
+from wmspec.lang.check.statements.factors import Factors
 from wmspec.lang.check.statements.objects import Entities
 from wmspec.lang.check.statements.orbits import Orbits
 from wmspec.lang.check.statements.overlapping_options import warn_overlapping
@@ -59,6 +60,16 @@ T = TypeVar("T")
 C = TypeVar("C")
 _HOLE = re.compile(r"(?<!\\)\{([^{}]*)\}")
 _BRACE = re.compile(r"(?<!\\)[{}]")
+#: Values in texts as other languages write them, and what is wrong with them.
+_FOREIGN_HOLES = (
+    (re.compile(r"\$\{([^{}]*)\}"), "a value in a text has no `$` before it"),
+    (re.compile(r"(?<!\\)\{\{([^{}]*)\}\}"), "a value in a text stands in single braces"),
+    (re.compile(r"%\((\w+)\)[a-z]"), "a value in a text stands in braces"),
+    (
+        re.compile(r"(?<!\\)\{([^{}:]*):[^{}:]*\}"),
+        "values in texts have no format",
+    ),
+)
 _SINGLE_CLAUSES = ("options", "orbit", "answer", "within", "difference", "stable")
 _APART = PropertySpec((A_LENGTH,), "how far apart", above=0)
 _TURNED = PropertySpec((AN_ANGLE,), "by what turn", above=0, most=pi)
@@ -82,11 +93,11 @@ class Questions:
     An error in one clause is reported and the others are still checked.
     """
 
-    def __init__(self, check: Expressions, modules: Modules, things: Entities) -> None:
+    def __init__(self, check: Expressions, modules: Modules, things: Entities, factors: Factors) -> None:
         self.check = check
         self.modules = modules
         self.report = check.report
-        self.counterfactuals = Counterfactuals(check, things)
+        self.counterfactuals = Counterfactuals(check, things, factors)
         self.orbits: Orbits
         self._names: dict[str, Span] = {}
 
@@ -181,16 +192,7 @@ class Questions:
         answer = POSSIBLE_ANSWER if possible else self.check.measuring(clause.value)
         if answer.type == Quantity(ZERO):
             answer = Typed(answer.expr, Quantity(NUMBER))
-        places = {kind: written[0].span for kind, written in clauses.items()}
-        if question.kinds:
-            places["kinds"] = question.kinds[0].span
-        if question.counterfactuals:
-            places[COUNTERFACTUAL] = question.counterfactuals[0].span
-            if ORBIT in places and answer.type == PICTURE:
-                what = "a closed set has no options but the siblings, and this adds one"
-                self.check.fail("WMS508", what, places[COUNTERFACTUAL], "remove it, or the orbit")
-        elif ORBIT in places and answer.type == PICTURE:
-            places[COUNTERFACTUAL] = places[ORBIT]  # orbits are counterfactuals too
+        places = self._places(question, clauses, answer)
         kind = question_kind(answer.type, places.keys())
         rules = QUESTION_RULES[kind]
         noun = article(str(answer.type))
@@ -208,6 +210,33 @@ class Questions:
         if "options" in clauses:
             return kind, *self._options(clauses["options"][0], answer)
         return kind, _YES_NO if answer.type == TRUTH else None, answer
+
+    def _places(self, question: s.Question, clauses: dict[str, list[s.Clause]], answer: Typed) -> dict[str, Span]:
+        """Return where each kind of clause is, pseudo-clauses included."""
+        places = {kind: written[0].span for kind, written in clauses.items()}
+        if question.kinds:
+            places["kinds"] = question.kinds[0].span
+        if question.counterfactuals:
+            places[COUNTERFACTUAL] = question.counterfactuals[0].span
+            if ORBIT in places and answer.type == PICTURE:
+                what = "a closed set has no options but the siblings, and this adds one"
+                self.check.fail("WMS508", what, places[COUNTERFACTUAL], "remove it, or the orbit")
+        elif ORBIT in places and answer.type == PICTURE:
+            places[COUNTERFACTUAL] = places[ORBIT]  # orbits are counterfactuals too
+        if isinstance(answer.expr, ir.WhatIf) and answer.type == PICTURE:
+            self._check_picture_under(question, places)
+        return places
+
+    def _check_picture_under(self, question: s.Question, places: dict[str, Span]) -> None:
+        """Report a what-if whose options are siblings, and a counterfactual with the name of the actual outcome."""
+        for written in question.counterfactuals:
+            if isinstance(written, s.Counterfactual) and written.name.id == ir.ACTUAL:
+                message = f"`{ir.ACTUAL}` is the option that shows the episode as it is"
+                self.check.fail("WMS202", message, written.name.span, "give the counterfactual another name")
+        if ORBIT in places:
+            message = "the options of this question are siblings in a group, and its answer is a what-if"
+            self.check.fail("WMS508", message, places[ORBIT], "write `counterfactual`s, or remove them")
+        places.setdefault(COUNTERFACTUAL, places[ANSWER])  # the actual outcome is an option
 
     def _options(self, clause: s.Clause, answer: Typed) -> tuple[ir.Expr, Typed]:
         """Return the options, and the answer converted to their common type."""
@@ -358,6 +387,7 @@ class Questions:
         parts: list[str | ir.Interpolation] = []
         raw = text.span.text
         end = 1
+        self._check_foreign_holes(text, raw)
         for brace in _BRACE.finditer(_HOLE.sub(lambda hole: " " * len(hole[0]), raw)):
             at = text.span.start + brace.start()
             remedy = "write `{EXPRESSION}` for a value, or `\\{` and `\\}` for braces"
@@ -377,6 +407,13 @@ class Questions:
             parts.append(ir.Interpolation(value=typed.expr, sort=sort))
         parts.append(_unescape(raw[end:-1]))
         return tuple(part for part in parts if part != "")
+
+    def _check_foreign_holes(self, text: s.Text, raw: str) -> None:
+        """Report values in a text that are written as in another language."""
+        for pattern, message in _FOREIGN_HOLES:
+            if (found := pattern.search(raw)) is not None:
+                span = Span(text.span.source, text.span.start + found.start(), text.span.start + found.end())
+                self.check.fail("WMS101", message, span, f"write `{{{found[1].strip()}}}`")
 
     def _texts(self, clauses: dict[str, list[s.Clause]]) -> tuple[ir.TextTemplate, ...]:
         """Return the texts with inserted values among options and answers."""

@@ -135,7 +135,7 @@ class _Numbers:
     def property(self, *_: Any, **_options: Any) -> Any:
         raise AssertionError("a set's number has no properties in it")
 
-    call = property
+    call = under = property
 
 
 def _present(properties: tuple[s.Property, ...], below: s.Expr) -> tuple[s.Property, ...]:

@@ -145,7 +145,7 @@ class _Task:
         self.check.tainted = {n.id for n in declared if (n.span.source.name, n.span.line) in guessed}
         self.factors = Factors(self.check)
         self.things = Entities(self.check)
-        self.questions = Questions(self.check, modules, self.things)
+        self.questions = Questions(self.check, modules, self.things, self.factors)
         self.observations = Observations(self.check)
         self._replace(Sets(self.check, self.factors, substitute).members, s.Block, s.Action, s.Factor)
         self._replace(Assets(self.check, substitute).expanded, s.Block)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, TypeVar
 
-from wmspec.lang.check.ir.ir import Counterfactual, Level, Question
+from wmspec.core.diagnostics import GraphicsError, WmsError
+from wmspec.lang.check.ir.evaluate import evaluate
+from wmspec.lang.check.ir.ir import WhatIf
+from wmspec.runtime.questions.measure import Measured
 from wmspec.runtime.questions.model import Answer, Number, Option, Picture
 from wmspec.runtime.questions.question_context import AnswerSlot, QuestionContext
 from wmspec.runtime.questions.runs import Run
@@ -46,10 +49,6 @@ class Kind(ABC, Generic[A]):
     countable: ClassVar[bool] = False
     #: Whether the answer is about the course of the episode, not about the value of an expression.
     watched: ClassVar[bool] = False
-
-    def executed(self, question: Question, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:
-        """Return the counterfactuals to execute for an instance with these factor levels."""
-        return ()
 
     @abstractmethod
     def answer(self, asking: QuestionContext) -> A:
@@ -97,6 +96,33 @@ class Kind(ABC, Generic[A]):
     def option_set(self, options: Sequence[Option]) -> OptionSet:
         """Return the options as a row stores them."""
         return OptionSet(())
+
+
+def actual_value(asking: QuestionContext, measured: Measured) -> Any:
+    """Return what the expression of a what-if is without the change; None if undefined, and for other answers."""
+    answer = asking.question.answer
+    if not isinstance(answer, WhatIf):
+        return None
+    try:
+        return evaluate(answer.value, measured)
+    except GraphicsError:
+        raise
+    except WmsError:
+        return None
+
+
+def actual_words(asking: QuestionContext, value: Any) -> str | None:
+    """Return the actual value in words; None if there is none or words cannot express it."""
+    try:
+        return None if value is None else in_words(asking, value)
+    except WmsError:
+        return None
+
+
+def nudged_value(asking: QuestionContext, nudged: Run) -> tuple[Any, Any]:
+    """Return the value of the answer and its actual value when free bodies are displaced."""
+    measured = asking.measured_on(nudged)
+    return evaluate(asking.question.answer, measured), actual_value(asking, measured)
 
 
 def quantity(value: Any, sort: str, within: float | None = None) -> Number | None:

@@ -10,7 +10,15 @@ from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import QuestionKind
 from wmspec.lang.check.tables.vocabulary import WORDS
 from wmspec.lang.check.types.types import TRUTH
-from wmspec.runtime.questions.kinds.kind import Kind, OptionSet, in_words, quantity
+from wmspec.runtime.questions.kinds.kind import (
+    Kind,
+    OptionSet,
+    actual_value,
+    actual_words,
+    in_words,
+    nudged_value,
+    quantity,
+)
 from wmspec.runtime.questions.model import Answer, Number, Option, Reject
 from wmspec.runtime.questions.question_context import AnswerSlot, QuestionContext
 from wmspec.runtime.questions.runs import Run
@@ -37,7 +45,9 @@ class Labels(Kind[LabelAnswer]):
         """Return the measured value and the options."""
         assert asking.question.options is not None
         value = evaluate(asking.question.answer, asking.measured)
-        return LabelAnswer(value, tuple(evaluate(asking.question.options, asking.values)))
+        actual = actual_value(asking, asking.measured)
+        choices = tuple(evaluate(asking.question.options, asking.values))
+        return LabelAnswer(value, choices, actual=actual, actual_words=actual_words(asking, actual))
 
     def words(self, asking: QuestionContext, answer: LabelAnswer) -> str:
         """Return the value in words."""
@@ -53,7 +63,9 @@ class Labels(Kind[LabelAnswer]):
 
     def change_under_nudge(self, asking: QuestionContext, answer: LabelAnswer, nudged: Run, by: float) -> str:
         """Return the other measured value, or ''."""
-        now = evaluate(asking.question.answer, asking.measured_on(nudged))
+        now, actual = nudged_value(asking, nudged)
+        if not same(answer.actual, actual):
+            return f"as it is, {answer.actual} becomes {actual} when free bodies are displaced by {by * 1000:g} mm"
         if same(answer.value, now):
             return ""
         return f"{answer.value} becomes {now} when free bodies are displaced by {by * 1000:g} mm"
@@ -81,8 +93,8 @@ class Labels(Kind[LabelAnswer]):
         return None if place is None else _name(mine.choices[place])
 
     def agree(self, a: LabelAnswer, b: LabelAnswer) -> bool:
-        """Whether the values are equal."""
-        return same(a.value, b.value)
+        """Whether the values are equal, those without the change of a what-if too."""
+        return same(a.value, b.value) and same(a.actual, b.actual)
 
     def remedy(self, sort: str) -> str:
         """Return the remedy: a word changes where a quantity crosses a threshold."""

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import QuestionKind
-from wmspec.runtime.questions.kinds.kind import Kind, in_words, quantity
+from wmspec.runtime.questions.kinds.kind import Kind, actual_value, actual_words, in_words, nudged_value, quantity
 from wmspec.runtime.questions.model import Answer, Number
 from wmspec.runtime.questions.question_context import QuestionContext
 from wmspec.runtime.questions.runs import Run
@@ -29,7 +29,9 @@ class Numbers(Kind[NumberAnswer]):
         """Return the measured value."""
         assert asking.question.within is not None
         value = evaluate(asking.question.answer, asking.measured)
-        return NumberAnswer(value, evaluate(asking.question.within, asking.values))
+        actual = actual_value(asking, asking.measured)
+        within = evaluate(asking.question.within, asking.values)
+        return NumberAnswer(value, within, actual=actual, actual_words=actual_words(asking, actual))
 
     def words(self, asking: QuestionContext, answer: NumberAnswer) -> str:
         """Return the value with its unit."""
@@ -37,7 +39,9 @@ class Numbers(Kind[NumberAnswer]):
 
     def change_under_nudge(self, asking: QuestionContext, answer: NumberAnswer, nudged: Run, by: float) -> str:
         """Return the other measured value if it is out of tolerance, or ''."""
-        now = evaluate(asking.question.answer, asking.measured_on(nudged))
+        now, actual = nudged_value(asking, nudged)
+        if not _is_near(answer.actual, actual, answer.within):
+            return f"as it is, {answer.actual} becomes {actual} when free bodies are displaced by {by * 1000:g} mm"
         if abs(answer.value - now) <= answer.within:
             return ""
         return f"{answer.value} becomes {now} when free bodies are displaced by {by * 1000:g} mm"
@@ -47,9 +51,14 @@ class Numbers(Kind[NumberAnswer]):
         return quantity(answer.value, asking.question.sort, answer.within)
 
     def agree(self, a: NumberAnswer, b: NumberAnswer) -> bool:
-        """Whether each value is within tolerance of the other."""
-        return abs(a.value - b.value) <= a.within
+        """Whether each value is within tolerance of the other, those without the change of a what-if too."""
+        return abs(a.value - b.value) <= a.within and _is_near(a.actual, b.actual, a.within)
 
     def remedy(self, sort: str) -> str:
         """Return the remedy: increase the tolerance or the margin."""
         return "use a larger margin"
+
+
+def _is_near(a: float | None, b: float | None, within: float) -> bool:
+    """Whether two values that may be undefined are within tolerance."""
+    return a is b if a is None or b is None else abs(a - b) <= within

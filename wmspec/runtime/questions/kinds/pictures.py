@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from wmspec.compile.design.about import referenced_objects
 from wmspec.core.memoize import cached_on
-from wmspec.lang.check.ir.evaluate import evaluate
-from wmspec.lang.check.ir.ir import Counterfactual, Level, OrbitFactor, Outcome, Question, QuestionKind
+from wmspec.lang.check.ir.evaluate import evaluate, resolved
+from wmspec.lang.check.ir.ir import ACTUAL, Counterfactual, Level, OrbitFactor, Outcome, Question, QuestionKind, WhatIf
 from wmspec.runtime.caches.cache_keys import look_key
 from wmspec.runtime.questions.changes import change_of
 from wmspec.runtime.questions.kinds.kind import Kind, OptionImage, OptionSet
@@ -71,14 +71,11 @@ class PictureAnswer(Answer):
 class Pictures(Kind[PictureAnswer]):
     """The answer is the option whose outcome and appearance are closest to the truth."""
 
-    def executed(self, question: Question, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:
-        """Return all counterfactuals, which are the options."""
-        return question.alternatives(levels)
-
     def answer(self, asking: QuestionContext) -> PictureAnswer:
         """Return the poses in every option. Raises WmsError if a picture is taken after the end of its episode."""
         camera, time = evaluate(asking.question.answer, asking.measured)
-        runs, question = (asking.run, *asking.alternatives), asking.question
+        shown, question = _option_runs(asking), asking.question
+        runs = [option.run for option in shown]
         bodies = tuple(dict.fromkeys(name for run in runs for name in run.movable()))
         lever = 0.0
         if question.distinct is not None and question.distinct_turn is not None:
@@ -86,13 +83,13 @@ class Pictures(Kind[PictureAnswer]):
         return PictureAnswer(
             camera=camera,
             time=time,
-            names=(TRUTH, *(change.name for change in asking.changes)),
+            names=tuple(option.name for option in shown),
             bodies=bodies,
             outcomes=np.stack([run.poses(bodies, time) for run in runs]),
             looks=tuple(appearance(appearance_at(run.scene, time)) for run in runs),
             axes=_axes(runs, bodies),
             lever=lever,
-            outcome_kinds=tuple(_outcome_kinds(asking)),
+            outcome_kinds=tuple(_outcome_kinds(asking, shown)),
         )
 
     def words(self, asking: QuestionContext, answer: PictureAnswer) -> str:
@@ -125,7 +122,8 @@ class Pictures(Kind[PictureAnswer]):
         Options closer than the nudge itself differ in something other than place, such as colour.
         """
         gaps = [answer.distance(answer.outcomes[0], other) for other in answer.outcomes[1:]]
-        moved = answer.distance(answer.outcomes[0], nudged.poses(answer.bodies, answer.time))
+        run = _answer_run(asking.question, nudged)
+        moved = answer.distance(answer.outcomes[0], run.poses(answer.bodies, answer.time))
         nearest = min((gap for gap in gaps if gap > by), default=math.inf)
         if moved <= MAX_MOVED_SHARE * nearest:
             return ""
@@ -136,10 +134,7 @@ class Pictures(Kind[PictureAnswer]):
 
     def option_images(self, asking: QuestionContext, answer: PictureAnswer) -> Sequence[OptionImage]:
         """Return all options."""
-        runs = (asking.run, *asking.alternatives)
-        return [
-            OptionImage(name, run, answer.camera, answer.time) for name, run in zip(answer.names, runs, strict=True)
-        ]
+        return [OptionImage(option.name, option.run, answer.camera, answer.time) for option in _option_runs(asking)]
 
     def options(self, asking: QuestionContext, answer: PictureAnswer, slot: AnswerSlot) -> tuple[Option, ...]:
         """Return true and counterfactual outcomes, drawn."""
@@ -148,12 +143,13 @@ class Pictures(Kind[PictureAnswer]):
         _require_distinct_images(depicted, frames)
         names = referenced_objects(asking.question, asking.values)
         objects = [visible_objects(d.run, frame, d.time, names) for d, frame in zip(depicted, frames, strict=True)]
-        changes, outcomes = (None, *asking.changes), answer.outcome_kinds or (None,) * len(depicted)
+        shown, outcomes = _option_runs(asking), answer.outcome_kinds or (None,) * len(depicted)
         options = []
         for i in slot.order(0, len(depicted)):
-            picture, change = Picture(answer.camera, answer.time, frames[i].rgb), changes[i]
+            picture, change = Picture(answer.camera, answer.time, frames[i].rgb), shown[i].change
             if change is None:
-                options.append(Option("truth", TRUTH, picture=picture, outcome=outcomes[i], objects=objects[i]))
+                kind: OptionKind = "truth" if i == 0 else "actual"
+                options.append(Option(kind, shown[i].name, picture=picture, outcome=outcomes[i], objects=objects[i]))
             else:
                 changed = change_of(change, asking.question.orbit, asking.values, depicted[i].run.values)
                 kind = _kind(asking.question.orbit, change, asking.values.own)
@@ -231,13 +227,35 @@ def _axes(runs: Sequence[Run], bodies: Sequence[str]) -> NDArray[np.float64]:
     return np.array(rows).reshape(-1, 3)
 
 
-def _outcome_kinds(asking: QuestionContext) -> Iterator[str]:
-    """Yield the kinds of true and counterfactual outcomes. Raises Reject for an outcome of no kind."""
-    if not asking.question.kinds:
-        return
-    yield _outcome_kind(asking.question.kinds, TRUTH, asking.measured)
-    for change, run in zip(asking.changes, asking.alternatives, strict=True):
-        yield _outcome_kind(asking.question.kinds, change.name, asking.measured_on(run))
+@dataclass(frozen=True)
+class _OptionRun:
+    """An option: its name, its run, and its change if it is a counterfactual."""
+
+    name: str
+    run: Run
+    change: Counterfactual | None = None
+
+
+def _answer_run(question: Question, run: Run) -> Run:
+    """Return the run that the true picture shows: of a what-if, the one with its change."""
+    if isinstance(question.answer, WhatIf):
+        return run.under(resolved(question.answer.change, run.values))
+    return run
+
+
+def _option_runs(asking: QuestionContext) -> list[_OptionRun]:
+    """Return the runs of all options, truth first; beside a what-if, what happens without its change is second."""
+    truth = _answer_run(asking.question, asking.run)
+    actual = [] if truth is asking.run else [_OptionRun(ACTUAL, asking.run)]
+    others = zip(asking.changes, asking.alternatives, strict=True)
+    return [_OptionRun(TRUTH, truth), *actual, *(_OptionRun(change.name, run, change) for change, run in others)]
+
+
+def _outcome_kinds(asking: QuestionContext, shown: Sequence[_OptionRun]) -> Iterator[str]:
+    """Yield the kinds of the outcomes of all options. Raises Reject for an outcome of no kind."""
+    for option in shown if asking.question.kinds else ():
+        measured = asking.measured if option.run is asking.run else asking.measured_on(option.run)
+        yield _outcome_kind(asking.question.kinds, option.name, measured)
 
 
 def _outcome_kind(kinds: Sequence[Outcome], option: str, measured: Measured) -> str:

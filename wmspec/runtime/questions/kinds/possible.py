@@ -98,9 +98,10 @@ def lawful_run(asking: QuestionContext, run: Run) -> Run:
     unlawful = {t.name for t in things if t.kind == "action" and not t.of and t.verb in VIOLATIONS}
     scene = replace(run.scene, actions=tuple(a for a in run.scene.actions if a.name not in unlawful))
     try:
-        return Run(run.values, scene, asking.pair.traces.trace(scene))
+        trace = asking.pair.traces.trace(scene)
     except WmsError as error:
         raise Reject("unstable", f"without violations: {error}") from None
+    return Run(run.values, scene, trace, lambda change: lawful_run(asking, run.under(change)))
 
 
 def _distance(run: Run, lawful: Run, until: float) -> float:

@@ -49,7 +49,7 @@ class DecisiveMeasures:
     @cached_property
     def env(self) -> Measured:
         """An environment of its own, so that nothing is added to the measured values of the row."""
-        return Measured(self.asking.values, self.asking.observed)
+        return self.asking.measure(self.asking.run, self.asking.observed)
 
     @property
     def observed(self) -> Observed:
