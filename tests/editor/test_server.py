@@ -135,7 +135,8 @@ def test_diagnostics_come_as_one_types(tmp_path: Path) -> None:
         assert (mistake.code, editor.slice(mistake.range)) == ("WMS203", "desnity")
         assert mistake.code_description.href.endswith("/WMS203.md")
         params = lsp.CodeActionParams(editor.document, mistake.range, lsp.CodeActionContext([mistake]))
-        (fix,) = await editor.client.text_document_code_action_async(params)
+        fix, trial = await editor.client.text_document_code_action_async(params)
+        assert "wmspec.try" in str(trial.command)
         assert fix.title == "write `density`"
         ((edit,),) = fix.edit.changes.values()
         assert (editor.slice(edit.range), edit.new_text) == ("desnity", "density")

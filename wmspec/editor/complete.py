@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
@@ -38,6 +39,7 @@ from wmspec.lang.check.types.types import (
 from wmspec.lang.check.types.units import units_of
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.files import library_folder, search_path
+from wmspec.lang.parse.lexer import tokenize
 from wmspec.lang.parse.parser import parse_expression
 
 ItemKind = Literal["property", "argument", "unit", "name", "function", "verb", "word", "keyword", "library", "part"]
@@ -45,6 +47,10 @@ ItemKind = Literal["property", "argument", "unit", "name", "function", "verb", "
 ORDER: tuple[ItemKind, ...] = (
     *("unit", "property", "argument", "library", "name", "part", "word", "verb", "function", "keyword"),
 )
+
+
+#: An open `{` in a text: what stands before a dot, and the word at its end.
+_HOLE = re.compile(r"(?<!\\)\{[^{}\n\"]*?(?:(?P<owner>[A-Za-z_][\w.]*(?:\[\d+\])?)\.)?(?P<word>[A-Za-z_]?\w*)\Z")
 
 
 @dataclass(frozen=True)
@@ -70,13 +76,28 @@ def complete(document: Document, offset: int) -> Completions:
     """Return the suggestions at an offset of a document, the likeliest first."""
     place = cursor(document.text, offset)
     if place is None:
-        return Completions(offset, ())
+        return _in_text(document, offset)
     meaning = document.meaning(offset)
     if place.unit is not None and (units := _units(document, meaning, place)):
         bare = not document.text[place.unit[0] : offset]  # a keyword may also follow a number
         others = _others(document, meaning, place, offset) if bare and place.start == place.unit[0] else ()
         return Completions(place.unit[0], _sorted([*units, *others]))
     return Completions(place.start, _sorted(_others(document, meaning, place, offset)))
+
+
+def _in_text(document: Document, offset: int) -> Completions:
+    """Return the suggestions inside `{...}` of a text; none elsewhere in a text or a comment."""
+    hole = _HOLE.search(document.text[:offset])
+    *_, last = tokenize(document.text[:offset])
+    if hole is None or last.type != "OPEN_STRING":
+        return Completions(offset, ())
+    meaning = document.meaning(offset)
+    start = offset - len(hole["word"])
+    if hole["owner"]:
+        of = Span(document.source, hole.start("owner"), hole.end("owner"))
+        visible = Names(document).visible(offset).keys()
+        return Completions(start, _sorted(_members(meaning, of, visible)))
+    return Completions(start, _sorted(_values(document, meaning, ExpectedInput(types=None), offset)))
 
 
 def _sorted(offers: Iterable[CompletionItem]) -> tuple[CompletionItem, ...]:

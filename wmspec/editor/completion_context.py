@@ -59,6 +59,7 @@ _TYPED: dict[str, tuple[Type, ...]] = {
     "FOR": (A_TIME,),
     "AFTER": (ACTION,),
     "WITH": (ACTION,),
+    "WHEN": (TRUTH,),
     "STABLE": (A_NUMBER,),
 }
 
@@ -117,11 +118,16 @@ class Reader:
             case "COMPARE" | "PLUS" | "MINUS" | "__ANON_0":
                 return self._like(top - 1) if self._is_value(top - 1) else self._after(top - 1)
             case "TIMES" | "EQUAL" | "ANSWER" | "OPTIONS" | "MARGIN" | "DIFFERENCE" | "WITHIN" | "UNLESS":
-                return ExpectedInput(kind="verb") if here == "EQUAL" and self._symbol(top - 2) == "ACTION" else ANYTHING
+                return ExpectedInput(kind="verb") if here == "EQUAL" and self._names_action(top - 1) else ANYTHING
             case "THEN" | "ELSE":
                 opened = max(i for i in range(top) if self._symbol(i) == "IF")
                 return self._after(opened - 1)
         return self._after_keyword(top)
+
+    def _names_action(self, top: int) -> bool:
+        """Whether the symbols up to `top` are the name of an action or of a set of actions."""
+        whole = self._symbol(top) == "RSQB" and self._symbol(top - 4) == "ACTIONS"
+        return whole or self._symbol(top - 1) == "ACTION"
 
     def _after_keyword(self, top: int) -> ExpectedInput:  # noqa: C901, PLR0912  a case for each keyword
         here, below = self._symbol(top), self._symbol(top - 1)

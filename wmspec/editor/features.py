@@ -18,9 +18,12 @@ from wmspec.editor.document import Document
 from wmspec.editor.hover import hover
 from wmspec.editor.names import Names, Occurrence
 from wmspec.editor.preview import Preview, instance_at
-from wmspec.editor.protocol import uri_of
+from wmspec.editor.protocol import path_of, uri_of
 from wmspec.editor.rename import occurrences_of, rename_places
+from wmspec.editor.semantic_tokens import MODIFIERS, TYPES, semantic_tokens
 from wmspec.editor.server import Server, read
+from wmspec.editor.signatures import signature_at
+from wmspec.editor.trial import try_spec
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.format import format_spec
 from wmspec.runtime.workers.pool import JobFailure
@@ -134,7 +137,47 @@ def fixes(ls: Server, params: lsp.CodeActionParams) -> list[lsp.CodeAction]:
     current = (d for d in ls.published.get(uri, ()) if isinstance(d.place, Span) and d.place.source.text == source)
     near = (d for d in current if isinstance(d.place, Span) and d.place.line - 1 in lines)
     made = (protocol.quick_fix(d, uri, positions, params.context.diagnostics) for d in near)
-    return [fix for fix in made if fix is not None]
+    only = params.context.only
+    source_actions = only is None or any(lsp.CodeActionKind.Source.startswith(kind) for kind in only)
+    return [*(fix for fix in made if fix is not None), *([trial_action(uri)] if source_actions else [])]
+
+
+def signature_help(ls: Server, params: lsp.SignatureHelpParams) -> lsp.SignatureHelp | None:
+    """Return the signature of the call at a position."""
+    document, positions = ls.document(params.text_document.uri)
+    found = signature_at(document, positions.offset(params.position))
+    if found is None:
+        return None
+    parameters = [lsp.ParameterInformation(p.label, p.meaning or None) for p in found.parameters]
+    shown = lsp.SignatureInformation(found.label, found.meaning, parameters, active_parameter=found.active)
+    return lsp.SignatureHelp([shown], 0, found.active)
+
+
+def tokens(ls: Server, params: lsp.SemanticTokensParams) -> lsp.SemanticTokens:
+    """Return the type of every word, relative to the one before it."""
+    document, positions = ls.document(params.text_document.uri)
+    data: list[int] = []
+    line = character = 0
+    for token in semantic_tokens(document):
+        where = positions.between(token.start, token.end)
+        down = where.start.line - line
+        across = where.start.character - (0 if down else character)
+        data += [down, across, where.end.character - where.start.character, token.type, token.modifiers]
+        line, character = where.start.line, where.start.character
+    return lsp.SemanticTokens(data)
+
+
+def trial_action(uri: str) -> lsp.CodeAction:
+    """Return the action that tries the spec of a document."""
+    title = "Try four instances of each task through all gates"
+    return lsp.CodeAction(title, lsp.CodeActionKind.Source, command=lsp.Command(title, "wmspec.try", arguments=[uri]))
+
+
+async def trial(ls: Server, uri: str) -> str:
+    """Try the saved spec of a document; show and return what `wmspec check --try` prints."""
+    found = await asyncio.to_thread(try_spec, path_of(uri))
+    ls.window_show_message(lsp.ShowMessageParams(lsp.MessageType.Info, found))
+    return found
 
 
 async def preview(ls: Server, uri: str, position: lsp.Position | None = None) -> dict[str, object]:
@@ -184,14 +227,20 @@ FEATURES = (
     (lsp.TEXT_DOCUMENT_DID_CHANGE, changed, None),
     (lsp.TEXT_DOCUMENT_DID_SAVE, saved, None),
     (lsp.TEXT_DOCUMENT_DID_CLOSE, closed, None),
-    (lsp.TEXT_DOCUMENT_COMPLETION, completion, lsp.CompletionOptions(trigger_characters=[".", ":", " ", "("])),
+    (lsp.TEXT_DOCUMENT_COMPLETION, completion, lsp.CompletionOptions(trigger_characters=[".", ":", " ", "(", "{"])),
     (lsp.TEXT_DOCUMENT_HOVER, hovered, None),
+    (lsp.TEXT_DOCUMENT_SIGNATURE_HELP, signature_help, lsp.SignatureHelpOptions(["(", ","])),
+    (lsp.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL, tokens, lsp.SemanticTokensLegend(TYPES, MODIFIERS)),
     (lsp.TEXT_DOCUMENT_DEFINITION, definition, None),
     (lsp.TEXT_DOCUMENT_REFERENCES, references, None),
     (lsp.TEXT_DOCUMENT_PREPARE_RENAME, prepare_rename, None),
     (lsp.TEXT_DOCUMENT_RENAME, rename, lsp.RenameOptions(prepare_provider=True)),
     (lsp.TEXT_DOCUMENT_DOCUMENT_SYMBOL, symbols, None),
     (lsp.TEXT_DOCUMENT_FORMATTING, formatting, None),
-    (lsp.TEXT_DOCUMENT_CODE_ACTION, fixes, lsp.CodeActionOptions([lsp.CodeActionKind.QuickFix])),
+    (
+        lsp.TEXT_DOCUMENT_CODE_ACTION,
+        fixes,
+        lsp.CodeActionOptions([lsp.CodeActionKind.QuickFix, lsp.CodeActionKind.Source]),
+    ),
 )
-COMMANDS = (("wmspec.preview", preview),)
+COMMANDS = (("wmspec.preview", preview), ("wmspec.try", trial))

@@ -36,6 +36,17 @@ function show(state) {
   at("rows").className = state.stale ? "stale" : "";
   document.body.dataset.version = state.version;
 }
+at("try").onclick = async () => {
+  at("try").disabled = true;
+  at("trial").hidden = false;
+  at("trial").textContent = "trying four instances of each task ...";
+  try {
+    at("trial").textContent = await (await fetch("trial")).text();
+  } catch {
+    at("trial").textContent = "wmspec watch has stopped";
+  }
+  at("try").disabled = false;
+};
 const events = new EventSource("events");
 events.onmessage = (event) => show(JSON.parse(event.data));
 events.onerror = () => { at("phase").textContent = "wmspec watch has stopped"; at("phase").className = "bad"; };

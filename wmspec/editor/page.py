@@ -6,12 +6,14 @@ import json
 import sys
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from threading import Lock
 from typing import Any
 
 from wmspec.core.crash import tell
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.dataset.build.webpage import webpage
 from wmspec.editor.examples import Cell, Row
+from wmspec.editor.trial import try_spec
 from wmspec.editor.watch import State, Watch, picture_name
 
 HOST = "127.0.0.1"
@@ -28,6 +30,7 @@ class PageServer(ThreadingHTTPServer):
 
     def __init__(self, watch: Watch, port: int) -> None:
         self.watch = watch
+        self.trying = Lock()
         try:
             super().__init__((HOST, port), _Handler)
         except OSError as error:
@@ -56,6 +59,10 @@ class _Handler(BaseHTTPRequestHandler):
             self._send("text/html; charset=utf-8", page(self.server.watch.path.name).encode())
         elif self.path == "/events":
             self._events()
+        elif self.path == "/trial":
+            watch = self.server.watch
+            with self.server.trying:  # one trial at a time
+                self._send("text/plain; charset=utf-8", try_spec(watch.path, watch.options.engine).encode())
         elif (png := self.server.watch.png(self.path.rpartition("/")[2].removesuffix(".png"))) is not None:
             self._send("image/png", png)
         else:
