@@ -171,10 +171,10 @@ MEASURED = (
   question some "Does one?" { answer any(contact([a, spare], table, from: 0.1 s)) and not all(at_rest([a, spare])) }""",
     """question gone "And without it?" { answer contact(a, table) without spare }
   question held "And if it were heavy?" { answer height(a) under state spare.mass: 2 kg  within half }
-  question pink "In red?" { answer toppled(a) under tone: red }""",
-    """question left "And without the push?" { answer at_rest(spare) without shove }
-  question most "And the other?" { answer contact(spare, table) without which  ensure which != a or n > 1 }
-  question blame "Whose fault?" { options [a, spare]  answer cause of toppled(table) among [a, spare] }""",
+  question pink "Slowly?" { answer toppled(a) under pace: "slow" }""",
+    """question left "And without the push?" { answer at_rest(spare) without go }
+  question most "And the other?" { answer toppled(a) without (if n > 1 then spare else spare) }
+  question blame "Whose fault?" { options [spare, table]  answer cause of toppled(a) among [spare, table] }""",
     """question seen "Where?" { options [left_of, behind]  answer relation(spare, a, at: 0.1 s * n, seen_from: side) }
   question met "Which first?" { options [a, table, neither]  answer touches_first(spare, [a, table], tie: 9 ms) }""",
 )

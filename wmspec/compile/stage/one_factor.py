@@ -15,4 +15,6 @@ def changed_by(change: Counterfactual) -> tuple[str, ...]:
         return (f"{change.owner}.there",)
     if change.change == "order":
         return (f"{change.owner}.start", f"{change.property}.start")
+    if change.property == "mass":  # which takes the place of a density
+        return (f"{change.owner}.mass", f"{change.owner}.density")
     return (f"{change.owner}.{change.property}",)

@@ -18,6 +18,7 @@ from wmspec.runtime.compare.answers import EngineAnswer, agree, answer, differen
 from wmspec.runtime.compare.compare import compare
 from wmspec.runtime.compare.model import Cause, CheckResult, Comparison, Failure, Pair, Verdict
 from wmspec.runtime.compare.tolerance import Tolerances
+from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import TRUTH
 from wmspec.runtime.questions.question_context import QuestionContext
 from wmspec.runtime.questions.runs import EnginePair, Run, values_of
@@ -64,7 +65,7 @@ def runs(design: Design, instance: Instance) -> dict[str, Counterfactual | None]
 
 def _changes(question: Question, design: Design, instance: Instance) -> tuple[Counterfactual, ...]:
     """Return the counterfactuals and what-ifs that a question executes."""
-    options = question.alternatives(instance.factors) if question.kind == "pictures" else ()
+    options = KINDS[question.kind].executed(question, instance.factors)
     return options + what_ifs(question, values_of(design, instance))
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, TypeVar
 
 from wmspec.core.diagnostics import GraphicsError, WmsError
 from wmspec.lang.check.ir.evaluate import evaluate
-from wmspec.lang.check.ir.ir import WhatIf
+from wmspec.lang.check.ir.ir import Counterfactual, Level, Question, WhatIf
 from wmspec.runtime.questions.measure import Measured
 from wmspec.runtime.questions.model import Answer, Number, Option, Picture
 from wmspec.runtime.questions.question_context import AnswerSlot, QuestionContext
@@ -49,6 +49,10 @@ class Kind(ABC, Generic[A]):
     countable: ClassVar[bool] = False
     #: Whether the answer is about the course of the episode, not about the value of an expression.
     watched: ClassVar[bool] = False
+
+    def executed(self, question: Question, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:
+        """Return the counterfactuals to execute for an instance with these factor levels, without what-ifs."""
+        return ()
 
     @abstractmethod
     def answer(self, asking: QuestionContext) -> A:

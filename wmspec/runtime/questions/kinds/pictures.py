@@ -71,6 +71,10 @@ class PictureAnswer(Answer):
 class Pictures(Kind[PictureAnswer]):
     """The answer is the option whose outcome and appearance are closest to the truth."""
 
+    def executed(self, question: Question, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:
+        """Return all counterfactuals, which are the options."""
+        return question.alternatives(levels)
+
     def answer(self, asking: QuestionContext) -> PictureAnswer:
         """Return the poses in every option. Raises WmsError if a picture is taken after the end of its episode."""
         camera, time = evaluate(asking.question.answer, asking.measured)
