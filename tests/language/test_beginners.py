@@ -28,7 +28,7 @@ def test_messages_are_good_on_average() -> None:
     [
         "let low = 1\n  let high =\n    if n == 2 then low else 2",
         "let words = [1, 2]  # a comment, not #abc",
-        "tolerance drift 5 mm  #ffcc00 is a comment",
+        "let wide = 5 mm  #ffcc00 is a comment",
         "object o { size: 4 cm  on: floor at (1 m, 0)  present: not (n == 2) }",
         "objects many[n - 1] { size: 4 cm  on: floor at (1 m, 10 cm * index) }",
     ],
