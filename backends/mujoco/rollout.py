@@ -31,6 +31,7 @@ from wmspec.sim.scene.physics.episode import (
     to_body_frames,
 )
 
+from .warning_text import warning_text
 from .world import World
 
 with silence():
@@ -141,7 +142,7 @@ def _advance(
         mujoco.mj_copyData(spare, model, data)
     after, read = mujoco.rollout.rollout(model, data, before, nstep=stop - i, initial_warmstart=warm)
     if world.warned.any():
-        raise FloatingPointError(f"MuJoCo warnings: {world.warned}")
+        raise FloatingPointError(warning_text(world.warned, world.data.time))
     if led:
         (places, poses), (rates, speeds) = led
         stood, moved = after[0][:-1, 1 + places], after[0][:-1, 1 + model.nq + rates]

@@ -14,6 +14,7 @@ from wmspec.sim.scene.physics.episode import TOUCH_BEGIN, Grip
 from wmspec.sim.scene.physics.rigid import Assembly, Rigid
 
 from .clearance import is_clear
+from .warning_text import warning_text
 
 with silence():
     import mujoco
@@ -214,7 +215,7 @@ class World:
             self.scale(self.actuators[joint], 2.0)
         self.fresh.clear()
         if self.warned.tobytes() != self.calm:
-            raise FloatingPointError(f"MuJoCo warnings: {self.warned} at {self.data.time:.4f} s")
+            raise FloatingPointError(warning_text(self.warned, self.data.time))
         if self.pushed:
             self.data.xfrc_applied[:] = 0
             self.pushed = False

@@ -114,7 +114,7 @@ class Names:
             case s.File(items=items):
                 scope = self._level(items, path)
             case s.Task(body=body) | s.Variant(body=body):
-                scope = scope | self._level(body, path)
+                scope = scope | self._level(body, path) | _balanced(body, path)
             case s.Template(parameters=parameters):
                 yield from (o for o in self._declaration(node, path))
                 own = {p.name.id: Declaration(path, p.name.span.start, p) for p in parameters}
@@ -133,6 +133,9 @@ class Names:
             case s.Design(baseline=baseline):
                 for p in baseline:
                     yield from self._name(p.name, scope)
+                    balanced = p.value.id if p.name.id == "balance" and isinstance(p.value, s.Name) else ""
+                    if (question := scope.get(f"balance: {balanced}")) is not None:
+                        yield Occurrence(p.value.span, question)
             case s.Use():
                 yield from self._use(node, path)
                 scope = {}
@@ -207,3 +210,9 @@ class Names:
             inner = Span(span.source, span.start + hole.start(1), span.start + hole.end(1))
             if (expression := parse_expression(inner, Report())) is not None:
                 yield from self._walk(expression, path, scope)
+
+
+def _balanced(body: tuple[Any, ...], path: Path) -> dict[str, Declaration]:
+    """Return the questions of a task, by `balance: NAME`, where alone their names are referred to."""
+    named = (item for item in body if isinstance(item, s.Question) and item.name is not None)
+    return {f"balance: {q.name.id}": Declaration(path, q.name.span.start, q) for q in named if q.name is not None}

@@ -48,6 +48,8 @@ class Expressions:
         self._open: list[tuple[tuple[str, str], Span]] = []
         self._depth = self._deepest = 0
         self._height: dict[tuple[str, str], int] = {}
+        self.words: set[tuple[str, int]] = set()
+        """Where declared names are words of the language: file and offset."""
         self.imagining = False  # whether this is inside a what-if
         self.domain_of: Callable[[s.Factor], Type]  # set by `Factors`, which checks domains
         self.change_of: Callable[[s.Change], ir.Counterfactual]  # set by `Counterfactuals`, which checks changes

@@ -50,7 +50,10 @@ def name(check: Expressions, e: s.Name, expected: tuple[Type, ...]) -> Typed:
     declared = None if e.closed else check.scope.names.get(e.id)
     if declared is not None:
         typed = _declared(check, e, declared)
-        return typed if word is None or any(fits(typed.type, k) for k in expected) else word
+        if word is None or any(fits(typed.type, k) for k in expected):
+            return typed
+        check.words.add((e.span.source.name, e.span.start))
+        return word
     if e.id == "end":
         return Typed(ir.Ref(name="end"), A_TIME)
     if e.id == "index":

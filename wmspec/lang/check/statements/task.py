@@ -122,6 +122,17 @@ def scope_of(program: Program, task: s.Task | None, variant: s.Variant | None) -
     return _Task(task, Modules(program, report), _items(program, task, variant), report, set()).check
 
 
+def words_in(program: Program) -> frozenset[tuple[str, int]] | None:
+    """Return where declared names of a program are words of the language, by file and offset; None if it has errors."""
+    report, words = Report(), set[tuple[str, int]]()
+    for task in (item for item in program.file.items if isinstance(item, s.Task)):
+        for variant in _variants(task, report):
+            made = _Task(task, Modules(program, report), _items(program, task, variant), report, set())
+            made.task()
+            words |= made.check.words
+    return None if report.failed else frozenset(words)
+
+
 class _Task:
     def __init__(
         self,

@@ -1,0 +1,26 @@
+"""MuJoCo's warnings in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wmspec.core.native_output import silence
+
+with silence():
+    import mujoco
+
+_WORDS = {
+    mujoco.mjtWarning.mjWARN_INERTIA: "an inertia is nearly singular",
+    mujoco.mjtWarning.mjWARN_CONTACTFULL: "there are more contacts than fit its memory",
+    mujoco.mjtWarning.mjWARN_CNSTRFULL: "there are more constraints than fit its memory",
+    mujoco.mjtWarning.mjWARN_BADQPOS: "positions grow without bound",
+    mujoco.mjtWarning.mjWARN_BADQVEL: "velocities grow without bound",
+    mujoco.mjtWarning.mjWARN_BADQACC: "accelerations grow without bound",
+    mujoco.mjtWarning.mjWARN_BADCTRL: "a drive has no finite target",
+}
+
+
+def warning_text(counts: Sequence[int], time: float) -> str:
+    """Return the warnings with a count above 0 in words, and the time (s) of the state."""
+    raised = [words for kind, words in _WORDS.items() if counts[int(kind)]]
+    return f"MuJoCo gives up at {time:.4g} s: {' and '.join(raised)}"
