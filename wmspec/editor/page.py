@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import json
-import sys
 from http import HTTPStatus
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from http.server import BaseHTTPRequestHandler
 from threading import Lock
-from typing import Any
 
-from wmspec.core.crash import tell
+from wmspec.core.bounded_server import BoundedServer
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.dataset.build.webpage import webpage
 from wmspec.editor.examples import Cell, Row
@@ -23,10 +21,16 @@ HEARTBEAT = 5.0
 POLICY = "default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; script-src 'self' 'unsafe-inline'"
 
 
-class PageServer(ThreadingHTTPServer):
+#: The most connections at a time: a page has one for its events, and a few for its pictures.
+MAX_CONNECTIONS = 32
+#: Timeout (s) of a silent connection.
+CONNECTION_TIMEOUT = 10.0
+
+
+class PageServer(BoundedServer):
     """Serves the page of a watch at `url`. Raises WmsError if the port is taken."""
 
-    daemon_threads = True
+    max_connections = MAX_CONNECTIONS
 
     def __init__(self, watch: Watch, port: int) -> None:
         self.watch = watch
@@ -42,15 +46,10 @@ class PageServer(ThreadingHTTPServer):
         """The address of the page."""
         return f"http://{HOST}:{self.server_address[1]}/"
 
-    def handle_error(self, request: Any, client_address: Any) -> None:  # noqa: ARG002  the signature of the base class
-        """Ignore closed connections; report other exceptions."""
-        error = sys.exception()
-        if error is not None and not isinstance(error, OSError):
-            tell(error)
-
 
 class _Handler(BaseHTTPRequestHandler):
     server: PageServer
+    timeout = CONNECTION_TIMEOUT
 
     def do_GET(self) -> None:
         if self.headers.get("Host", "").rpartition(":")[0] not in (HOST, "localhost"):  # DNS rebinding
@@ -68,7 +67,7 @@ class _Handler(BaseHTTPRequestHandler):
         else:
             self.send_error(HTTPStatus.NOT_FOUND)
 
-    def log_message(self, format: str, *args: Any) -> None:
+    def log_message(self, format: str, *args: object) -> None:
         """Log nothing."""
 
     def _send(self, kind: str, content: bytes) -> None:
@@ -86,6 +85,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_header("Content-Type", "text/event-stream")
         self.send_header("Cache-Control", "no-store")
         self.end_headers()
+        self.server.keep_open(self.request)
         version, watch = -1, self.server.watch
         try:
             while not watch.stopped.is_set():

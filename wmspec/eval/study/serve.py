@@ -6,31 +6,30 @@ import ipaddress
 import json
 import re
 import sqlite3
-import sys
 from dataclasses import asdict
 from functools import partial
 from http import HTTPStatus
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from http.server import BaseHTTPRequestHandler
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from wmspec.core.crash import tell
+from wmspec.core.bounded_server import BoundedServer
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.limits import FILE_BYTES
+from wmspec.core.safe_io import read_bytes
 from wmspec.eval.study import page, store
 from wmspec.eval.study.answers import Answer, Person
 from wmspec.eval.study.model import PAGE_FOLDER, Study, load
 from wmspec.eval.study.store import AnswerStore, Progress, StudyFull
 
 #: Maximum size of a request (bytes), and timeout of a silent connection (s).
-MAX_REQUEST_BYTES, CONNECTION_TIMEOUT = 4096, 60.0
+MAX_REQUEST_BYTES, CONNECTION_TIMEOUT = 4096, 10.0
 
 
-class StudyServer(ThreadingHTTPServer):
+class StudyServer(BoundedServer):
     """The server of a study; `serve_forever` runs it."""
-
-    daemon_threads = True
 
     def __init__(self, folder: Path, host: str, port: int) -> None:
         """Open the study and listen. Raises WmsError if there is no study, or if the address is unavailable."""
@@ -50,12 +49,6 @@ class StudyServer(ThreadingHTTPServer):
     def url(self) -> str:
         """The URL of the page."""
         return f"http://{self.server_address[0]!s}:{self.server_address[1]}/"
-
-    def handle_error(self, request: Any, client_address: Any) -> None:  # noqa: ARG002  as the base class has it
-        """Ignore connections that visitors closed."""
-        error = sys.exception()
-        if error is not None and not isinstance(error, OSError):
-            tell(error)
 
     def server_close(self) -> None:
         """Stop listening, and close the file of answers."""
@@ -87,7 +80,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._send(HTTPStatus.OK, self.server.page, "text/html; charset=utf-8")
         elif path in self.server.pictures:
             try:
-                content = self.server.pictures[path].read_bytes()
+                content = read_bytes(self.server.pictures[path], FILE_BYTES)
             except OSError:
                 self._refuse(HTTPStatus.NOT_FOUND, "not here")
                 return
