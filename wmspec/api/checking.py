@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from wmspec.core import disk_cache
 from wmspec.core.diagnostics import Diagnostic, Note, Remedy, Report, WmsError
 from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Source, Span
-from wmspec.core.safe_io import files_searched
+from wmspec.core.safe_io import files_searched, read_bytes
 from wmspec.lang.parse.files import find_library, read_source, spec_files
 
 if TYPE_CHECKING:
@@ -192,7 +192,7 @@ def _state(folder: Path) -> str | None:
                 left -= Path(name).stat().st_size
                 if left < 0 or len(facts) > MAX_FILES:
                     return None
-                facts.append((name, disk_cache.digest(Path(name).read_bytes())))
+                facts.append((name, disk_cache.digest(read_bytes(Path(name)))))
     except OSError:
         return None
     return disk_cache.digest(repr(facts).encode("utf-8", "surrogatepass"))

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.limits import FOLDERS, PIXELS, TABLE_BYTES, Limit
+from wmspec.core.limits import FILE_BYTES, FOLDERS, PIXELS, TABLE_BYTES, XML_BYTES, Limit
 
 if TYPE_CHECKING:  # most specs have no pictures, and checking those should not wait for Pillow
     from PIL import Image
@@ -67,8 +67,10 @@ class NotARegularFile(OSError):
     """The path is a pipe or a device: reading it may block or never end."""
 
 
-def regular_file(path: Path) -> Path:
-    """Return the path if it is a regular file. Raises OSError otherwise."""
+def regular_file(path: Path, *, new: bool = False) -> Path:
+    """Return the path if it is a regular file, or with `new` if it is free. Raises OSError otherwise."""
+    if new and not path.exists():
+        return path
     kind = path.stat().st_mode
     if stat.S_ISDIR(kind):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
@@ -85,13 +87,27 @@ def make_folders(path: Path) -> Path:
     return path
 
 
+def open_file(path: Path) -> io.BufferedReader:
+    """Open a regular file; a pipe in its place is not waited for. Raises OSError if it is unreadable or irregular."""
+    handle = os.open(regular_file(path), os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
+    if not stat.S_ISREG(os.fstat(handle).st_mode):
+        os.close(handle)
+        raise NotARegularFile(errno.EINVAL, "it is a pipe or a device, not a file", str(path))
+    return os.fdopen(handle, "rb")
+
+
 def read_bytes(path: Path, limit: Limit = TABLE_BYTES) -> bytes:
     """Return the bytes of a regular file. Raises OSError if it is unreadable, irregular or above the limit."""
-    with regular_file(path).open("rb") as file:
+    with open_file(path) as file:
         read = file.read(limit.most + 1)
     if len(read) > limit.most:
         raise OSError(errno.EINVAL, f"it {limit.sentence}", str(path))
     return read
+
+
+def read_text(path: Path, limit: Limit = XML_BYTES) -> str:
+    """Return the text of a UTF-8 file. Raises OSError as `read_bytes` does, and UnicodeDecodeError."""
+    return read_bytes(path, limit).decode().replace("\r\n", "\n")
 
 
 def load_image(source: Path | bytes, *formats: str) -> Image.Image:
@@ -104,7 +120,8 @@ def load_image(source: Path | bytes, *formats: str) -> Image.Image:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # our own limit is checked below
-            image = Image.open(source if isinstance(source, Path) else io.BytesIO(source), "r", formats or _FORMATS)
+            content = read_bytes(source, FILE_BYTES) if isinstance(source, Path) else source
+            image = Image.open(io.BytesIO(content), "r", formats or _FORMATS)
             if image.width * image.height > PIXELS.most:
                 raise PIXELS.exceeded()
             image.load()

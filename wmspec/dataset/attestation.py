@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.limits import FILE_BYTES
-from wmspec.core.safe_io import read_bytes, regular_file
+from wmspec.core.safe_io import open_file, read_bytes
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.verify.folder import folder_files
 
@@ -105,7 +105,7 @@ def _other_files(dataset: DatasetReader, key: bytes) -> Iterator[tuple[str, str]
         if name in dataset.manifest["shards"]:
             continue
         try:
-            with regular_file(dataset.folder / name).open("rb") as file:
+            with open_file(dataset.folder / name) as file:
                 digest = hashlib.file_digest(file, lambda: hashlib.blake2b(key=key, digest_size=32))
         except OSError as error:
             raise WmsError(f"{dataset.folder / name} cannot be read: {error.strerror}", help="remove it") from error

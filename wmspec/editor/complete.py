@@ -11,6 +11,7 @@ from typing import Literal
 
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Span
+from wmspec.core.safe_io import read_text
 from wmspec.editor.completion_context import ExpectedInput, Reader
 from wmspec.editor.cursor import Cursor, cursor
 from wmspec.editor.document import Document
@@ -249,7 +250,7 @@ def _libraries(folder: Path) -> Iterator[CompletionItem]:
     for place in (folder, *search_path(), library_folder()):
         for path in sorted(place.glob("*.wms")):
             with suppress(OSError, UnicodeDecodeError):
-                text = path.read_text(encoding="utf-8")
+                text = read_text(path)
                 if "\ntask " not in f"\n{text}":
                     yield CompletionItem(path.stem, "library", text.partition("\n")[0].strip('"'))
 

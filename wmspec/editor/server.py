@@ -20,6 +20,7 @@ from pygls.workspace import TextDocument
 from wmspec import __version__
 from wmspec.api.loading import TextCheck
 from wmspec.core.diagnostics import Diagnostic, WmsError
+from wmspec.core.safe_io import read_text
 from wmspec.editor.document import Document
 from wmspec.editor.protocol import Positions, lsp_diagnostic, path_of, positions_in
 from wmspec.runtime.workers.pool import HelperProcess
@@ -125,7 +126,7 @@ class Server(LanguageServer):
 def read(path: Path) -> str:
     """Return the text of a file; "" if it cannot be read."""
     try:
-        return path.read_text(encoding="utf-8")
+        return read_text(path)
     except (OSError, UnicodeDecodeError):
         return ""
 

@@ -14,6 +14,7 @@ from wmspec.api.loading import diagnose_text
 from wmspec.api.task import Task
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError
 from wmspec.core.places import Source
+from wmspec.core.safe_io import read_bytes
 from wmspec.editor import examples
 from wmspec.lang.parse.files import display_path, read_source
 from wmspec.lang.parse.load import load_source
@@ -165,7 +166,7 @@ def _contents(paths: tuple[Path, ...]) -> dict[Path, bytes]:
     contents = {}
     for path in paths:
         try:
-            contents[path] = path.read_bytes()
+            contents[path] = read_bytes(path)
         except OSError:
             contents[path] = b""
     return contents

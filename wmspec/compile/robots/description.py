@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from wmspec.compile.robots.arm import Arm, Array, axis_rotation, translation
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import read_text
 from wmspec.lang.importers.model import Asset, Joint, Shape
 from wmspec.lang.importers.read import structure
 from wmspec.sim.scene.model import Pose
@@ -102,7 +103,7 @@ def read_description(path: Path) -> ArmModel:
 
 def _read_toml(path: Path) -> Description:
     try:
-        return Description.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
+        return Description.model_validate(tomllib.loads(read_text(path)))
     except (OSError, UnicodeDecodeError) as error:
         raise WmsError(f"cannot be read: {error}", FilePlace(str(path))) from None
     except tomllib.TOMLDecodeError as error:

@@ -17,7 +17,9 @@ from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import base_layer, override_layer
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.limits import FILE_BYTES
 from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import read_bytes
 from wmspec.lang.check.ir.ir import Counterfactual
 
 
@@ -54,7 +56,7 @@ def write_stages(design: Design, instance: Instance, folder: Path) -> list[Path]
             written_changes.append(change)
             layers[file] = override_layer(truth, written(change), f"./{name}.usda", what)
     for file, image in images.items():
-        _write(folder / file, image.read_bytes())
+        _write(folder / file, read_bytes(image, FILE_BYTES))
     return [_write(folder / file, layer.ExportToString().encode()) for file, layer in layers.items()]
 
 
@@ -75,7 +77,8 @@ def _with_local_files(made: Document, images: dict[str, Path]) -> Document:
 
 def _copy_name(image: Path, folder: str = "textures") -> str:
     """Return the name of a file's copy, determined by its content."""
-    return f"{folder}/{image.stem}-{blake2b(image.read_bytes(), digest_size=4).hexdigest()}{image.suffix.lower()}"
+    digest = blake2b(read_bytes(image, FILE_BYTES), digest_size=4).hexdigest()
+    return f"{folder}/{image.stem}-{digest}{image.suffix.lower()}"
 
 
 def _write(path: Path, content: bytes) -> Path:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 
+from wmspec.core.safe_io import regular_file
 from wmspec.dataset.build.rows import Row
 
 
@@ -30,7 +31,7 @@ class Baselines:
 def baselines(files: Iterable[Path]) -> Baselines:
     """Return the baselines of a task from its shard files. Raises OSError if one cannot be read."""
     columns = ["block", "question", "answer", "option_kind", "option_name", "option_text"]
-    rows: list[Row] = [row for file in files for row in pq.read_table(file, columns=columns).to_pylist()]
+    rows: list[Row] = [row for file in files for row in pq.read_table(regular_file(file), columns=columns).to_pylist()]
     answered = [row for row in rows if row["answer"] is not None]
     count = max(len(answered), 1)
     return Baselines(

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pyarrow as pa
 
+from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import Plan, Shard
 from wmspec.dataset.build.rows import schema, table
@@ -43,7 +44,7 @@ def load(folder: Path, plan: Plan, shard: Shard) -> dict[int, Outcome]:
     place = folder / _folder(shard)
     with files.with_remedies(place):
         for path in sorted(place.glob(f"*{_SUFFIX}")):
-            content = path.read_bytes()
+            content = read_bytes(path)
             if path.stem.partition("-")[2] != hashlib.sha256(content).hexdigest():
                 continue
             try:

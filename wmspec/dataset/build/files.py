@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import make_folders
+from wmspec.core.safe_io import make_folders, open_file
 
 #: The subfolder of a dataset with the state of an unfinished run.
 PROGRESS = ".progress"
@@ -103,7 +103,7 @@ def compact_json(values: dict[str, Any]) -> bytes:
 
 def digest(path: Path) -> str:
     """Return the SHA-256 of a file."""
-    with path.open("rb") as file:
+    with open_file(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 

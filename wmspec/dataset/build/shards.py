@@ -14,7 +14,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from wmspec.core.safe_io import read_bytes
+from wmspec.core.safe_io import read_bytes, regular_file
 from wmspec.dataset.build import files
 from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.plan import Plan, Shard
@@ -81,7 +81,7 @@ def parquet(content: pa.Table) -> bytes:
 
 def read_outcomes(folder: Path, shard: Shard, record: Record) -> dict[int, Outcome]:
     """Return the outcomes of all instances of an intact shard, by index."""
-    every = pq.read_table(folder / shard.path).to_pylist()
+    every = pq.read_table(regular_file(folder / shard.path)).to_pylist()
     rows = {index: tuple(same) for index, same in groupby(every, key=itemgetter("index"))}
     return {i: Outcome(rows.get(i, ()), tuple(r for r in record.rejected if r.index == i)) for i in shard.indices}
 

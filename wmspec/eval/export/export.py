@@ -13,7 +13,7 @@ from pathlib import Path
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.resources import resource
-from wmspec.core.safe_io import make_folders
+from wmspec.core.safe_io import make_folders, read_bytes
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.export.rows import COLUMNS, Row, exported_rows, write
@@ -73,7 +73,7 @@ class _Folder:
         if not self.place.exists() or not any(self.place.iterdir()):
             return
         try:
-            before = json.loads((self.place / MARK_FILE).read_bytes())["files"]
+            before = json.loads(read_bytes(self.place / MARK_FILE))["files"]
         except (OSError, ValueError, LookupError, TypeError, RecursionError):
             raise WmsError(f"{self.place} holds files that are not an export; choose another folder with -o") from None
         inside = self.place.resolve()

@@ -15,7 +15,7 @@ from PIL import Image, ImageCms, ImageOps
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.limits import PIXELS
-from wmspec.core.safe_io import is_within
+from wmspec.core.safe_io import is_within, regular_file
 
 #: File suffixes of pictures and clips. Animated pictures (GIF, WebP, PNG) count as clips too.
 STILL_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".gif")
@@ -163,7 +163,7 @@ def _even_indices(name: str, total: int, count: int) -> Iterator[int]:
 
 def _open_image(path: Path) -> Image.Image:
     """Open a picture without decoding it. Raises OSError and others, see `_with_remedies`."""
-    picture = Image.open(path, "r", _STILL_FORMATS)
+    picture = Image.open(regular_file(path), "r", _STILL_FORMATS)
     if picture.width * picture.height > PIXELS.most:
         raise Image.DecompressionBombError
     return picture

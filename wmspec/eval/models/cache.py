@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import make_folders
+from wmspec.core.safe_io import make_folders, regular_file
 from wmspec.eval.models.model import Model, Reply
 from wmspec.eval.models.request import Ask
 
@@ -27,7 +27,7 @@ class CachedModel:
         self._turn = threading.Lock()
         try:
             make_folders(path.parent)
-            self._file = sqlite3.connect(path, timeout=60, check_same_thread=False)
+            self._file = sqlite3.connect(regular_file(path, new=True), timeout=60, check_same_thread=False)
             self._file.execute("CREATE TABLE IF NOT EXISTS replies (key TEXT PRIMARY KEY, reply TEXT NOT NULL)")
         except (OSError, sqlite3.Error) as error:
             raise WmsError(f"--cache {path}: cannot be used ({error}); name another file") from None

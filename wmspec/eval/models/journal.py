@@ -18,7 +18,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import make_folders
+from wmspec.core.safe_io import make_folders, read_bytes, regular_file
 from wmspec.dataset.build.files import with_remedies
 from wmspec.eval.models.model import Reply
 
@@ -39,7 +39,7 @@ class Journal:
         self.path = path
         with with_remedies(path):
             make_folders(path.parent)
-            self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
+            self._file = os.open(regular_file(path, new=True), os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
             try:
                 self._lock()
                 self.replies = self._read(settings)
@@ -62,7 +62,7 @@ class Journal:
             raise WmsError(f"another process is writing to {self.path}; wait for it, or choose another -o") from None
 
     def _read(self, settings: dict[str, Any]) -> Replies:
-        content = self.path.read_bytes()
+        content = read_bytes(self.path)
         whole = content[: content.rfind(b"\n") + 1]
         if len(whole) < len(content):
             os.ftruncate(self._file, len(whole))

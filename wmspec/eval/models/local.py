@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.safe_io import read_bytes
 from wmspec.eval.models.images import AS_THEY_ARE, ImageOptions
 from wmspec.eval.models.model import Reply, storable
 from wmspec.eval.models.montage import decode_image
@@ -106,5 +107,5 @@ def _digest(path: Path) -> str:
     ):
         size = file.stat().st_size
         digest.update(f"{file.name} {size} ".encode())
-        digest.update(file.read_bytes() if size < 64 << 20 else b"")
+        digest.update(read_bytes(file) if size < 64 << 20 else b"")
     return digest.hexdigest()[:12]

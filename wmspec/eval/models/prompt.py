@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.resources import resource
+from wmspec.core.safe_io import read_text
 
 Labels = Literal["letters", "numbers"]
 Part = Literal["pictures", "question", "option_words", "option_pictures", "instruction"]
@@ -132,6 +133,6 @@ def _read(name: str) -> dict[str, Any]:
     if not file.is_file():
         raise WmsError(f"there is no prompt `{name}`: {', '.join(builtin_prompts())}, or the path of a .toml file")
     try:
-        return tomllib.loads(file.read_text(encoding="utf-8"))
+        return tomllib.loads(read_text(file))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise WmsError(f"prompt {file}: cannot be read ({error})") from None

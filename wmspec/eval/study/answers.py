@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import regular_file
+from wmspec.core.safe_io import read_bytes, regular_file
 from wmspec.eval.replies import LETTERS
 from wmspec.eval.study.model import Item, Study
 
@@ -62,7 +62,7 @@ def read(path: Path, study: Study) -> Visit:
             raise WmsError(
                 f"more than {MAX_FILE_BYTES >> 20} MiB: too large for a file of answers", FilePlace(str(path))
             )
-        visit = Visit.model_validate_json(path.read_bytes())
+        visit = Visit.model_validate_json(read_bytes(path))
     except OSError as error:
         raise WmsError(f"cannot be read: {error.strerror}", FilePlace(str(path))) from None
     except ValidationError as error:

@@ -9,7 +9,7 @@ from pathlib import Path
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.resources import resource
-from wmspec.core.safe_io import regular_file
+from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build.files import with_remedies
 from wmspec.dataset.build.webpage import webpage
 from wmspec.eval.study.model import PAGE_FOLDER, TEXTS_FOLDER, Item, Study
@@ -70,7 +70,7 @@ def _instructions(item: Item) -> str:
 
 def _read(path: Path) -> str:
     try:
-        text = regular_file(path).read_bytes()[: _MAX_TEXT_BYTES + 1]
+        text = read_bytes(path)[: _MAX_TEXT_BYTES + 1]
         if len(text) > _MAX_TEXT_BYTES:
             raise WmsError(f"longer than {_MAX_TEXT_BYTES >> 10} KiB", FilePlace(str(path)), "shorten it")
         return text.decode("utf-8")

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import regular_file
 from wmspec.eval.study.answers import Answer, Person, Visit
 from wmspec.eval.study.model import Study
 
@@ -53,7 +54,9 @@ class AnswerStore:
         self._study, self._lock = study, threading.Lock()
         try:
             # Wait for other processes; a commit is durable when it returns.
-            self._file = sqlite3.connect(path, timeout=30, isolation_level=None, check_same_thread=False)
+            self._file = sqlite3.connect(
+                regular_file(path, new=True), timeout=30, isolation_level=None, check_same_thread=False
+            )
             self._file.execute("pragma synchronous=full")
             with self._write():
                 for statement in filter(str.strip, _TABLES.split(";")):
@@ -61,7 +64,7 @@ class AnswerStore:
                 known = [name for (name,) in self._file.execute("select fingerprint from study")]
                 if not known:
                     self._file.execute("insert into study values (?)", [study.fingerprint])
-        except sqlite3.Error as error:
+        except (OSError, sqlite3.Error) as error:
             raise WmsError(
                 f"cannot be opened ({error})", FilePlace(str(path)), "move it away to start a new file"
             ) from None

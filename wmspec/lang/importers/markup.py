@@ -11,6 +11,7 @@ from xml.parsers import expat
 from wmspec.core.diagnostics import suggestion
 from wmspec.core.limits import XML_BYTES, XML_DEPTH, XML_ELEMENTS
 from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import open_file
 from wmspec.lang.importers.model import Faults, UnreadableAsset
 
 #: Maximum magnitude of any quantity (SI).
@@ -109,7 +110,7 @@ class Reader:
 def read_xml(path: Path, shown: str, faults: Faults) -> Element:
     """Return the root element of a file. Raises Broken, after adding the fault, if it is no XML or too large."""
     try:
-        with path.open("rb") as file:
+        with open_file(path) as file:
             content = file.read(XML_BYTES.most + 1)
     except OSError as error:
         raise faults.stop(FilePlace(shown), f"cannot be read: {error.strerror}", "make it readable") from None

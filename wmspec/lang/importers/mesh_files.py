@@ -13,7 +13,7 @@ from typing import Any
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.limits import FILE_BYTES, POINTS
-from wmspec.core.safe_io import is_within
+from wmspec.core.safe_io import is_within, open_file, read_bytes
 
 #: Size (bytes) of a face and of the header of a binary STL file.
 _STL_FACE, _STL_HEAD = 50, 84
@@ -29,7 +29,7 @@ def check_mesh_file(path: Path) -> None:
         raise FILE_BYTES.exceeded()
     if kind == ".stl" and (size - _STL_HEAD) / _STL_FACE * 3 > POINTS.most and _binary(path):
         raise POINTS.exceeded()
-    if kind == ".dae" and b"<!" in path.read_bytes().replace(b"<!--", b"").replace(b"<![CDATA[", b""):
+    if kind == ".dae" and b"<!" in read_bytes(path, FILE_BYTES).replace(b"<!--", b"").replace(b"<![CDATA[", b""):
         raise WmsError("has a DTD or entities, which are not allowed", help="remove them, or export it again")
     if kind in (".gltf", ".glb"):
         content = _gltf(path)
@@ -38,13 +38,13 @@ def check_mesh_file(path: Path) -> None:
 
 
 def _binary(path: Path) -> bool:
-    with path.open("rb") as file:
+    with open_file(path) as file:
         return not file.read(6).lower().startswith(b"solid ")
 
 
 def _gltf(path: Path) -> Any:
     """Return the JSON of a glTF file, or None if it is invalid, which its reader reports."""
-    content = path.read_bytes()
+    content = read_bytes(path, FILE_BYTES)
     if path.suffix.lower() == ".glb":
         if len(content) < 20:
             return None

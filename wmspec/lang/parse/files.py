@@ -14,7 +14,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.limits import XML_BYTES
 from wmspec.core.places import FilePlace, Source
 from wmspec.core.resources import resource
-from wmspec.core.safe_io import is_within, read_bytes, regular_file
+from wmspec.core.safe_io import is_within, open_file, read_bytes
 
 #: Longer files are rejected: handwritten specs are far shorter.
 MAX_CHARACTERS = 1_000_000
@@ -23,7 +23,7 @@ MAX_CHARACTERS = 1_000_000
 def read_source(path: Path) -> Source:
     """Return the text of a file. Raises WmsError if it cannot be read or is a USD stage."""
     try:
-        with regular_file(path).open("rb") as file:
+        with open_file(path) as file:
             if file.read(8).startswith(_STAGE):
                 raise WmsError("it is a USD stage, not a spec", FilePlace(str(path)), _stage_remedy(path))
         text = read_bytes(path, XML_BYTES).decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")

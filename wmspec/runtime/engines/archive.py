@@ -15,7 +15,7 @@ import wmspec.sim.usd.schema  # noqa: F401  importing it registers the schemas
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.core.limits import TRACE_BYTES, TooLarge
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import is_file_name, regular_file
+from wmspec.core.safe_io import is_file_name, open_file, regular_file
 from wmspec.sim.scene.model import Contact, Trace
 
 ARRAYS = ("time", "position", "orientation", "linear_velocity", "angular_velocity")
@@ -50,7 +50,7 @@ def load(path: Path) -> tuple[Usd.Stage, Trace]:
     place = FilePlace(str(path))
     try:
         _check_size(regular_file(path))
-        with np.load(path, allow_pickle=False) as file:
+        with open_file(path) as content, np.load(content, allow_pickle=False) as file:
             arrays: dict[str, Any] = dict(file)
         contacts = zip(arrays["contacts"].tolist(), arrays["contact_times"].tolist(), strict=True)
         trace = Trace(
@@ -75,7 +75,7 @@ def load(path: Path) -> tuple[Usd.Stage, Trace]:
 
 def _check_size(path: Path) -> None:
     """Raise TooLarge or ValueError if an archive unpacks to more than the limit, or than its headers declare."""
-    with zipfile.ZipFile(path) as archive:
+    with open_file(path) as content, zipfile.ZipFile(content) as archive:
         if sum(member.file_size for member in archive.infolist()) > TRACE_BYTES.most:
             raise TRACE_BYTES.exceeded()
         for member in archive.infolist():

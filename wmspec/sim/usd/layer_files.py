@@ -11,7 +11,7 @@ from pxr import Ar, Sdf, Tf
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.limits import FILE_BYTES, LAYER_BYTES, LAYER_SECONDS, LAYERS
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import NotARegularFile, regular_file
+from wmspec.core.safe_io import NotARegularFile, open_file, regular_file
 from wmspec.sim.usd.probe import require_readable
 
 #: Text layers up to this size that name no other file are opened without a probe: they cannot do harm.
@@ -70,5 +70,5 @@ def _is_harmless(path: Path, size: int) -> bool:
     """Whether a file is small text, which USD reads quickly whatever it holds."""
     if size > SMALL:
         return False
-    with path.open("rb") as file:
+    with open_file(path) as file:
         return file.read(8).startswith(b"#usda")

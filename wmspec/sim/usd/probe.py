@@ -19,6 +19,7 @@ from typing import IO, Literal
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import open_file
 
 #: Time limit (s) of a file, and per byte of it; bytes of address space, and additional bytes per byte of the file.
 MAX_SECONDS, SECONDS_PER_BYTE, BASE_MEMORY, MEMORY_PER_BYTE = 30.0, 1e-6, 2**31, 20
@@ -114,7 +115,7 @@ class _Process:
 
 def _is_text(path: str) -> bool:
     """Whether a layer is text, whose errors USD reports with their line."""
-    with Path(path).open("rb") as file:
+    with open_file(Path(path)) as file:
         return file.read(5) == b"#usda"
 
 
