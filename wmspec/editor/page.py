@@ -19,8 +19,6 @@ HOST = "127.0.0.1"
 HEARTBEAT = 5.0
 #: The content-security policy: the page loads nothing from other hosts.
 POLICY = "default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; script-src 'self' 'unsafe-inline'"
-
-
 #: The most connections at a time: a page has one for its events, and a few for its pictures.
 MAX_CONNECTIONS = 32
 #: Timeout (s) of a silent connection.
@@ -60,6 +58,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._events()
         elif self.path == "/trial":
             watch = self.server.watch
+            self.server.keep_open(self.request)
             with self.server.trying:  # one trial at a time
                 self._send("text/plain; charset=utf-8", try_spec(watch.path, watch.options.engine).encode())
         elif (png := self.server.watch.png(self.path.rpartition("/")[2].removesuffix(".png"))) is not None:
