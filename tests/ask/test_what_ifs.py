@@ -12,6 +12,7 @@ from wmspec.compile.design.design import Design
 from wmspec.compile.design.what_ifs import possible_what_ifs, what_ifs
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.episode import document
+from wmspec.dataset.build.rows import encode, schema
 from wmspec.runtime.questions.ask import ask
 from wmspec.runtime.questions.cross_validation import CrossValidation
 from wmspec.runtime.questions.model import QuestionRow, Rejected
@@ -159,3 +160,39 @@ def test_possible_what_ifs_include_those_of_every_instance() -> None:
         question "Is it low?" { answer height(c) < 4 cm without which } }""")
     names = [change.name for change in possible_what_ifs(spec.questions[0], Dependencies(spec))]
     assert names == ["without_a", "without_b"]
+
+
+def test_changes_of_other_words_have_other_names() -> None:
+    spec = task_from("""use tabletop
+      task one : custom {
+        factor n in [2, 3]
+        objects cubes[n] { shape: cube  size: 4 cm  color: red  on: table at (10 cm * index, 0) }
+        object c { shape: cube  size: 4 cm  color: green  on: cubes[0] at (0, 0) }
+        action go = launch(c, direction: 10 deg, speed: 0.1 m/s)
+        observe front at [0 s]  horizon 1 s
+        question "Is it low?" { answer height(c) < 4 cm without cubes[1] }
+        question "Is it low?" { answer height(c) < 4 cm without cubes[-1] }
+        question "Is it low?" { answer height(c) < 4 cm under action go.direction: go.direction + 5 deg }
+        question "Is it low?" { answer height(c) < 4 cm under action go.direction: go.direction - 5 deg } }""")
+    design = Design(spec)
+    truths = [Evaluator(spec, design[i].values, None, design[i].key) for i in range(len(design))]
+    removed = {(change.owner, i) for i, truth in enumerate(truths) for change in what_ifs(spec.questions[1], truth)}
+    assert {owner for owner, _ in removed} == {"cubes_1", "cubes_2"}
+    plus, minus = (what_ifs(spec.questions[q], truths[0])[0].name for q in (2, 3))
+    assert plus != minus
+
+
+def test_rows_of_a_task_with_a_what_if_have_the_same_columns() -> None:
+    spec = task_from("""use tabletop
+      task one : custom {
+        factor tone in [red, blue]
+        object a { shape: cube  size: 6 cm  color: tone   on: table at (0, 0) }
+        object b { shape: cube  size: 6 cm  color: green  on: a at (0, 0) }
+        observe front at [0 s]  horizon 1 s
+        question "Would it be low?" { answer height(b) < 4 cm without a  legibility off }
+        question "Is it low?" { answer height(b) < 4 cm  legibility off } }""")
+    rows = ask(Design(spec), 0, pair("mujoco"))
+    made = [encode(row, "questions") for row in rows if isinstance(row, QuestionRow)]
+    assert [row["what_if"] for row in made] == [["without a"], []]
+    assert [row["actual_value"] for row in made] == ["no", None]
+    assert all(row.keys() == set(schema(spec).names) for row in made)

@@ -244,7 +244,6 @@ def _type(factor: Factor) -> pa.DataType:
 def encode(question: QuestionRow, rows_of: RowsOf) -> Row:
     """Return the row of a question. Encoding pictures takes a few milliseconds each, so call it in the worker."""
     engine = question.engine if rows_of == "engines" else None
-    imagined = {"what_if": [_change(each) for each in question.what_ifs], "actual_value": question.actual}
     return {
         "id": identity(question.seed, question.task, question.index, question.question, engine),
         "task": question.task,
@@ -277,7 +276,7 @@ def encode(question: QuestionRow, rows_of: RowsOf) -> Row:
         "seed": question.seed,
         **({} if question.redrawn is None else {"redrawn": question.redrawn}),
         **({} if question.visible is None else {"context_visible": [asdict(each) for each in question.visible]}),
-        **(imagined if question.what_ifs else {}),
+        **_what_ifs(question),
         **_channel_columns(question.context),
         **{f"factor.{n}": v for n, v in question.factors.items()},
         **{f"level.{n}": words for n, words in question.levels.items()},
@@ -299,6 +298,12 @@ def _options(question: QuestionRow) -> Row:
         "option_objects": _objects([o.objects for o in options]),
         **({"option_outcome": [o.outcome for o in options]} if question.sorted_outcomes else {}),
     }
+
+
+def _what_ifs(question: QuestionRow) -> Row:
+    if question.what_ifs is None:
+        return {}
+    return {"what_if": [_change(each) for each in question.what_ifs], "actual_value": question.actual}
 
 
 def _objects(pictures: Iterable[Iterable[VisibleObject]]) -> list[Row]:

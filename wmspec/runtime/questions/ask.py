@@ -8,6 +8,7 @@ from typing import TypeVar
 
 from wmspec.compile.design.about import referenced_objects
 from wmspec.compile.design.design import Design, Instance
+from wmspec.compile.design.what_ifs import imagines
 from wmspec.core.diagnostics import GraphicsError, WmsError
 from wmspec.core.rng import Permutation, bits, permuted
 from wmspec.lang.check.expressions.measured import COURSE, is_measured, moments
@@ -256,8 +257,10 @@ class _Row:
         run, (camera, time) = self.asking.run, view
         return visible_objects(run, run.draw(camera, time, self.asking.pair), time, names)
 
-    def what_ifs(self) -> tuple[Change, ...]:
-        """Return the changes of the what-ifs of the question."""
+    def what_ifs(self) -> tuple[Change, ...] | None:
+        """Return the changes of the what-ifs of the question; None if no question of the task has some."""
+        if not any(map(imagines, self.design.spec.questions)):
+            return None
         before = self.asking.values
         imagined = [run.values for run in self.asking.imagined]
         return tuple(change_of(after.change, (), before, after) for after in imagined if after.change is not None)

@@ -181,8 +181,8 @@ class QuestionRow:
     earlier draws of a balanced group (None: not balanced). `legibility` are all applicable measures. `label` is
     the answer as it is counted (see `answer_label`). `visible` has the visible share, in every shown picture, of
     objects that may be hidden (None: no question of the task allows it). `what_ifs` are the changes that the question
-    imagines, and `actual` is the value of its expression without them, in words. `evidence` is compared with other
-    engines.
+    imagines (None: no question of the task imagines any), and `actual` is the value of its expression without them, in
+    words. `evidence` is compared with other engines.
     """
 
     task: str
@@ -218,7 +218,7 @@ class QuestionRow:
     legibility: tuple[Legibility, ...] = ()
     label: str = ""
     visible: tuple[VisiblePart, ...] | None = None
-    what_ifs: tuple[Change, ...] = ()
+    what_ifs: tuple[Change, ...] | None = None
     actual: str | None = None
 
     @property

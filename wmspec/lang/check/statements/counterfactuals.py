@@ -49,11 +49,11 @@ class Counterfactuals:
 
     def what_if(self, change: s.Change) -> ir.Counterfactual:
         """Return the change of a what-if, named by its own words; two of the same words are one."""
-        words = re.sub(r"\W+", "_", change.span.words).strip("_")
-        name = f"without_{words}" if change.kind == "without" else words
-        if name not in self._what_ifs:
-            self._what_ifs[name] = self._change(name, change)
-        return self._what_ifs[name]
+        words = f"{change.kind} {change.span.words}"
+        if words not in self._what_ifs:
+            taken = {made.name for made in self._what_ifs.values()}
+            self._what_ifs[words] = self._change(_unique(_slug(change), taken), change)
+        return self._what_ifs[words]
 
     def _change(self, name: str, change: s.Change) -> ir.Counterfactual:
         match change.kind:
@@ -188,3 +188,15 @@ class Counterfactuals:
         if prop.id not in of.slots:
             self.check.fail(*of.unknown_property_error(prop))
         return name, prop.id, of.slots[prop.id]
+
+
+def _slug(change: s.Change) -> str:
+    """Return the words of a change as a name, such as `without_green` or `state_ball_mass_2_kg`."""
+    words = re.sub(r"-", " minus ", re.sub(r"\+", " plus ", change.span.words))
+    name = re.sub(r"\W+", "_", words).strip("_")
+    return f"without_{name}" if change.kind == "without" else name
+
+
+def _unique(name: str, taken: set[str]) -> str:
+    """Return the name, numbered if it is taken."""
+    return next(n for n in (name, *(f"{name}_{k}" for k in range(2, len(taken) + 3))) if n not in taken)
