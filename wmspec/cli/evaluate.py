@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.api.progress import progress_bar
-from wmspec.cli.common import exit_if_failed, json_option, seed_option
+from wmspec.cli.common import exit_if_failed, json_option, seed_option, tell
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.tally import Tally
 
@@ -127,6 +127,8 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
     )
     limits = Limits(options["max_requests"], options["rate"], options["max_cost"])
     selection = Selection(options["task"], options["engine"], options["limit"])
+    if note := selection.repetition(opened):
+        tell(note)
     run = Run(opened, settings, selection, options["permute"], options["samples"], limits)
     connection = server.Server(url, options["timeout"], options["retries"], options["price"], images) if url else None
     return run, connection

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from wmspec.cli.common import exit_if_failed
+from wmspec.cli.common import exit_if_failed, tell
 from wmspec.core.tally import Tally
 
 _PATH = click.Path(path_type=Path)
@@ -46,7 +46,10 @@ def export_command(
 
     opened = DatasetReader.open(dataset)
     opened.intact()
-    what = Export(opened, Selection(task, engine, limit), Path(prompt).stem, prompts.load(prompt))
+    selection = Selection(task, engine, limit)
+    if note := selection.repetition(opened):
+        tell(note)
+    what = Export(opened, selection, Path(prompt).stem, prompts.load(prompt))
     count = export(what, tool, output)
     click.echo(f"{output}: {count:,} questions for {tool}; {output / 'README.md'} says how to run it")
     exit_if_failed(Tally("question was written", count))

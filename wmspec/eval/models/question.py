@@ -66,6 +66,14 @@ class Selection:
     engines: tuple[str, ...] = ()
     limit: int | None = None
 
+    def repetition(self, dataset: DatasetReader) -> str:
+        """Return a note if the dataset has a row for each engine, so that a question occurs several times; else ''."""
+        times = len(self.engines or dataset.engines)
+        if dataset.rows_of == "questions" or times < 2:
+            return ""
+        remedy = f"--engine {dataset.engines[0]} selects one row"
+        return f"note: the dataset has a row for each engine, and each question is asked {times} times; {remedy}"
+
     def ids(self, dataset: DatasetReader) -> list[str]:
         """Return the ids of the questions in dataset order. Raises WmsError if a task or engine is missing."""
         for name in self.tasks:
