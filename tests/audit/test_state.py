@@ -45,3 +45,13 @@ def test_of_two_pictures_it_sees_how_far_things_go() -> None:
     seen = [thing(0, "ball", "red ball", 0.2), thing(1, "ball", "red ball", 0.5)]
     (row,) = state.question_states([Case({"context_objects": seen, "text": "Where to?"}, (b"", b""), ())], (0, 1))
     assert np.allclose(row[-3:], [0.3, 0.0, 0.3])
+
+
+def test_what_no_picture_shows_is_no_evidence() -> None:
+    def trembling(turn: float) -> Case:
+        seen = thing(0, "ball", "red ball", 0.2 + turn / 10) | {"qy": turn}
+        return Case({"context_objects": [seen], "text": "How fast?"}, (b"",), ())
+
+    still, trembled, turned = state.question_states([trembling(t) for t in (0.0, 1e-4, 0.1)], (0,))
+    assert np.array_equal(still, trembled)
+    assert not np.array_equal(still, turned)

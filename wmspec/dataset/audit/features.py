@@ -19,6 +19,9 @@ GRID_SIZE, COLOUR_LEVELS = 8, 4
 MAX_PIXEL_COMPONENTS = 16
 #: Number of principal components of word pairs.
 MAX_TEXT_COMPONENTS = 24
+#: Smallest variance of a principal component, relative to the largest. A smaller one is a rounding error, and scaled up
+#: it keeps a lasso from converging.
+MIN_VARIANCE_SHARE = 1e-10
 #: Maximum vocabulary size; the most frequent words, names and texts are used.
 MAX_VOCABULARY = 40
 
@@ -151,7 +154,8 @@ def _with_products(a: Array, b: Array) -> Array:
 
 
 def principal_components(x: Array, most: int) -> Array:
-    """Return the leading principal components."""
+    """Return the leading principal components with a variance above rounding errors: (samples, at most `most`)."""
     x = x - x.mean(0)
-    _, directions = np.linalg.eigh(x.T @ x)
-    return np.asarray(x @ directions[:, -most:])
+    variances, directions = np.linalg.eigh(x.T @ x)
+    significant = int((variances > MIN_VARIANCE_SHARE * variances[-1]).sum())
+    return np.asarray(x @ directions[:, -max(1, min(most, significant)) :])

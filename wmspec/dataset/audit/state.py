@@ -19,6 +19,11 @@ Array = NDArray[np.float64]
 #: Features of an object: position and area in the picture, orientation, colour.
 POSE_CHANNELS = ("across", "down", "share", "qw", "qx", "qy", "qz")
 COLOUR_CHANNELS = ("red", "green", "blue")
+#: Decimals of a feature that a picture can show: half a pixel, a pixel of area, one degree, 2 of 255 shades. What is
+#: finer, such as how a body trembles at rest, is no evidence for anyone who sees the picture.
+DECIMALS = (
+    dict.fromkeys(("across", "down"), 3) | {"share": 5} | dict.fromkeys((*POSE_CHANNELS[3:], *COLOUR_CHANNELS), 2)
+)
 #: Maximum number of objects of a question; those that it is about come first.
 MAX_OBJECTS = 6
 
@@ -153,7 +158,7 @@ def _step(a: Array, b: Array) -> Array:
 
 
 def _numbers(seen: Row | None) -> Array:
-    """Return the features of an object; -1 where it is not visible."""
+    """Return the features of an object, no finer than a picture shows them; -1 where it is not visible."""
     if seen is None or not seen["share"]:
         return np.full(len(POSE_CHANNELS) + len(COLOUR_CHANNELS), -1.0)
-    return np.array([seen[name] for name in (*POSE_CHANNELS, *COLOUR_CHANNELS)], dtype=np.float64)
+    return np.array([round(seen[name], DECIMALS[name]) for name in (*POSE_CHANNELS, *COLOUR_CHANNELS)])
