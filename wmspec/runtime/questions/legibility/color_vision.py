@@ -10,6 +10,7 @@ from wmspec.sim.scene.render.color import to_linear, to_srgb
 
 #: Linear sRGB to what dichromats see, at full severity (Machado, Oliveira and Fernandes, "A Physiologically-based Model
 #: for Simulation of Color Vision Deficiency", IEEE Transactions on Visualization and Computer Graphics 15, 2009).
+#: The values equal severity 1.0 of `CVD_MATRICES_MACHADO2010` in colour-science.
 DICHROMACY = {
     "protanopia": np.array(
         [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]
