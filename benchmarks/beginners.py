@@ -129,6 +129,9 @@ MISTAKES = tuple(
         ("a method", "launch(ball, direction", "ball.launch(direction", 12, "launch(ball"),
         ("an action after an object", _PUSH, "speed: pace) after crate", 12, "an action"),
         ("when as if", _PUSH, "speed: pace) at 0.2 s if n == 2", 12, "`when`"),
+        ("a set of factors", "factor n in [2, 3]", "factor n[2] in [2, 3]", 6, "nuisance n[2]"),
+        ("a cause without candidates", _ANSWER, "answer cause of contact(ball, crate)", 16, "among [a, b]"),
+        ("a change of no kind", _ANSWER, _ANSWER + " under push.speed: 1 m/s", 16, "action push.speed"),
         # texts
         ("a sweep of a factor in a text", _HIT, 'question hit "At {pcae} the ball', 15, "`pace`"),
         ("a format in a text", _HIT, 'question hit "At {pace:.2f} the ball', 15, "{pace}"),

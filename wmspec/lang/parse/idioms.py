@@ -150,6 +150,10 @@ def _sets(tokens: Sequence[Token], i: int) -> Idiom | None:
     if words[0].type == "ACTION" and words[2].type == "LSQB" and (end := _closing(tokens, i + 2)) is not None:
         help = f"write `actions {name}{_text(tokens[i + 2 : end + 1])} = ...`"
         return Idiom(i, end + 1, (words[0], words[1]), "this declares a set of actions", help)
+    if words[0].type == "FACTOR" and words[2].type == "LSQB" and (end := _closing(tokens, i + 2)) is not None:
+        help = f"write `nuisance {name}{_text(tokens[i + 2 : end + 1])}`, or a factor for each"
+        message = "a factor has one value, and a nuisance may have one for each member of a set"
+        return Idiom(i, end + 1, (words[0], words[1]), message, help)
     if words[0].type == "ACTIONS" and words[2].type == "EQUAL":
         made = words[0]._replace(type="ACTION", text="action")
         help = f"write `action {name}`, or `actions {name}[NUMBER]` for a set"
@@ -185,6 +189,28 @@ def _condition(tokens: Sequence[Token], i: int) -> Idiom | None:
         return Idiom(i, i + 1, (made,), "the condition of an action begins with `when`", help)
     help = "write `if CONDITION then A else B`; what an instance must meet is `ensure CONDITION`"
     return Idiom(i, stop, (), "this `if` has no `else`", help)
+
+
+def _cause(tokens: Sequence[Token], i: int) -> Idiom | None:
+    """`cause of toppled(tower)`, without candidates."""
+    if tokens[i].type != "CAUSE" or i + 1 >= len(tokens) or tokens[i + 1].type != "OF":
+        return None
+    stop = _statement_end(tokens, i)
+    after = tokens[stop].type if stop < len(tokens) else ""
+    if after == "AMONG" or any(token.type == "AMONG" for token in tokens[i:stop]):
+        return None
+    help = f"write `{_text(tokens[i:stop])} among [a, b]`, of which one is the answer"
+    return Idiom(i, i + 2, (), "a cause is one of several candidates", help)
+
+
+def _change(tokens: Sequence[Token], i: int) -> Idiom | None:
+    """`under push.speed: 1 m/s`, without the kind of change."""
+    if [t.type for t in tokens[i : i + 3]] != ["UNDER", "NAME", "DOT"]:
+        return None
+    stop = _statement_end(tokens, i)
+    written = _text(tokens[i + 1 : stop])
+    help = f"write `under action {written}` for an argument of an action, `under state {written}` for a property"
+    return Idiom(i, stop, (), "a change begins with `action` or `state`", help)
 
 
 def _block(tokens: Sequence[Token], i: int) -> Idiom | None:
@@ -231,6 +257,8 @@ _IDIOMS: tuple[Callable[[Sequence[Token], int], Idiom | None], ...] = (
     _sets,
     _block,
     _condition,
+    _cause,
+    _change,
     _function,
 )
 
