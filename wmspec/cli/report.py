@@ -28,8 +28,11 @@ from wmspec.core.diagnostics import WmsError
     show_default=True,
     help="Folder for report.html, report.json, figures and tables.",
 )
+@click.option("--name", "names", multiple=True, metavar="ID=NAME", help="Display name of a model. Repeatable.")
 @json_option
-def report_command(results: tuple[Path, ...], dataset: Path | None, output: Path, as_json: bool) -> None:
+def report_command(
+    results: tuple[Path, ...], dataset: Path | None, output: Path, names: tuple[str, ...], as_json: bool
+) -> None:
     """Report results: tables, intervals, comparisons, psychometric curves, entanglement, difficulty.
 
     RESULTS are files of `wmspec evaluate` and `wmspec study collect`, or folders of them.
@@ -44,7 +47,7 @@ def report_command(results: tuple[Path, ...], dataset: Path | None, output: Path
     from wmspec.eval.report.write import text, write
 
     with progress_bar(STEPS, "analysing", "analyses") as progress:
-        made = report(list(results), dataset, progress)
+        made = report(list(results), dataset, progress, _display_names(names))
     page = write(made, make_folder(output))
     if as_json:
         click.echo(text(made), nl=False)
@@ -52,3 +55,14 @@ def report_command(results: tuple[Path, ...], dataset: Path | None, output: Path
     for sentence in (*summary(made), *warnings(made), *lost_answers(made)):
         click.echo(sentence)
     click.echo(page)
+
+
+def _display_names(written: tuple[str, ...]) -> dict[str, str]:
+    """Return display names by model. Raises WmsError for one that is not ID=NAME."""
+    names = {}
+    for each in written:
+        id, equals, name = each.rpartition("=")
+        if not id or not equals or not name.strip():
+            raise WmsError(f"--name {each}: expected ID=NAME, such as openai:gpt-4o=GPT-4o")
+        names[id] = name.strip()
+    return names

@@ -1,8 +1,9 @@
 """s-RE, the standardized relative entanglement of the paper: dependence of accuracy on irrelevant factors.
 
 For a factor with N levels, p_i the accuracy at level i and p̄ the mean of the p_i, it is the mean of |1 − p_i / p̄|
-(Gao et al., 2025, section 5). A system that ignores the factor has a positive value by chance. Therefore the value with
-shuffled levels is reported as well.
+(Gao et al., 2025, section 5). A system that ignores the factor has a positive value by chance. Therefore the values
+with shuffled levels are reported as a null band. Intervals come from a bootstrap over control groups, shifted by its
+bias, since resampling adds differences between levels.
 """
 
 from __future__ import annotations
@@ -14,13 +15,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from wmspec.eval.report.intervals import Floats, ratio, seeded_generator
+from wmspec.eval.report.intervals import CONFIDENCE, MIN_CLUSTERS, Floats, ratio, resample_sums, seeded_generator
 from wmspec.eval.report.questions import Questions
 from wmspec.eval.report.replies import Replies
 from wmspec.lang.check.tables.vocabulary import FACTOR_DIMENSIONS, WORDS
 
 #: Number of shuffles; maximum number of levels of a factor; minimum number of questions at each level.
 SHUFFLES, MAX_LEVELS, MIN_QUESTIONS = 300, 12, 5
+#: Number of bootstrap draws.
+BOOTSTRAPS = 500
 #: Relative difference from which stimulus differences are distinct; Cramér's V from which answers depend on a factor.
 MIN_STEP, MIN_ASSOCIATION = 0.1, 0.3
 
@@ -30,11 +33,12 @@ DIMENSIONS = tuple(FACTOR_DIMENSIONS)
 
 @dataclass(frozen=True)
 class Entanglement:
-    """s-RE of a task by one factor: `value`, and with shuffled levels its `mean` and 95 % quantile `bound`.
+    """s-RE of a task by one factor: `value` with its interval `low` to `high`, None if there are few control groups.
 
+    With shuffled levels, `mean` is the mean, and `least` to `bound` the null band, from the 5 % to the 95 % quantile.
     `p` is the share of shuffles with at least this value. `dimension` is the one that the dataset records, or one that
-    follows from the values, or ''. If `probed`,
-    the answer or the stimulus difference depends on the factor; then accuracy may depend on it too.
+    follows from the values, or ''. If `probed`, the answer or the stimulus difference depends on the factor; then
+    accuracy may depend on it too.
     """
 
     task: str
@@ -46,7 +50,10 @@ class Entanglement:
     levels: int
     questions: int
     value: float
+    low: float | None
+    high: float | None
     mean: float
+    least: float
     bound: float
     p: float
 
@@ -63,15 +70,22 @@ def entanglement(replies: Replies) -> tuple[Entanglement, ...]:
 def _question(replies: Replies, task: str, name: str, questions: pd.DataFrame) -> Iterator[Entanglement]:
     assert replies.questions is not None
     varied = replies.questions.varied[task].loc[questions.index]
-    scores = replies.scores.loc[questions.index].to_numpy()
+    everything = questions
     for factor in varied.columns:
-        codes, levels = pd.factorize(varied[factor].astype(str), sort=True)
+        questions = everything[_has_level(varied[factor])]
+        codes, levels = pd.factorize(varied.loc[questions.index, factor].astype(str), sort=True)
+        scores = replies.scores.loc[questions.index].to_numpy()
         if 2 <= len(levels) <= MAX_LEVELS and np.bincount(codes).min() >= MIN_QUESTIONS:
             facet = replies.questions.about.get(task, {}).get(factor) or dimension_of_values(varied[factor])
             about = _depends_on_factor(replies.questions, task, factor, questions.index)
-            yield from _factor(
-                replies, (task, name, factor, facet, about), codes, scores, questions["index"].to_numpy()
-            )
+            yield from _factor(replies, (task, name, factor, facet, about), codes, scores, questions)
+
+
+def _has_level(values: pd.Series[object]) -> pd.Series[bool]:
+    """Whether each question counts: all, but for looks of objects only those with a frequent look."""
+    if not str(values.name).startswith("object "):
+        return pd.Series(True, values.index)
+    return values.notna() & (values.groupby(values).transform("size").reindex(values.index) >= MIN_QUESTIONS)
 
 
 def _factor(
@@ -79,20 +93,42 @@ def _factor(
     key: tuple[str, str, str, str, bool],
     codes: NDArray[np.intp],
     scores: Floats,
-    instance: NDArray[np.int64],
+    questions: pd.DataFrame,
 ) -> Iterator[Entanglement]:
     value = relative_entanglement(codes, scores)
-    shuffled = _shuffled_entanglement(codes, scores, instance, key)
+    shuffled = _shuffled_entanglement(codes, scores, questions["index"].to_numpy(), key)
+    low, high = _intervals(codes, scores, questions["cluster"].to_numpy(), value, key)
     for j, system in enumerate(replies.systems):
         drawn = shuffled[:, j][~np.isnan(shuffled[:, j])]
         if np.isnan(value[j]) or not len(drawn):
             continue
         as_much = (1 + int((drawn >= value[j] - 1e-12).sum())) / (1 + len(drawn))
-        questions = int((~np.isnan(scores[:, j])).sum())
+        least, bound = map(float, np.quantile(drawn, [0.05, 0.95]))
+        ends = (None, None) if np.isnan(low[j]) else (float(low[j]), float(high[j]))
         yield Entanglement(
-            *key, system, int(codes.max()) + 1, questions,
-            float(value[j]), float(drawn.mean()), float(np.quantile(drawn, 0.95)), as_much,
+            *key, system, int(codes.max()) + 1, int((~np.isnan(scores[:, j])).sum()),
+            float(value[j]), *ends, float(drawn.mean()), least, bound, as_much,
         )  # fmt: skip
+
+
+def _intervals(
+    codes: NDArray[np.intp], scores: Floats, cluster: NDArray[np.object_], value: Floats, key: object
+) -> tuple[Floats, Floats]:
+    """Return both ends (m,) of the 95 % interval of s-RE (m,), NaN with few clusters."""
+    _, which = np.unique(cluster.astype(str), return_inverse=True)
+    levels, clusters = int(codes.max()) + 1, int(which.max()) + 1
+    if clusters < MIN_CLUSTERS:
+        return np.full_like(value, np.nan), np.full_like(value, np.nan)
+    right = np.zeros((clusters, levels, scores.shape[1]))
+    count = np.zeros_like(right)
+    np.add.at(right, (which, codes), np.nan_to_num(scores))
+    np.add.at(count, (which, codes), ~np.isnan(scores))
+    p = ratio(*resample_sums((right, count), ("entanglement", *np.atleast_1d(np.asarray(key, dtype=str))), BOOTSTRAPS))
+    middle = np.nanmean(p, axis=1, keepdims=True) if p.size else p
+    drawn = ratio(np.nanmean(abs(middle - p), axis=1), middle[:, 0])
+    shift = np.nanmean(drawn, axis=0) - value
+    ends = np.nanquantile(drawn, [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2], axis=0) - shift
+    return np.clip(ends[0], 0, value), np.maximum(ends[1], value)
 
 
 def _depends_on_factor(questions: Questions, task: str, factor: str, ids: pd.Index[str]) -> bool:

@@ -9,11 +9,13 @@ from typing import Any
 
 import pandas as pd
 
+from wmspec.eval.report.entanglement import Entanglement
+from wmspec.eval.report.intervals import Estimate
 from wmspec.eval.report.report import Report
 from wmspec.eval.report.tables import Table
 
-#: The gain in LaTeX.
-DELTA = r"$\Delta$"
+#: The gain, in captions.
+DELTA = "Δ"
 
 
 def long_tables(report: Report) -> dict[str, pd.DataFrame]:
@@ -26,6 +28,7 @@ def long_tables(report: Report) -> dict[str, pd.DataFrame]:
         "flips": report.flips,
         "positions": report.positions,
         "mistakes": report.mistaken,
+        "preferences": report.preferences,
         "entanglement": report.entanglement,
         "curves": report.curves,
         "detections": report.detections,
@@ -89,6 +92,14 @@ def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
             'd′ in same/different questions, in brackets the criterion (positive: a bias to "same").',
             _pivot(rows, report.systems),
         )
+    if report.preferences:
+        rows = (
+            (f"{p.task}: {p.dimension} {p.level}", p.system, _points_with_interval(p.bias)) for p in report.preferences
+        )
+        made["preferences"] = (
+            "Chosen when the system errs: share of errors that choose it, minus share in which it is true (points).",
+            _pivot(rows, report.systems),
+        )
     if report.filtered:
         rows = ((f"{f.task}, perceived by {f.by}", f.system, _signed_points(f.gain.value)) for f in report.filtered)
         made["filtered"] = (
@@ -103,11 +114,10 @@ def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
         )
     if report.entanglement:
         cells = (
-            (f"{e.task}: {e.factor}", e.system, f"{format_percent(e.value)} ({format_percent(e.mean)})")
-            for e in report.entanglement
+            (f"{e.task}: {e.factor}{'*' if e.probed else ''}", e.system, _entangled(e)) for e in report.entanglement
         )
         made["entanglement"] = (
-            "s-RE (%) by task and factor, in brackets when the levels are shuffled.",
+            "s-RE (%), 95 % intervals, and in brackets the null band of shuffled levels. *: answers depend on the factor.",
             _pivot(cells, report.systems),
         )
     thresholds = [(f"{c.task}: {c.quantity}", c.system, _threshold(c.threshold, c.low, c.high)) for c in report.curves]
@@ -134,26 +144,6 @@ def _pivot(cells: Iterable[tuple[str, str, str]], systems: tuple[str, ...]) -> p
     return crossed.reindex(columns=[s for s in systems if s in crossed.columns])
 
 
-def latex_table(caption: str, frame: pd.DataFrame) -> str:
-    """Return a table in LaTeX, for the packages booktabs and multirow; special characters are escaped."""
-    escaped = frame.rename(index=_escape_latex, columns=_escape_latex).map(_escape_latex)
-    escaped.index.name = None
-    escaped.columns.names = [None] * escaped.columns.nlevels
-    written: str = escaped.to_latex(escape=False, caption=caption.replace("%", r"\%"), multicolumn_format="c")
-    return written
-
-
-def _escape_latex(text: str) -> str:
-    return text.translate(_LATEX).replace(" · ", r" $\cdot$ ")
-
-
-#: Special characters of LaTeX, escaped because names of models are untrusted.
-_LATEX = str.maketrans(
-    {c: f"\\{c}" for c in "_%&#${}"}
-    | {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "–": "--", "−": "$-$"}
-)
-
-
 # ---------------------------------------------------------------- numbers
 
 
@@ -164,6 +154,17 @@ def format_percent(share: float | None) -> str:
 
 def _signed_points(share: float) -> str:
     return "–" if math.isnan(share) else f"{100 * share:+.1f}".replace("-", "−")
+
+
+def _points_with_interval(estimate: Estimate) -> str:
+    if estimate.low is None or estimate.high is None:
+        return _signed_points(estimate.value)
+    return f"{_signed_points(estimate.value)} [{_signed_points(estimate.low)}, {_signed_points(estimate.high)}]"
+
+
+def _entangled(e: Entanglement) -> str:
+    interval = "" if e.low is None else f" [{format_percent(e.low)}, {format_percent(e.high)}]"
+    return f"{format_percent(e.value)}{interval} ({format_percent(e.least)}–{format_percent(e.bound)})"
 
 
 def _threshold(value: float | None, low: float | None, high: float | None) -> str:

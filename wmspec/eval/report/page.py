@@ -31,7 +31,7 @@ TITLES = {
 
 #: Collapsed tables of each section.
 TABLES_OF = {
-    "choices": ("pairs", "whole_groups"),
+    "choices": ("pairs", "whole_groups", "preferences"),
     "analyses": ("detections", "filtered", "missed", "thresholds", "entanglement"),
 }
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -95,14 +96,15 @@ class Replies:
         return self.about[~self.about["query"]]
 
 
-def read(paths: Sequence[Path], dataset: Path | None) -> Replies:
-    """Read result files, or folders of them.
+def read(paths: Sequence[Path], dataset: Path | None, names: Mapping[str, str] | None = None) -> Replies:
+    """Read result files, or folders of them; `names` are display names of models.
 
     Raises WmsError if one cannot be read, lacks a column, or contradicts another, or if a question is not in the
     dataset.
     """
     table = pd.concat([_file(path) for path in _files(paths)], ignore_index=True)
     table = _unique_replies(table)
+    table = table.assign(model=table["model"].replace(_checked_names(table["model"], names or {})))
     questions = Questions.read(dataset) if dataset else None
     if questions is not None:
         _check_dataset(table, questions, dataset)
@@ -184,6 +186,24 @@ def _check_dataset(table: pd.DataFrame, questions: Questions, dataset: Path | No
             f"{len(strange):,} questions answered are not in {dataset}, such as {strange[0]}; "
             f"give the dataset that was evaluated{f' ({close})' if close.startswith('did') else ''}"
         )
+
+
+def _checked_names(models: pd.Series[str], names: Mapping[str, str]) -> dict[str, str]:
+    """Return display names by model. Raises WmsError for an unknown model, or for one name of two systems."""
+    known = sorted(map(str, models.unique()))
+    for id, name in names.items():
+        if id not in known:
+            hint = suggestion(id, known) or f"there are {', '.join(known[:10])}"
+            raise WmsError(f"--name {id}={name}: there are no results of `{id}`; {hint}")
+        if id in BASELINES or id.startswith(RATER_PREFIX):
+            raise WmsError(f"--name {id}={name}: baselines and people keep their names")
+        if not re.fullmatch(r"[^\x00-\x1f\x7f-\x9f]{1,60}", name):
+            raise WmsError(f"--name {id}={name}: expected a name of 1 to 60 characters")
+    shown = [names.get(id, id) for id in known]
+    twice = [name for name in names.values() if shown.count(name) > 1 or name in (*BASELINES, PEOPLE)]
+    if twice:
+        raise WmsError(f"--name: two systems would be called {twice[0]}")
+    return dict(names)
 
 
 # ---------------------------------------------------------------- systems

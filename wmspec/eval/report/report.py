@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar, get_args
@@ -19,6 +19,7 @@ from wmspec.eval.report.entanglement import Entanglement, entanglement
 from wmspec.eval.report.filtered import FilteredAccuracy, MissedAccuracy, filtered_accuracies, missed_accuracies
 from wmspec.eval.report.items import Items, items
 from wmspec.eval.report.pairs import Pair, pairs
+from wmspec.eval.report.preferences import Preference, preferences
 from wmspec.eval.report.replies import PEOPLE, Replies, read
 from wmspec.eval.report.tables import Table, tables
 from wmspec.eval.report.whole_groups import WholeGroup, whole_groups
@@ -69,6 +70,7 @@ class Report:
     entanglement: tuple[Entanglement, ...]
     curves: tuple[Curve, ...]
     detections: tuple[Detection, ...]
+    preferences: tuple[Preference, ...]
     filtered: tuple[FilteredAccuracy, ...]
     missed: tuple[MissedAccuracy, ...]
     items: Items | None
@@ -83,12 +85,19 @@ class Report:
         return tuple(sorted(best, key=lambda s: (s == PEOPLE, -sum(best[s]) / len(best[s]), s)))
 
 
-def report(results: list[Path], dataset: Path | None, progress: Callable[[str, int], None]) -> Report:
+def report(
+    results: list[Path],
+    dataset: Path | None,
+    progress: Callable[[str, int], None],
+    names: Mapping[str, str] | None = None,
+) -> Report:
     """Read results and run every analysis that they and the dataset permit. `progress` is called after each.
+
+    `names` are display names by model.
 
     Raises WmsError if a file cannot be read, or files do not match.
     """
-    return analyse(read(results, dataset), dataset.resolve().name if dataset else "", progress)
+    return analyse(read(results, dataset, names), dataset.resolve().name if dataset else "", progress)
 
 
 def analyse(replies: Replies, dataset: str, progress: Callable[[str, int], None]) -> Report:
@@ -114,6 +123,7 @@ def analyse(replies: Replies, dataset: str, progress: Callable[[str, int], None]
         entanglement=step("entanglement", entanglement),
         curves=step("curves", curves),
         detections=step("detections", detections),
+        preferences=step("preferences", preferences),
         filtered=step("filtered", filtered_accuracies),
         missed=step("missed", missed_accuracies),
         items=step("items", items),

@@ -11,7 +11,8 @@ from typing import Any
 from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build.files import with_remedies
 from wmspec.eval.report.figures.sections import figures
-from wmspec.eval.report.frames import latex_table, long_tables, wide_tables
+from wmspec.eval.report.frames import long_tables, wide_tables
+from wmspec.eval.report.latex import accuracy_frame, latex_table
 from wmspec.eval.report.page import page
 from wmspec.eval.report.report import Report
 
@@ -25,7 +26,11 @@ def write(report: Report, folder: Path) -> Path:
         f"tables/{name}.csv": frame.to_csv(index=False, lineterminator="\n")
         for name, frame in long_tables(report).items()
     }
-    content |= {f"tables/{name}.tex": latex_table(caption, frame) for name, (caption, frame) in printed.items()}
+    accuracies = {table.kind: accuracy_frame(table) for table in report.tables}
+    content |= {
+        f"tables/{name}.tex": latex_table(caption, accuracies.get(name, frame))
+        for name, (caption, frame) in printed.items()
+    }
     if "thresholds" in printed:
         content["tables/thresholds.csv"] = printed["thresholds"][1].to_csv(lineterminator="\n")
     for name, written in content.items():

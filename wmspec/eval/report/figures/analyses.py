@@ -1,4 +1,4 @@
-"""Figures of the paper's analyses (entanglement, stimulus differences, filtered prediction) and of items."""
+"""Figures of stimulus differences, filtered prediction, and items."""
 
 from __future__ import annotations
 
@@ -7,10 +7,8 @@ from collections.abc import Iterator
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from wmspec.eval.report.curves import Curve
-from wmspec.eval.report.entanglement import DIMENSIONS, Entanglement
 from wmspec.eval.report.figures.style import (
     GREY,
     INK,
@@ -27,77 +25,8 @@ from wmspec.eval.report.figures.style import (
     to_svg,
 )
 from wmspec.eval.report.filtered import OWN_PERCEPTION
-from wmspec.eval.report.replies import BASELINES, PEOPLE
+from wmspec.eval.report.replies import PEOPLE
 from wmspec.eval.report.report import Report
-
-Grid = NDArray[np.float64]
-
-
-# ---------------------------------------------------------------- entanglement
-
-
-def entanglement(report: Report) -> Iterator[SvgFigure]:
-    """Yield s-RE of tasks by the paper's dimensions, measured and shuffled; then of each model by dimension."""
-    models = [s for s in report.systems if s not in (*BASELINES, PEOPLE)]
-    mine = [e for e in report.entanglement if e.system in models and e.dimension and not e.probed]
-    if not mine:
-        return
-    tasks, columns = sorted({e.task for e in mine}), [d for d in DIMENSIONS if any(e.dimension == d for e in mine)]
-    value, shuffled = (_grid(mine, tasks, columns, which) for which in ("value", "mean"))
-    figure, axes = panels(2, 1.6 + 0.75 * len(columns), 0.9 + 0.3 * len(tasks), 2, sharey=True)
-    top = max(0.1, float(np.nanmax(value)))
-    for ax, grid, title in zip(axes, (value, shuffled), ("measured", "when shuffled"), strict=True):
-        _heat(ax, grid, tasks, columns, top)
-        ax.set_title(title)
-    reading = (
-        "s-RE: the mean relative change of accuracy when only this property of the objects changes; mean over "
-        f"{len(models)} {'model' if len(models) == 1 else 'models'}. The right side is the same with shuffled levels, "
-        "as expected by chance. Where the left square is no darker than the right one, nothing is entangled. If a "
-        "task varies several such factors, the one with the largest value is shown. Factors that the question is "
-        "about are excluded."
-    )
-    yield to_svg(figure, "entanglement", "Does accuracy depend on irrelevant factors?", reading)
-    yield from _by_model(mine, models, columns)
-
-
-def _grid(mine: list[Entanglement], tasks: list[str], columns: list[str], which: str) -> Grid:
-    """Return, for each task and dimension, the mean over models for the factor with the largest excess s-RE."""
-    grid = np.full((len(tasks), len(columns)), np.nan)
-    for i, task in enumerate(tasks):
-        for j, column in enumerate(columns):
-            factors: dict[tuple[str, str], list[Entanglement]] = {}
-            for e in mine:
-                if (e.task, e.dimension) == (task, column):
-                    factors.setdefault((e.question, e.factor), []).append(e)
-            if factors:
-                most = max(sorted(factors), key=lambda f: np.mean([e.value - e.mean for e in factors[f]]))
-                grid[i, j] = np.mean([getattr(e, which) for e in factors[most]])
-    return grid
-
-
-def _heat(ax: Axes, grid: Grid, rows: list[str], columns: list[str], top: float) -> None:
-    ax.imshow(grid, cmap="OrRd", vmin=0, vmax=top, aspect="auto")
-    ax.set_facecolor("#eef0f3")
-    for (i, j), value in np.ndenumerate(grid):
-        if not np.isnan(value):
-            ax.text(j, i, f"{100 * value:.0f}", ha="center", va="center", color="white" if value > 0.6 * top else INK)
-    ax.set_xticks(range(len(columns)), columns)
-    ax.xaxis.tick_top()
-    ax.set_yticks(range(len(rows)), rows)
-    ax.tick_params(length=0)
-    ax.spines[:].set_visible(False)
-
-
-def _by_model(mine: list[Entanglement], models: list[str], columns: list[str]) -> Iterator[SvgFigure]:
-    grid = np.array([
-        [np.mean([e.value - e.mean for e in mine if (e.system, e.dimension) == (m, d)] or [np.nan]) for d in columns]
-        for m in models
-    ])  # fmt: skip
-    figure, (ax,) = panels(1, 1.8 + 0.85 * len(columns), 0.8 + 0.3 * len(models), 1)
-    _heat(ax, np.maximum(grid, 0), models, columns, max(0.05, float(np.nanmax(grid))))
-    reading = "s-RE beyond what shuffling yields (points), mean over tasks and factors: 0 means independence."
-    yield to_svg(figure, "entanglement_models", "Dependence of each model on irrelevant factors", reading)
-
 
 # ---------------------------------------------------------------- curves
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmspec.eval.report.figures import accuracy, analyses, choices
+from wmspec.eval.report.figures import accuracy, analyses, choices, entanglement
 from wmspec.eval.report.figures.style import SvgFigure, settings
 from wmspec.eval.report.report import Report
 
@@ -11,7 +11,7 @@ SECTIONS = {
     "results": (accuracy.averages,),
     "compared": (accuracy.dimensions, accuracy.comparisons),
     "choices": (choices.pairs, choices.positions, choices.flips, choices.mistakes),
-    "analyses": (analyses.filtered, analyses.curves, analyses.entanglement),
+    "analyses": (analyses.filtered, analyses.curves, entanglement.entanglement),
     "items": (analyses.items,),
 }
 
