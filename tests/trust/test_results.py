@@ -82,7 +82,7 @@ def test_columns_of_another_type(tmp_path: Path, original: Path) -> None:
 
 def test_a_models_name_is_no_command(tmp_path: Path) -> None:
     pd = pytest.importorskip("pandas")
-    from wmspec.eval.report.frames import latex_table
+    from wmspec.eval.report.latex import latex_table
 
     name = r"a\input{/etc/passwd}$x^2$~"
     written = latex_table("caption", pd.DataFrame({"x": ["1"]}, index=[name]))

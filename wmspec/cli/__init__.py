@@ -41,11 +41,17 @@ COMMANDS = (
     "study",
     "report",
     "export",
+    "submit",
+    "score",
+    "leaderboard",
+    "import",
     "import-images",
     "conformance",
     "doctor",
 )
 
+#: Modules of commands whose names are words of Python.
+MODULES = {"import": "import_benchmark"}
 
 #: Former command name -> current name.
 RENAMED_COMMANDS = {
@@ -156,7 +162,7 @@ class _Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         if cmd_name not in COMMANDS:
             return None
-        name = cmd_name.replace("-", "_")
+        name = MODULES.get(cmd_name, cmd_name.replace("-", "_"))
         module = importlib.import_module(f"wmspec.cli.{name}")
         command: click.Command = getattr(module, f"{name}_command")
         return command

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from wmspec.cli.common import exit_if_failed, tell
+from wmspec.core.diagnostics import WmsError
 from wmspec.core.tally import Tally
+
+if TYPE_CHECKING:
+    from wmspec.dataset.build.reader import DatasetReader
+    from wmspec.eval.models.question import Selection
 
 _PATH = click.Path(path_type=Path)
 
 
 @click.command("export")
 @click.argument("dataset", type=_PATH)
-@click.option("--to", "tool", required=True, type=click.Choice(["inspect", "lmms-eval", "vlmevalkit", "hf"]))
+@click.option(
+    "--to", "tool", required=True, type=click.Choice(["inspect", "lmms-eval", "vlmevalkit", "hf", "questions"])
+)
 @click.option("--output", "-o", type=_PATH, required=True, metavar="FOLDER", help="Output folder.")
 @click.option("--prompt", default="default", show_default=True, help="default, paper, numbers, montage, or a file.")
+@click.option("--secret", type=_PATH, metavar="FILE", help="For questions: secret that hides ids and signs receipts.")
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
 @click.option("--engine", multiple=True, metavar="NAME", help="Only rows of this engine.")
 @click.option(
@@ -30,11 +39,15 @@ def export_command(
     tool: str,
     output: Path,
     prompt: str,
+    secret: Path | None,
     task: tuple[str, ...],
     engine: tuple[str, ...],
     limit: int | None,
 ) -> None:
-    """Export a dataset as a folder for Inspect, lmms-eval, VLMEvalKit or Hugging Face `datasets`.
+    """Export a dataset as a folder for Inspect, lmms-eval, VLMEvalKit or Hugging Face `datasets`, or without answers.
+
+    `questions` are published in place of a private dataset: without answers, under ids hidden by --secret, a file that
+    is made if it is not there. `wmspec submit`, `score` and `leaderboard` do the rest.
 
     Requests equal those of `wmspec evaluate`. The folder contains the parser of replies and a README with the commands.
     Exits with 1 if no question was written.
@@ -49,7 +62,22 @@ def export_command(
     selection = Selection(task, engine, limit)
     if note := selection.repetition(opened):
         tell(note)
+    if (secret is None) == (tool == "questions"):
+        raise WmsError("--secret FILE belongs to --to questions, which needs it")
+    if secret is not None:
+        _publish(opened, selection, prompt, secret, output)
+        return
     what = Export(opened, selection, Path(prompt).stem, prompts.load(prompt))
     count = export(what, tool, output)
     click.echo(f"{output}: {count:,} questions for {tool}; {output / 'README.md'} says how to run it")
+    exit_if_failed(Tally("question was written", count))
+
+
+def _publish(dataset: DatasetReader, selection: Selection, prompt: str, secret: Path, output: Path) -> None:
+    from wmspec.eval.models import prompt as prompts
+    from wmspec.eval.publish.questions import publish
+    from wmspec.eval.publish.secret import Secret
+
+    count = publish(dataset, selection, Path(prompt).stem, prompts.load(prompt), Secret.open_or_create(secret), output)
+    click.echo(f"{output}: {count:,} questions without answers; publish it, and keep {secret} and the dataset")
     exit_if_failed(Tally("question was written", count))

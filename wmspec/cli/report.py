@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+from dataclasses import asdict
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -28,10 +30,22 @@ from wmspec.core.diagnostics import WmsError
     show_default=True,
     help="Folder for report.html, report.json, figures and tables.",
 )
+@click.option(
+    "--ranks",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="RESULTS",
+    help="Results of the same models on another dataset: print how far both rank the models alike. Repeatable.",
+)
 @click.option("--name", "names", multiple=True, metavar="ID=NAME", help="Display name of a model. Repeatable.")
 @json_option
 def report_command(
-    results: tuple[Path, ...], dataset: Path | None, output: Path, names: tuple[str, ...], as_json: bool
+    results: tuple[Path, ...],
+    dataset: Path | None,
+    output: Path,
+    ranks: tuple[Path, ...],
+    names: tuple[str, ...],
+    as_json: bool,
 ) -> None:
     """Report results: tables, intervals, comparisons, psychometric curves, entanglement, difficulty.
 
@@ -42,6 +56,9 @@ def report_command(
     lacking = [name for name in ("pandas", "matplotlib", "statsmodels") if find_spec(name) is None]
     if lacking:
         raise WmsError(f"a report needs {', '.join(lacking)}; install it with: pip install 'wmspec[report]'")
+    if ranks:
+        _print_ranks(results, ranks, names, as_json)
+        return
     from wmspec.eval.report.page import lost_answers, summary, warnings
     from wmspec.eval.report.report import STEPS, report
     from wmspec.eval.report.write import text, write
@@ -66,3 +83,26 @@ def _display_names(written: tuple[str, ...]) -> dict[str, str]:
             raise WmsError(f"--name {each}: expected ID=NAME, such as openai:gpt-4o=GPT-4o")
         names[id] = name.strip()
     return names
+
+
+def _print_ranks(results: tuple[Path, ...], others: tuple[Path, ...], names: tuple[str, ...], as_json: bool) -> None:
+    from wmspec.eval.report.frames import format_percent
+    from wmspec.eval.report.ranks import MIN_MODELS, rank_agreement
+    from wmspec.eval.report.replies import read
+
+    first, second = (read(list(paths), None, {}) for paths in (results, others))
+    found = rank_agreement(first, second)
+    if not found:
+        raise WmsError(f"--ranks: fewer than {MIN_MODELS} models have results in both")
+    if as_json:
+        click.echo(json.dumps([asdict(agreement) for agreement in found], indent=1))
+        return
+    shown = _display_names(names)
+    for agreement in found:
+        click.echo(f"{agreement.kind or 'all'}: {len(agreement.models)} models")
+        for name, estimate in (("Spearman's ρ", agreement.spearman), ("Kendall's τ", agreement.kendall)):
+            interval = f" [{estimate.low:.2f}, {estimate.high:.2f}]" if estimate.sure else ""
+            click.echo(f"  {name} {estimate.value:.2f}{interval}")
+        rows = sorted(zip(agreement.models, agreement.first, agreement.second, strict=True), key=lambda row: -row[1])
+        for model, here, there in rows:
+            click.echo(f"  {shown.get(model, model)}: {format_percent(here)} % and {format_percent(there)} %")

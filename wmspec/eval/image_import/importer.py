@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from wmspec.dataset.build.shards import parquet
 from wmspec.eval.image_import.decode import PictureFolder
 from wmspec.eval.image_import.rows import CAMERA_ENGINE, rows, schema
 from wmspec.eval.image_import.table import Entry, read
+from wmspec.eval.image_import.wm_abench import Pictures, read_file, sources
 
 #: Mark in the manifest of an imported dataset, which may be replaced by another import.
 PROVENANCE = "recast"
@@ -55,10 +57,48 @@ def import_images(path: Path, folder: Path, output: Path, size: int) -> ImportRe
         files.write(output, name, content)
     files.write(output, files.CARD, _card(path, tasks).encode())
     files.write(output, files.CROISSANT, files.pretty_json(_metadata(tasks)))
-    files.write(output, files.MANIFEST, files.pretty_json(_manifest(path, tasks, shards, size)))
+    about = {"name": path.name, "sha256": files.digest(path)}
+    records = {
+        _path(name): {"rows": len(of_one), "sha256": hashlib.sha256(shards[_path(name)]).hexdigest()}
+        for name, of_one in tasks.items()
+    }
+    files.write(output, files.MANIFEST, files.pretty_json(_manifest(about, tasks, records, size)))
     (output / files.PROGRESS).rmdir()
     unlicensed = sum(not entry.license for entry in entries)
     return ImportResult({name: len(of_one) for name, of_one in tasks.items()}, pictures.unused, unlicensed)
+
+
+def import_wm_abench(
+    folder: Path, output: Path, size: int, dimensions: dict[str, str], limit: int | None = None
+) -> ImportResult:
+    """Import the released WM-ABench as a dataset, at most `limit` questions of a task, one shard a file.
+
+    Raises WmsError if a file is invalid, or if the output holds something else or cannot be written.
+    """
+    found = sources(folder, dimensions)
+    _clear(output)
+    with files.with_remedies(output):
+        make_folders(output / files.PROGRESS)
+    tasks: dict[str, list[Entry]] = {}
+    shards: dict[str, dict[str, Any]] = {}
+    for source in found:
+        for number, path in enumerate(source.files):
+            pictures, known = Pictures(folder, size), tasks.setdefault(source.task, [])
+            made = list(
+                islice(read_file(source, path, pictures, len(known)), None if limit is None else limit - len(known))
+            )
+            if made:
+                content = parquet(table(rows(made, pictures, len(known)), schema(made)))
+                name = f"data/{source.task}/test-{number:05}-of-{len(source.files):05}.parquet"
+                files.write(output, name, content)
+                shards[name] = {"rows": len(made), "sha256": hashlib.sha256(content).hexdigest()}
+                known += made
+    files.write(output, files.CARD, _card(folder, tasks).encode())
+    files.write(output, files.CROISSANT, files.pretty_json(_metadata(tasks)))
+    about = {"name": folder.name, "sha256": hashlib.sha256(files.pretty_json(shards)).hexdigest()}
+    files.write(output, files.MANIFEST, files.pretty_json(_manifest(about, tasks, shards, size)))
+    (output / files.PROGRESS).rmdir()
+    return ImportResult({name: len(of_one) for name, of_one in tasks.items()}, (), 0)
 
 
 def _check_dimensions(path: Path, tasks: dict[str, list[Entry]]) -> None:
@@ -105,11 +145,13 @@ def _clear(output: Path) -> None:
 # ---------------------------------------------------------------- metadata
 
 
-def _manifest(path: Path, tasks: dict[str, list[Entry]], shards: dict[str, bytes], size: int) -> dict[str, Any]:
+def _manifest(
+    about: dict[str, str], tasks: dict[str, list[Entry]], shards: dict[str, dict[str, Any]], size: int
+) -> dict[str, Any]:
     return {
         "format": 1,
         "made by": PROVENANCE,
-        "table": {"name": path.name, "sha256": files.digest(path)},
+        "table": about,
         "versions": {"wmspec": __version__},
         "seed": 0,
         "engines": [CAMERA_ENGINE],
@@ -118,10 +160,7 @@ def _manifest(path: Path, tasks: dict[str, list[Entry]], shards: dict[str, bytes
         "tasks": {name: _task(of_one) for name, of_one in tasks.items()},
         "rows": sum(map(len, tasks.values())),
         "rejected": {"count": {}, "list": []},
-        "shards": {
-            _path(name): {"rows": len(of_one), "sha256": hashlib.sha256(shards[_path(name)]).hexdigest()}
-            for name, of_one in tasks.items()
-        },
+        "shards": shards,
     }
 
 

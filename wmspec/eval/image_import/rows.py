@@ -4,20 +4,35 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from typing import Protocol
 
+import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 
 from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.rows import COLUMNS, Row, encode_picture, table_schema
-from wmspec.eval.image_import.decode import PictureFolder
 from wmspec.eval.image_import.table import Entry
+
+
+class PictureSource(Protocol):
+    """Pictures by name."""
+
+    def still(self, name: str) -> NDArray[np.uint8]:
+        """Return a picture (h, w, 3)."""
+        ...
+
+    def frames(self, name: str, count: int) -> tuple[list[NDArray[np.uint8]], list[float]]:
+        """Return frames of a clip and their times (s)."""
+        ...
+
 
 #: The name of the only engine and camera of an imported dataset.
 CAMERA_ENGINE = "camera"
 
 
-def rows(entries: Sequence[Entry], pictures: PictureFolder) -> list[Row]:
-    """Return the rows of a task's entries, in order.
+def rows(entries: Sequence[Entry], pictures: PictureSource, first: int = 0) -> list[Row]:
+    """Return the rows of a task's entries, in order, with instances and blocks numbered from `first`.
 
     Entries of one episode are questions of one instance. Entries of one group are in one block; others have a block
     each.
@@ -28,8 +43,8 @@ def rows(entries: Sequence[Entry], pictures: PictureFolder) -> list[Row]:
     question_counts: dict[int, int] = {}
     made = []
     for entry in entries:
-        index = instances.setdefault(entry.episode or f"line {entry.line}", len(instances))
-        block = blocks.setdefault(entry.group or f"instance {index}", len(blocks))
+        index = instances.setdefault(entry.episode or f"line {entry.line}", first + len(instances))
+        block = blocks.setdefault(entry.group or f"instance {index}", first + len(blocks))
         question = question_counts.get(index, 0)
         question_counts[index] = question + 1
         made.append(_row(entry, (index, block, question), factors, pictures))
@@ -60,7 +75,7 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _row(entry: Entry, place: tuple[int, int, int], factors: list[str], pictures: PictureFolder) -> Row:
+def _row(entry: Entry, place: tuple[int, int, int], factors: list[str], pictures: PictureSource) -> Row:
     index, block, question = place
     shown, times = _context_pictures(entry, pictures)
     difference = {"name": entry.quantity, "unit": entry.unit, "value": entry.difference}
@@ -101,7 +116,7 @@ def _row(entry: Entry, place: tuple[int, int, int], factors: list[str], pictures
     }
 
 
-def _context_pictures(entry: Entry, pictures: PictureFolder) -> tuple[list[dict[str, bytes | None]], list[float]]:
+def _context_pictures(entry: Entry, pictures: PictureSource) -> tuple[list[dict[str, bytes | None]], list[float]]:
     if entry.clip:
         pixels, times = pictures.frames(entry.pictures[0], entry.frames)
         return [encode_picture(p) for p in pixels], times

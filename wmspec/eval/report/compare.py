@@ -61,10 +61,9 @@ def weights_in_average(questions: pd.DataFrame) -> Floats:
     `questions` has `task` and `dimension`.
     """
     task = questions["task"]
-    dimension = pd.Series(
-        [Column.of(t, d).dimension for t, d in zip(task, questions["dimension"], strict=True)], questions.index
-    )
-    tasks = pd.DataFrame({"d": dimension, "t": task}).drop_duplicates().groupby("d").size()
+    first = questions.drop_duplicates("task")
+    by_task = {t: Column.of(t, d).dimension for t, d in zip(first["task"], first["dimension"], strict=True)}
+    dimension, tasks = task.map(by_task), pd.Series(by_task).value_counts()
     each = dimension.nunique() * dimension.map(tasks) * task.map(task.value_counts())
     return np.asarray(1 / each.to_numpy(dtype=float))
 

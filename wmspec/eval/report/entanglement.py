@@ -81,7 +81,7 @@ def _question(replies: Replies, task: str, name: str, questions: pd.DataFrame) -
             yield from _factor(replies, (task, name, factor, facet, about), codes, scores, questions)
 
 
-def _has_level(values: pd.Series[object]) -> pd.Series[bool]:
+def _has_level(values: pd.Series[str]) -> pd.Series[bool]:
     """Whether each question counts: all, but for looks of objects only those with a frequent look."""
     if not str(values.name).startswith("object "):
         return pd.Series(True, values.index)
@@ -104,10 +104,11 @@ def _factor(
             continue
         as_much = (1 + int((drawn >= value[j] - 1e-12).sum())) / (1 + len(drawn))
         least, bound = map(float, np.quantile(drawn, [0.05, 0.95]))
-        ends = (None, None) if np.isnan(low[j]) else (float(low[j]), float(high[j]))
+        known = not np.isnan(low[j])
         yield Entanglement(
-            *key, system, int(codes.max()) + 1, int((~np.isnan(scores[:, j])).sum()),
-            float(value[j]), *ends, float(drawn.mean()), least, bound, as_much,
+            *key, system, int(codes.max()) + 1, int((~np.isnan(scores[:, j])).sum()), float(value[j]),
+            float(low[j]) if known else None, float(high[j]) if known else None,
+            float(drawn.mean()), least, bound, as_much,
         )  # fmt: skip
 
 

@@ -117,7 +117,7 @@ def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
             (f"{e.task}: {e.factor}{'*' if e.probed else ''}", e.system, _entangled(e)) for e in report.entanglement
         )
         made["entanglement"] = (
-            "s-RE (%), 95 % intervals, and in brackets the null band of shuffled levels. *: answers depend on the factor.",
+            "s-RE (%), 95 % intervals, and in brackets the null band. *: answers depend on the factor.",
             _pivot(cells, report.systems),
         )
     thresholds = [(f"{c.task}: {c.quantity}", c.system, _threshold(c.threshold, c.low, c.high)) for c in report.curves]

@@ -42,7 +42,7 @@ def preferences(replies: Replies) -> tuple[Preference, ...]:
         (replies.table["right"] == 0) & replies.table["parsed"].notna() & (replies.table["options"] > 0)
     ]
     table = table[table["answer"].notna()]
-    levels = replies.questions.table["levels"]
+    levels = {str(id): found for id, found in replies.questions.table["levels"].items()}
     return tuple(
         p
         for (task, system), of_one in table.groupby(["task", "system"], sort=True)
@@ -50,12 +50,14 @@ def preferences(replies: Replies) -> tuple[Preference, ...]:
     )
 
 
-def _preferences(task: str, system: str, errors: pd.DataFrame, levels: pd.Series[object]) -> Iterator[Preference]:
+def _preferences(
+    task: str, system: str, errors: pd.DataFrame, levels: dict[str, tuple[dict[str, str], ...]]
+) -> Iterator[Preference]:
     moved: dict[str, list[tuple[str, str, str]]] = defaultdict(list)
     for id, place, answer, cluster in zip(
         errors["id"], errors["parsed"], errors["answer"], errors["cluster"], strict=True
     ):
-        options: tuple[dict[str, str], ...] = levels[id]  # type: ignore[assignment]
+        options = levels[str(id)]
         chosen, true = options[int(place)], options[int(answer)]
         for dimension in chosen.keys() & true.keys():
             if chosen[dimension] != true[dimension]:

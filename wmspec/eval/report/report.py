@@ -131,7 +131,7 @@ def analyse(replies: Replies, dataset: str, progress: Callable[[str, int], None]
 
 
 #: Number of calls of `progress`.
-STEPS = 14
+STEPS = 15
 
 
 def accounts(replies: Replies) -> tuple[Account, ...]:

@@ -1,0 +1,226 @@
+"""From questions without answers to a leaderboard: nothing leaks, every reply counts, and no receipt can be forged."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pyarrow.parquet as pq
+import pytest
+from click.testing import CliRunner, Result
+
+from tests.browser import opened
+from tests.evaluate.made import in_numbers, in_pictures, in_words
+from tests.evaluate.manners import first_words, server
+from wmspec.cli import main
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.models.question import Question, questions
+from wmspec.eval.publish.secret import Secret
+from wmspec.eval.replies import LETTERS
+
+pytest.importorskip("pandas")
+
+
+def wmspec(*args: object, code: int = 0) -> Result:
+    done = CliRunner().invoke(main, [str(arg) for arg in args])
+    assert done.exit_code == code, done.output
+    return done
+
+
+def question_list(dataset: Path) -> list[Question]:
+    opened = DatasetReader.open(dataset)
+    ids = [row["id"] for task in opened.tasks for row in opened.rows(task, ["id"])]
+    return list(questions(opened, ids, pictures=False))
+
+
+class Holder:
+    """Who holds the answers: a dataset, a secret, and the folder that was published."""
+
+    def __init__(self, folder: Path, dataset: Path) -> None:
+        self.folder, self.dataset = folder, dataset
+        self.secret, self.public = folder / "secret.key", folder / "public"
+        wmspec("export", dataset, "--to", "questions", "-o", self.public, "--secret", self.secret)
+        self.index: dict[str, Any] = json.loads((self.public / "questions.json").read_text())
+
+    def submission(self, name: str, right: float = 1.0, **changed: str) -> Path:
+        """A file in which the first share of the questions is answered rightly."""
+        key = Secret.read(self.secret)
+        lines: list[dict[str, Any]] = [{"questions": self.index["digest"], "model": name} | changed]
+        known = question_list(self.dataset)
+        for number, q in enumerate(known):
+            true = LETTERS[q.answer] if q.answer is not None else f"{q.number} {q.unit}"
+            false = LETTERS[((q.answer or 0) + 1) % max(1, len(q.options))] if q.options else "none"
+            reply = true if number < right * len(known) else false
+            lines.append({"id": key.public_id(q.task, q.id), "reply": reply, "finish_reason": "stop"})
+        path = self.folder / f"{name}.jsonl"
+        path.write_text("".join(json.dumps(line) + "\n" for line in lines))
+        return path
+
+    def score(self, submission: Path, code: int = 0) -> Path:
+        path = self.folder / "receipts" / f"{submission.stem}.json"
+        path.parent.mkdir(exist_ok=True)
+        args = (self.dataset, self.public, submission, "--secret", self.secret, "-o", path, "--date", "2026-11-26")
+        wmspec("score", *args, code=code)
+        return path
+
+
+@pytest.fixture(scope="module")
+def holder(tmp_path_factory: pytest.TempPathFactory) -> Holder:
+    folder = tmp_path_factory.mktemp("holder")
+    return Holder(folder, in_words(folder / "d"))
+
+
+def test_published_questions_hold_no_answer_and_no_id(holder: Holder) -> None:
+    known = question_list(holder.dataset)
+    (table,) = [pq.read_table(path) for path in (holder.public / "data").iterdir()]
+    assert not {name for name in table.column_names if "answer" in name or name in ("group", "engine", "index")}
+    public = table["id"].to_pylist()
+    assert public == sorted(public), "the order follows from nothing but the hidden ids"
+    assert len(set(public)) == len(known)
+    written = b"".join(path.read_bytes() for path in holder.public.rglob("*") if path.is_file())
+    for q in known:
+        assert q.id.partition("/")[2].encode() not in written
+    assert holder.secret.stat().st_mode & 0o077 == 0
+    assert holder.secret.read_text().split()[1].encode() not in written
+
+
+def test_the_position_of_an_option_does_not_follow_from_the_id(holder: Holder) -> None:
+    other = Holder(holder.folder / "other", holder.dataset) if not (holder.folder / "other").exists() else None
+    assert other is not None
+    assert other.index["digest"] != holder.index["digest"], "another secret, other ids"
+
+
+@pytest.mark.parametrize("make", [in_words, in_pictures, in_numbers])
+def test_scores_are_exact(make: Any, tmp_path: Path) -> None:
+    holder = Holder(tmp_path, make(tmp_path / "d"))
+    for name, share in (("all", 1.0), ("half", 0.5), ("none", 0.0)):
+        wmspec("submit", holder.public, holder.submission(name, share))
+        receipt = json.loads(holder.score(tmp_path / f"{name}.jsonl").read_text())
+        (scores,) = receipt["scores"].values()
+        assert scores["average"]["value"] == pytest.approx(share)
+        assert sum(receipt["outcomes"].values()) == receipt["count"] == len(question_list(holder.dataset))
+        assert (receipt["model"], receipt["date"]) == (name, "2026-11-26")
+
+
+def test_what_is_missing_or_failed_is_wrong(holder: Holder) -> None:
+    path = holder.submission("partial")
+    about, *lines = path.read_text().splitlines()
+    changed = [json.loads(line) for line in lines[:-4]]
+    changed[0] |= {"reply": "A, B"}
+    changed[1] |= {"reply": "", "error": "broken"}
+    changed[2] |= {"reply": "The answer might", "finish_reason": "length"}
+    changed[3] |= {"finish_reason": "content_filter"}
+    path.write_text("\n".join([about, *map(json.dumps, changed)]))
+    output = wmspec("submit", holder.public, path, code=1).output
+    assert "4 questions have no reply" in output
+    receipt = json.loads(holder.score(path).read_text())
+    assert receipt["outcomes"] == {"answered": 16, "error": 5, "refused": 1, "truncated": 1, "unparsed": 1}
+    (scores,) = receipt["scores"].values()
+    assert scores["average"]["value"] == pytest.approx(16 / 24)
+    assert scores["answered"] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda lines: lines[1:], "not a line of a submission"),
+        (lambda lines: [lines[0].replace('"model"', '"modle"'), *lines[1:]], "not a line of a submission"),
+        (lambda lines: [*lines, lines[-1]], "a second reply"),
+        (lambda lines: [*lines, '{"id": "race/0000", "reply": "A"}'], "there is no question"),
+        (lambda lines: [*lines, "{"], "not a line of a submission"),
+        (lambda lines: [*lines, "[" * 100_000], "not a line of a submission"),
+        (lambda lines: ['{"questions": "' + "0" * 64 + '", "model": "m"}', *lines[1:]], "it answers other questions"),
+        (lambda lines: [], "the file is empty"),
+    ],
+)
+def test_a_wrong_submission_is_an_error_with_its_line(
+    change: Any, message: str, holder: Holder, tmp_path: Path
+) -> None:
+    lines = change(holder.submission("wrong").read_text().splitlines())
+    (tmp_path / "s.jsonl").write_text("\n".join(lines))
+    assert message in wmspec("submit", holder.public, tmp_path / "s.jsonl", code=2).output
+    args = ("--secret", holder.secret, "-o", tmp_path / "r.json")
+    assert message in wmspec("score", holder.dataset, holder.public, tmp_path / "s.jsonl", *args, code=2).output
+    assert not (tmp_path / "r.json").exists()
+
+
+def test_a_forged_or_edited_receipt_is_refused(holder: Holder, tmp_path: Path) -> None:
+    receipts = tmp_path / "receipts"
+    receipts.mkdir()
+    right = json.loads(holder.score(holder.submission("honest", 0.5)).read_text())
+    (receipts / "honest.json").write_text(json.dumps(right))
+    wmspec("leaderboard", receipts, "--secret", holder.secret, "-o", tmp_path / "site")
+    kind = next(iter(right["scores"]))
+    better = json.loads(json.dumps(right))
+    better["scores"][kind]["average"]["value"] = 1.0
+    edits = (
+        better,
+        right | {"model": "somebody else"},
+        right | {"outcomes": {"answered": 23, "error": 1}},
+        right | {"date": "2027-01-01"},
+        right | {"signature": "0" * 64},
+        right | {"signature": None},
+        right | {"extra": 1},
+        {name: value for name, value in right.items() if name != "notes"},
+        right | {"scores": {kind: {"average": float("nan")}}},
+    )
+    for edited in edits:
+        (receipts / "edited.json").write_text(json.dumps(edited))
+        output = wmspec("leaderboard", receipts, "--secret", holder.secret, "-o", tmp_path / "no", code=2).output
+        assert "forged, or was edited" in output
+        assert "edited.json" in output
+    Secret.open_or_create(tmp_path / "another.key")
+    (receipts / "edited.json").unlink()
+    args = ("--secret", tmp_path / "another.key", "-o", tmp_path / "no")
+    assert "forged" in wmspec("leaderboard", receipts, *args, code=2).output
+    assert not (tmp_path / "no").exists()
+
+
+def test_the_script_of_the_folder_answers_a_server_and_resumes(holder: Holder, tmp_path: Path) -> None:
+    pytest.importorskip("openai")
+    out = tmp_path / "submission.jsonl"
+    with server(first_words) as running:
+        command = [sys.executable, str(holder.public / "answer.py"), "--model", "chatty", "--output", str(out)]
+        command += ["--base-url", running.address, "--name", "Chatty"]
+        env = {"OPENAI_API_KEY": "none", "PATH": os.environ["PATH"]}
+        subprocess.run(command, check=True, env=env)
+        whole = out.read_text()
+        out.write_text("".join(whole.splitlines(keepends=True)[:10]))
+        sent = sum(running.tries.values())
+        subprocess.run(command, check=True, env=env)
+        assert sum(running.tries.values()) == sent + 24 - 9
+    assert out.read_text() == whole
+    assert "Chatty, prompt default: 24 of 24 replies\n24 answered" in wmspec("submit", holder.public, out).output
+
+
+@pytest.fixture
+def page(browser: Any, holder: Holder, tmp_path: Path) -> Iterator[Any]:
+    for name, share in (("worst", 0.25), ("best <b>", 0.875), ("middle", 0.5)):
+        path = holder.submission(name.split()[0], share, model=name)
+        receipt = holder.score(path)
+        (tmp_path / "receipts").mkdir(exist_ok=True)
+        (tmp_path / "receipts" / receipt.name).write_bytes(receipt.read_bytes())
+    args = (tmp_path / "receipts", "--secret", holder.secret, "-o", tmp_path / "site", "--title", "Race")
+    wmspec("leaderboard", *args)
+    yield from opened(browser, tmp_path / "site/index.html")
+
+
+@pytest.mark.browser
+def test_the_page_is_sorted_by_its_headings(page: Any) -> None:
+    def names() -> list[str]:
+        found: list[str] = page.eval_on_selector_all("tbody th", "all => all.map(c => c.innerText)")
+        return found
+
+    assert names() == ["best <b>", "middle", "worst"]
+    page.click("thead th:nth-child(2) button")
+    page.click("thead th:nth-child(2) button")
+    assert names() == ["worst", "middle", "best <b>"]
+    assert page.get_attribute("thead th:nth-child(2)", "aria-sort") == "ascending"
+    page.click("thead th:nth-child(1) button")
+    assert names() == ["best <b>", "middle", "worst"]
+    assert page.locator("tbody tr:first-child td.number small").first.inner_text().count("–") == 1

@@ -1,0 +1,52 @@
+"""`wmspec score`: score a submission and sign a receipt."""
+
+from __future__ import annotations
+
+import json
+from datetime import UTC, datetime
+from pathlib import Path
+
+import click
+
+from wmspec.cli.common import write_text
+
+_PATH = click.Path(path_type=Path)
+
+
+@click.command("score")
+@click.argument("dataset", type=_PATH)
+@click.argument("questions", type=_PATH)
+@click.argument("submission", type=_PATH)
+@click.option(
+    "--secret", type=_PATH, required=True, metavar="FILE", help="Secret that the questions were exported with."
+)
+@click.option("--output", "-o", type=_PATH, required=True, metavar="FILE", help="Receipt (.json).")
+@click.option(
+    "--date", type=click.DateTime(["%Y-%m-%d"]), metavar="DATE", help="Date of the receipt.  [default: today, in UTC]"
+)
+def score_command(
+    dataset: Path, questions: Path, submission: Path, secret: Path, output: Path, date: datetime | None
+) -> None:
+    """Score a submission with the private DATASET, and write a signed receipt.
+
+    QUESTIONS is the folder that was published. The receipt holds digests of questions and submission, the model, its
+    outcomes, and scores with intervals. `wmspec leaderboard` refuses receipts that were edited.
+    """
+    from wmspec.dataset.build.reader import DatasetReader
+    from wmspec.eval.publish import questions as published
+    from wmspec.eval.publish import receipt
+    from wmspec.eval.publish import submission as submissions
+    from wmspec.eval.publish.secret import Secret
+
+    key, known = Secret.read(secret), published.read(questions)
+    opened = DatasetReader.open(dataset)
+    opened.intact()
+    day = (date or datetime.now(UTC)).date().isoformat()
+    made = receipt.score(opened, known, submissions.read(submission, known), key, day)
+    write_text(output, json.dumps(made, indent=1, ensure_ascii=False) + "\n")
+    for kind, scores in made["scores"].items():
+        average, chance = scores["average"], scores["chance"]
+        interval = f" [{average['low']:.1%}, {average['high']:.1%}]" if average["low"] is not None else ""
+        guess = f"; guessing: {chance:.1%}" if chance is not None else ""
+        click.echo(f"{kind}: {average['value']:.1%}{interval}{guess}")
+    click.echo(output)

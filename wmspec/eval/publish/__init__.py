@@ -1,0 +1,1 @@
+"""Private questions in public: questions without answers, submissions, signed receipts, and a leaderboard."""
