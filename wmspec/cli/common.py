@@ -114,6 +114,21 @@ def time_limit(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
+def split_options(command: F) -> F:
+    """Add `--shares` and `--holdout` for splits by control groups."""
+    shares = click.option(
+        "--shares", default="", metavar="SHARES", help="Splits in percent.  [default: train=80,validation=10,test=10]"
+    )
+    holdout = click.option(
+        "--holdout",
+        "holdouts",
+        multiple=True,
+        metavar="LEVELS",
+        help="Levels that training never sees together, such as shape=cone,color=blue. Repeatable.",
+    )
+    return shares(holdout(command))
+
+
 def tell(text: str) -> None:
     """Print a warning to standard error."""
     click.echo(text, err=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.api.progress import progress_bar
-from wmspec.cli.common import exit_if_failed, json_option, seed_option, tell
+from wmspec.cli.common import exit_if_failed, json_option, seed_option, split_options, tell
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.tally import Tally
 
@@ -53,6 +53,8 @@ _DEFAULTS: dict[str, Any] = {"temperature": 0, "max_tokens": 1024}
 @click.option("--image-size", type=click.IntRange(16, 8192), metavar="N", help="Longest side of pictures, in pixels.")
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
 @click.option("--engine", multiple=True, metavar="NAME", help="Only rows of this engine.")
+@click.option("--split", type=click.Choice(["train", "validation", "test"]), help="Only this split of control groups.")
+@split_options
 @click.option(
     "--limit",
     type=click.IntRange(1),
@@ -105,6 +107,7 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
     from wmspec.eval.models.limits import Limits
     from wmspec.eval.models.question import Selection
     from wmspec.eval.models.run import Run, Settings
+    from wmspec.eval.models.splits import Splits
 
     opened = DatasetReader.open(dataset)
     opened.intact()
@@ -126,7 +129,13 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
         images=images.record,
     )
     limits = Limits(options["max_requests"], options["rate"], options["max_cost"])
-    selection = Selection(options["task"], options["engine"], options["limit"])
+    selection = Selection(
+        options["task"],
+        options["engine"],
+        options["limit"],
+        options["split"] or "",
+        Splits.parse(options["shares"], options["holdouts"]),
+    )
     if note := selection.repetition(opened):
         tell(note)
     run = Run(opened, settings, selection, options["permute"], options["samples"], limits)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmspec.cli.common import exit_if_failed, tell
+from wmspec.cli.common import exit_if_failed, split_options, tell
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.tally import Tally
 
@@ -21,11 +21,12 @@ _PATH = click.Path(path_type=Path)
 @click.command("export")
 @click.argument("dataset", type=_PATH)
 @click.option(
-    "--to", "tool", required=True, type=click.Choice(["inspect", "lmms-eval", "vlmevalkit", "hf", "questions"])
+    "--to", "tool", required=True, type=click.Choice(["inspect", "lmms-eval", "vlmevalkit", "hf", "chat", "questions"])
 )
 @click.option("--output", "-o", type=_PATH, required=True, metavar="FOLDER", help="Output folder.")
 @click.option("--prompt", default="default", show_default=True, help="default, paper, numbers, montage, or a file.")
 @click.option("--secret", type=_PATH, metavar="FILE", help="For questions: secret that hides ids and signs receipts.")
+@split_options
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
 @click.option("--engine", multiple=True, metavar="NAME", help="Only rows of this engine.")
 @click.option(
@@ -40,14 +41,17 @@ def export_command(
     output: Path,
     prompt: str,
     secret: Path | None,
+    shares: str,
+    holdouts: tuple[str, ...],
     task: tuple[str, ...],
     engine: tuple[str, ...],
     limit: int | None,
 ) -> None:
     """Export a dataset as a folder for Inspect, lmms-eval, VLMEvalKit or Hugging Face `datasets`, or without answers.
 
-    `questions` are published in place of a private dataset: without answers, under ids hidden by --secret, a file that
-    is made if it is not there. `wmspec submit`, `score` and `leaderboard` do the rest.
+    `chat` is training data in splits by control groups (--shares, --holdout), with answers. `questions` are published
+    in place of a private dataset: without answers, under ids hidden by --secret, a file that is made if it is not
+    there. `wmspec submit`, `score` and `leaderboard` do the rest.
 
     Requests equal those of `wmspec evaluate`. The folder contains the parser of replies and a README with the commands.
     Exits with 1 if no question was written.
@@ -56,6 +60,7 @@ def export_command(
     from wmspec.eval.export.export import Export, export
     from wmspec.eval.models import prompt as prompts
     from wmspec.eval.models.question import Selection
+    from wmspec.eval.models.splits import Splits
 
     opened = DatasetReader.open(dataset)
     opened.intact()
@@ -67,7 +72,8 @@ def export_command(
     if secret is not None:
         _publish(opened, selection, prompt, secret, output)
         return
-    what = Export(opened, selection, Path(prompt).stem, prompts.load(prompt))
+    splits = Splits.parse(shares, holdouts)
+    what = Export(opened, selection, Path(prompt).stem, prompts.load(prompt), splits)
     count = export(what, tool, output)
     click.echo(f"{output}: {count:,} questions for {tool}; {output / 'README.md'} says how to run it")
     exit_if_failed(Tally("question was written", count))

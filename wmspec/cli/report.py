@@ -37,6 +37,13 @@ from wmspec.core.diagnostics import WmsError
     metavar="RESULTS",
     help="Results of the same models on another dataset: print how far both rank the models alike. Repeatable.",
 )
+@click.option(
+    "--holdout",
+    "holdouts",
+    multiple=True,
+    metavar="LEVELS",
+    help="Levels that training never saw together, such as shape=cone,color=blue: seen and unseen apart. Repeatable.",
+)
 @click.option("--name", "names", multiple=True, metavar="ID=NAME", help="Display name of a model. Repeatable.")
 @json_option
 def report_command(
@@ -44,6 +51,7 @@ def report_command(
     dataset: Path | None,
     output: Path,
     ranks: tuple[Path, ...],
+    holdouts: tuple[str, ...],
     names: tuple[str, ...],
     as_json: bool,
 ) -> None:
@@ -59,12 +67,13 @@ def report_command(
     if ranks:
         _print_ranks(results, ranks, names, as_json)
         return
+    from wmspec.eval.models.splits import Splits
     from wmspec.eval.report.page import lost_answers, summary, warnings
     from wmspec.eval.report.report import STEPS, report
     from wmspec.eval.report.write import text, write
 
     with progress_bar(STEPS, "analysing", "analyses") as progress:
-        made = report(list(results), dataset, progress, _display_names(names))
+        made = report(list(results), dataset, progress, _display_names(names), Splits.parse("", holdouts))
     page = write(made, make_folder(output))
     if as_json:
         click.echo(text(made), nl=False)

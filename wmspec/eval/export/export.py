@@ -16,9 +16,11 @@ from wmspec.core.resources import resource
 from wmspec.core.safe_io import make_folders, read_bytes
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.export import chat
 from wmspec.eval.export.rows import COLUMNS, Row, exported_rows, write
 from wmspec.eval.models.prompt import Prompt
 from wmspec.eval.models.question import Selection
+from wmspec.eval.models.splits import DEFAULT_SPLITS, Splits
 from wmspec.eval.replies import LETTERS, ORDINALS
 
 #: The file that marks a folder as an export, with its settings and files.
@@ -27,12 +29,13 @@ MARK_FILE = "export.json"
 
 @dataclass(frozen=True)
 class Export:
-    """The content of an export: selected questions and their prompt."""
+    """The content of an export: selected questions, their prompt, and splits for training."""
 
     dataset: DatasetReader
     selection: Selection
     prompt_name: str
     prompt: Prompt
+    splits: Splits = DEFAULT_SPLITS
 
     @cached_property
     def tasks(self) -> dict[str, list[str]]:
@@ -186,10 +189,17 @@ def _hf(what: Export, folder: _Folder) -> int:
     return _tables(what, folder)
 
 
+def _chat(what: Export, folder: _Folder) -> int:
+    folder.copy("eval/export/files/chat.md", "README.md")
+    what.splits.check(what.dataset)
+    return sum(chat.write(what.dataset, what.tasks, what.prompt, what.splits, folder.path).values())
+
+
 #: Writer by tool.
 TOOLS: dict[str, Callable[[Export, _Folder], int]] = {
     "inspect": _inspect,
     "lmms-eval": _lmms_eval,
     "vlmevalkit": _vlmevalkit,
     "hf": _hf,
+    "chat": _chat,
 }

@@ -10,6 +10,7 @@ from wmspec.core.rng import bits
 from wmspec.dataset.build.images import as_png
 from wmspec.dataset.build.reader import PICTURES, DatasetReader
 from wmspec.dataset.build.rows import Row
+from wmspec.eval.models.splits import DEFAULT_SPLITS, Splits, factors_of
 
 _COLUMNS = (
     "id", "task", "dimension", "question_name", "engine", "index", "block", "text", "option_text", "option_name",
@@ -56,7 +57,7 @@ class Question:
 
 @dataclass(frozen=True)
 class Selection:
-    """A selection of questions: tasks, engines (all if empty), and a maximum number.
+    """A selection of questions: tasks, engines, a split (all if empty), and a maximum number.
 
     A limit takes equal numbers of each task and engine, with the same instances in every engine, spread at random over
     each task. A higher limit takes a superset.
@@ -65,6 +66,8 @@ class Selection:
     tasks: tuple[str, ...] = ()
     engines: tuple[str, ...] = ()
     limit: int | None = None
+    split: str = ""
+    splits: Splits = DEFAULT_SPLITS
 
     def repetition(self, dataset: DatasetReader) -> str:
         """Return a note if the dataset has a row for each engine, so that a question occurs several times; else ''."""
@@ -81,9 +84,13 @@ class Selection:
                 hint = suggestion(name, dataset.tasks)
                 raise WmsError(f"the dataset has no task `{name}`; {hint}".rstrip("; "))
         dataset.require_engines(self.engines)
+        self.splits.check(dataset)
         queues: dict[tuple[str, str], dict[str, str]] = {}
         for task in self.tasks or dataset.tasks:
+            levels = factors_of(dataset, task) if self.split else {}
             for row in dataset.rows(task, ["id", "index", "question", "engine"]):
+                if self.split and self.splits.of(*levels[row["id"]]) != self.split:
+                    continue
                 engine = row["engine"] if dataset.rows_of == "engines" else ""
                 if not self.engines or engine in self.engines:
                     queues.setdefault((task, engine), {})[row["id"]] = f"{task}/{row['index']:06d}/q{row['question']}"

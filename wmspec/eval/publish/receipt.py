@@ -26,6 +26,7 @@ from wmspec.eval.publish.secret import Secret
 from wmspec.eval.publish.submission import Submission
 from wmspec.eval.replies import PARSER_VERSION
 from wmspec.eval.report.intervals import Estimate
+from wmspec.eval.report.questions import Questions
 from wmspec.eval.report.replies import replies
 from wmspec.eval.report.tables import Line, Table, tables
 
@@ -47,7 +48,7 @@ def score(
             f"{len(published.questions) - len(rows):,} published questions are not in the dataset",
             help="give the dataset and the secret that they were exported with",
         )
-    made = tables(replies(pd.DataFrame(rows)))
+    made = tables(replies(pd.DataFrame(rows), Questions.read(dataset.folder)))
     content = {
         "format": FORMAT,
         "questions": published.digest,

@@ -29,6 +29,7 @@ def long_tables(report: Report) -> dict[str, pd.DataFrame]:
         "positions": report.positions,
         "mistakes": report.mistaken,
         "preferences": report.preferences,
+        "seen": report.seen,
         "entanglement": report.entanglement,
         "curves": report.curves,
         "detections": report.detections,
@@ -91,6 +92,16 @@ def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
         made["detections"] = (
             'd′ in same/different questions, in brackets the criterion (positive: a bias to "same").',
             _pivot(rows, report.systems),
+        )
+    if report.seen:
+        cells = (
+            (f"{s.task or 'all'}: {part}", s.system, format_percent(value.value))
+            for s in report.seen
+            for part, value in (("seen", s.seen), ("unseen", s.unseen))
+        )
+        made["seen"] = (
+            "Accuracy (%) on questions without and with levels that training never saw together.",
+            _pivot(cells, report.systems),
         )
     if report.preferences:
         rows = (

@@ -31,7 +31,7 @@ TITLES = {
 
 #: Collapsed tables of each section.
 TABLES_OF = {
-    "choices": ("pairs", "whole_groups", "preferences"),
+    "choices": ("pairs", "whole_groups", "preferences", "seen"),
     "analyses": ("detections", "filtered", "missed", "thresholds", "entanglement"),
 }
 

@@ -32,13 +32,22 @@ class Questions:
 
     `varied` has the factor and nuisance values of a task's questions, and `object color`, shape and material of the one
     that each is about; `groups` has the keys of their control groups: tables by id, with a column for each factor.
-    `about` has the dimension of each factor and nuisance of a task, as the dataset records it.
+    `about` has the dimension of each factor and nuisance of a task, as the dataset records it. `named` has the names of
+    levels that have names.
     """
 
     table: pd.DataFrame
     varied: dict[str, pd.DataFrame]
     groups: dict[str, pd.DataFrame]
     about: dict[str, dict[str, str]] = field(default_factory=dict)
+    named: dict[str, pd.DataFrame] = field(default_factory=dict)
+
+    def levels_of(self, task: str) -> pd.DataFrame:
+        """Return the levels of a task's factors by question, by name where values have names."""
+        levels = self.varied[task].copy()
+        for name, values in self.named.get(task, pd.DataFrame()).items():
+            levels[name] = values
+        return levels
 
     @classmethod
     def read(cls, folder: Path) -> Questions:
@@ -50,6 +59,7 @@ class Questions:
             {task: _varied(of_task) for task, of_task in rows.items() if of_task},
             {task: _columns_with_prefix(of_task, "group") for task, of_task in rows.items() if of_task},
             {task: _dimensions(dataset, task) for task in dataset.tasks},
+            {task: _columns_with_prefix(of_task, "level") for task, of_task in rows.items() if of_task},
         )
 
 
@@ -66,7 +76,7 @@ def _varied(rows: list[Row]) -> pd.DataFrame:
 
 
 def _rows(dataset: DatasetReader, task: str) -> list[Row]:
-    varied = ("factor.", "group.", "nuisance.")
+    varied = ("factor.", "group.", "nuisance.", "level.")
     columns = [c for c in dataset.columns(task) if c in _COLUMNS or c.startswith(varied)]
     return list(dataset.rows(task, columns))
 

@@ -10,6 +10,7 @@ from typing import TypeVar, get_args
 import numpy as np
 
 from wmspec.eval.models.causes import Cause, causes
+from wmspec.eval.models.splits import DEFAULT_SPLITS, Splits
 from wmspec.eval.replies import Outcome
 from wmspec.eval.report.choices import Flips, Mistakes, Position, flips, mistakes, positions
 from wmspec.eval.report.compare import Comparison, comparisons
@@ -21,6 +22,7 @@ from wmspec.eval.report.items import Items, items
 from wmspec.eval.report.pairs import Pair, pairs
 from wmspec.eval.report.preferences import Preference, preferences
 from wmspec.eval.report.replies import PEOPLE, Replies, read
+from wmspec.eval.report.seen import SeenAccuracy, seen_accuracies
 from wmspec.eval.report.tables import Table, tables
 from wmspec.eval.report.whole_groups import WholeGroup, whole_groups
 
@@ -74,6 +76,7 @@ class Report:
     filtered: tuple[FilteredAccuracy, ...]
     missed: tuple[MissedAccuracy, ...]
     items: Items | None
+    seen: tuple[SeenAccuracy, ...] = ()
 
     @property
     def systems(self) -> tuple[str, ...]:
@@ -90,17 +93,20 @@ def report(
     dataset: Path | None,
     progress: Callable[[str, int], None],
     names: Mapping[str, str] | None = None,
+    splits: Splits = DEFAULT_SPLITS,
 ) -> Report:
     """Read results and run every analysis that they and the dataset permit. `progress` is called after each.
 
-    `names` are display names by model.
+    `names` are display names by model; the hold-outs of `splits` separate seen and unseen questions.
 
     Raises WmsError if a file cannot be read, or files do not match.
     """
-    return analyse(read(results, dataset, names), dataset.resolve().name if dataset else "", progress)
+    return analyse(read(results, dataset, names), dataset.resolve().name if dataset else "", progress, splits)
 
 
-def analyse(replies: Replies, dataset: str, progress: Callable[[str, int], None]) -> Report:
+def analyse(
+    replies: Replies, dataset: str, progress: Callable[[str, int], None], splits: Splits = DEFAULT_SPLITS
+) -> Report:
     """Return every analysis of replies."""
 
     def step(name: str, analysis: Callable[[Replies], T]) -> T:
@@ -127,6 +133,7 @@ def analyse(replies: Replies, dataset: str, progress: Callable[[str, int], None]
         filtered=step("filtered", filtered_accuracies),
         missed=step("missed", missed_accuracies),
         items=step("items", items),
+        seen=seen_accuracies(replies, splits),
     )
 
 

@@ -1,0 +1,107 @@
+"""Training data: chats with pictures and their answers, as TRL, Qwen and LLaMA-Factory read them, split by groups."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+from wmspec.core.safe_io import make_folders
+from wmspec.dataset.build.files import pretty_json
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.models.prompt import Prompt
+from wmspec.eval.models.question import Question, questions
+from wmspec.eval.models.request import Ask, Picture, Text
+from wmspec.eval.models.splits import Splits, factors_of
+
+Row = dict[str, Any]
+
+
+def write(
+    dataset: DatasetReader, tasks: dict[str, list[str]], prompt: Prompt, splits: Splits, path: Callable[[str], Path]
+) -> dict[str, int]:
+    """Write a file of JSON lines for each split, and pictures by content; returns the number of questions by split.
+
+    `tasks` has the ids of questions by task, `path` returns where a file goes. Raises WmsError for a prompt with
+    videos.
+    """
+    counts = dict.fromkeys(splits.shares, 0)
+    known: set[str] = set()
+
+    def keep(png: bytes) -> str:
+        name = f"images/{hashlib.sha256(png).hexdigest()[:32]}.png"
+        if name not in known:
+            known.add(name)
+            target = path(name)
+            make_folders(target.parent)
+            target.write_bytes(png)
+        return name
+
+    with ExitStack() as stack:
+        out = {name: stack.enter_context(path(f"{name}.jsonl").open("w", encoding="utf-8")) for name in counts}
+        for task, ids in tasks.items():
+            levels = factors_of(dataset, task)
+            for question in questions(dataset, ids):
+                group, factors = levels[question.id]
+                split = splits.of(group, factors)
+                if split:
+                    line = _chat(question, prompt, keep) | {"seen": not splits.is_unseen(factors)}
+                    out[split].write(json.dumps(line, ensure_ascii=False) + "\n")
+                    counts[split] += 1
+    path("dataset_info.json").write_bytes(pretty_json({f"wmspec_{name}": _llama_factory(name) for name in counts}))
+    return counts
+
+
+def _chat(question: Question, prompt: Prompt, keep: Callable[[bytes], str]) -> Row:
+    ask = Ask(question, prompt)
+    content = list(_content(ask, keep))
+    images = [part["image"] for part in content if part["type"] == "image"]
+    plain = "\n".join(part.get("text", "<image>") for part in content)
+    answer = _answer(ask)
+    system = [{"role": "system", "content": prompt.system}] if prompt.system else []
+    return {
+        "id": question.id,
+        "task": question.task,
+        "group": question.group,
+        "messages": [
+            *({"role": m["role"], "content": [{"type": "text", "text": m["content"]}]} for m in system),
+            {"role": "user", "content": content},
+            {"role": "assistant", "content": [{"type": "text", "text": answer}]},
+        ],
+        "conversations": [*system, {"role": "user", "content": plain}, {"role": "assistant", "content": answer}],
+        "images": images,
+    }
+
+
+def _content(ask: Ask, keep: Callable[[bytes], str]) -> Iterator[Row]:
+    from wmspec.core.diagnostics import WmsError
+
+    for part in ask.request.parts:
+        if isinstance(part, Text):
+            yield {"type": "text", "text": part.text}
+        elif isinstance(part, Picture):
+            yield {"type": "image", "image": keep(part.content)}
+        else:
+            raise WmsError("videos cannot be exported; use another --prompt than `clip`")
+
+
+def _answer(ask: Ask) -> str:
+    """Return the true answer as a model should write it: a label, or a number with its unit."""
+    question = ask.question
+    if question.answer is not None:
+        return ask.label(ask.order.index(question.answer))
+    return f"{question.number:.4g} {question.unit}".strip()
+
+
+def _llama_factory(split: str) -> Row:
+    tags = {"role_tag": "role", "content_tag": "content", "user_tag": "user", "assistant_tag": "assistant"}
+    columns = {"messages": "conversations", "images": "images"}
+    return {
+        "file_name": f"{split}.jsonl",
+        "formatting": "sharegpt",
+        "columns": columns,
+        "tags": tags | {"system_tag": "system"},
+    }
