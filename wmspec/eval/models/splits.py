@@ -60,7 +60,7 @@ class Splits:
             reached += share
             if place < reached:
                 return name
-        return next(reversed(self.shares))
+        return [*self.shares][-1]
 
     def is_unseen(self, factors: Mapping[str, Any]) -> bool:
         """Whether levels by factor contain a hold-out."""

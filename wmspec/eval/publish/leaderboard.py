@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import make_folders
+from wmspec.core.safe_io import make_folders, read_bytes
 from wmspec.dataset.build.files import with_remedies
 from wmspec.dataset.build.webpage import webpage
 from wmspec.eval.publish import receipt
@@ -30,7 +30,7 @@ def leaderboard(folder: Path, secret: Secret, title: str, output: Path) -> Path:
     with with_remedies(output):
         make_folders(output / "receipts")
         for path in found:
-            (output / "receipts" / path.name).write_bytes(path.read_bytes())
+            (output / "receipts" / path.name).write_bytes(read_bytes(path))
         page.write_text(_page(found, title), encoding="utf-8")
     return page
 

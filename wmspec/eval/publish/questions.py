@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.resources import resource
-from wmspec.core.safe_io import make_folders, read_bytes
+from wmspec.core.safe_io import make_folders, read_bytes, regular_file
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.export.rows import SCHEMA as EXPORT_SCHEMA
@@ -74,9 +74,9 @@ def publish(
         for module in sorted(resource("eval/replies").glob("*.py")):
             target = place / "wmspec_reply" / module.name
             make_folders(target.parent)
-            target.write_bytes(module.read_bytes())
+            target.write_bytes(read_bytes(module))
         for name in ("README.md", "answer.py"):
-            (place / name).write_bytes((resource("eval/publish/files") / name).read_bytes())
+            (place / name).write_bytes(read_bytes(resource("eval/publish/files") / name))
         index_path.write_bytes(files.pretty_json(index))
     return len(digests)
 
@@ -102,7 +102,7 @@ def read(place: Path) -> Published:
         rows = [
             row
             for task in index["tasks"]
-            for row in pq.read_table(place / f"data/{task}.parquet", columns=names).to_pylist()
+            for row in pq.read_table(regular_file(place / f"data/{task}.parquet"), columns=names).to_pylist()
         ]
         questions = {row["id"]: (tuple(row["options"] or ()), row["labels"], row["unit"]) for row in rows}
         return Published(index["digest"], index["prompt"], questions)

@@ -13,13 +13,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import regular_file
+from wmspec.core.safe_io import read_bytes, regular_file
 from wmspec.eval.models.model import Reply, storable
 from wmspec.eval.publish.questions import Published
 from wmspec.eval.replies import mark
 
 #: Maximum size of a submission (bytes).
-MAX_BYTES = 1 << 30
+MAX_BYTES = 256 << 20
 _WORDS = r"^[^\x00-\x1f\x7f-\x9f]*$"
 
 
@@ -74,7 +74,7 @@ def read(path: Path, published: Published | None = None) -> Submission:
     try:
         if regular_file(path).stat().st_size > MAX_BYTES:
             raise WmsError(f"more than {MAX_BYTES >> 20:,} MiB", FilePlace(str(path)), "a reply needs no pictures")
-        content = path.read_bytes()
+        content = read_bytes(path)
         lines = content.decode("utf-8").splitlines()
     except OSError as error:
         raise WmsError(f"cannot be read: {error.strerror}", FilePlace(str(path))) from None

@@ -59,6 +59,6 @@ def _accuracies(replies: Replies, task: str, ids: pd.Index[str], unseen: pd.Seri
         value, groups = ratio(total.sum(0), count.sum(0)), (count > 0).sum(0)
         key = ("seen", task, system)
         drawn = spread_at_bounds(value, ratio(*resample_sums((total, count), key)), groups, key)
-        parts = [estimate(value[j], drawn[:, j], int(count[:, j].sum()), int(groups[j])) for j in (0, 1)]
+        seen, held_out = (estimate(value[j], drawn[:, j], int(count[:, j].sum()), int(groups[j])) for j in (0, 1))
         gap = estimate(value[0] - value[1], drawn[:, 0] - drawn[:, 1], int(count.sum()), int(groups.min()))
-        yield SeenAccuracy(task, system, *parts, gap)
+        yield SeenAccuracy(task, system, seen, held_out, gap)
