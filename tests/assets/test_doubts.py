@@ -24,7 +24,7 @@ def reported(folder: Path, ending: str, said: str) -> set[str]:
     text = f'task t : custom {{ object o {{ file: "a.{ending}"  at: (0, 0, 0)  {said} }} }}'
     (folder / "spec.wms").write_text(text)
     found = checked(folder / "spec.wms")[1].diagnostics
-    return {d.message.rpartition(": ")[2] for d in found if d.code == "WMS210"}
+    return {d.message.rpartition(": ")[0].rpartition(": ")[2] for d in found if d.code == "WMS211"}
 
 
 @pytest.mark.parametrize("ending", FILES)

@@ -38,7 +38,6 @@ def test_the_spec_overrides_the_file(tmp_path: Path) -> None:
         ('<lateral_friction value="-1"/>', "`lateral_friction` is -1"),
         ('<restitution value="2"/>', "`restitution` is 2"),
         ("<lateral_friction/>", "it needs `value`"),
-        ('<stiffness value="100"/>', "`stiffness` in `contact` is not supported"),
         ('<lateral_friction value="1"/><lateral_friction value="2"/>', "more than one `lateral_friction`"),
     ],
 )
@@ -52,3 +51,13 @@ def test_a_mistake_is_reported_with_its_line(contact: str, message: str, tmp_pat
     (mistake,) = (d for d in report.diagnostics if d.severity == "error")
     assert message in mistake.message
     assert "a.urdf:1" in mistake.message
+
+
+def test_contact_stiffness_is_ignored_with_a_warning_that_strict_refuses(tmp_path: Path) -> None:
+    for strict in ("", "strict: true"):
+        text = link('<stiffness value="100"/>', tmp_path).replace("file:", f"{strict}  file:")
+        (tmp_path / "spec.wms").write_text(f"task t : custom {{\n  {text}\n}}\n")
+        faults = {
+            d.severity for d in checked(tmp_path / "spec.wms")[1].diagnostics if "`stiffness` in `contact`" in d.message
+        }
+        assert faults == {"error" if strict else "warning"}

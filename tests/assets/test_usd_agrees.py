@@ -407,7 +407,7 @@ def test_shapes_of_ours_that_usd_does_not_have(tmp_path: Path) -> None:
 
 #: What a stage may have and a spec may not, and what is said about it.
 BEYOND = {
-    "a spec cannot say the limits of a ball joint": ball("a", (0.5, 0, 1))
+    "limits of ball joints are not supported in a spec": ball("a", (0.5, 0, 1))
     + joined("Spherical", "hook", "", "a", ((0, 0, 1), (-0.5, 0, 0)), "float physics:coneAngle0Limit = 30"),
     "`friction` must be at most 5": rubber("glue", 6) + ball("a", (0, 0, 1), bound("glue")),
     "`damping` must be at most 100": ball("a", (0, 0, 1), "float physxRigidBody:linearDamping = 200"),

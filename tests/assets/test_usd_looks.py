@@ -146,7 +146,7 @@ def test_a_package_is_read_but_for_its_pictures(tmp_path: Path) -> None:
     (found,) = (g for g in named(scene(spec(text.format("color: blue"), where)), "a").geoms if g.visible)
     assert isinstance(found.shape, Mesh)
     (where / "spec.wms").write_text(f"task t : custom {{ {text.format('')} }}")
-    (reported,) = (d for d in checked(where / "spec.wms")[1].diagnostics if d.code == "WMS210")
+    (reported,) = (d for d in checked(where / "spec.wms")[1].diagnostics if d.code == "WMS211")
     assert "there is no picture" in reported.message
 
 
@@ -166,7 +166,7 @@ TYPES = {"sourceColorSpace": "Token", "varname": "String", "file": "Asset", "opa
 
 
 @pytest.mark.parametrize(("shader", "name", "value", "reported"), ODD)
-def test_what_cannot_be_drawn_is_refused_unless_the_spec_paints_it(
+def test_what_cannot_be_drawn_is_reported_unless_the_spec_paints_it(
     tmp_path: Path, shader: str, name: str, value: object, reported: str
 ) -> None:
     where = folder(tmp_path)
@@ -177,8 +177,11 @@ def test_what_cannot_be_drawn_is_refused_unless_the_spec_paints_it(
     plug.Set(Sdf.AssetPath(value) if name == "file" else value)
     stage.Export(str(where / "box.usda"))
     (where / "spec.wms").write_text('task t : custom { object a { file: "box.usda"  at: (0, 0, 0) } }')
-    (found,) = (d for d in checked(where / "spec.wms")[1].diagnostics if d.code == "WMS210")
+    (found,) = (d for d in checked(where / "spec.wms")[1].diagnostics if d.code == "WMS211")
     assert reported in found.message
+    assert found.severity == "warning"
+    assert "a plain colour is drawn" in found.message
+    assert drawn(where)[0].surface.texture is None
     assert drawn(where, "color: red")
 
 

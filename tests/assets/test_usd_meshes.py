@@ -185,11 +185,16 @@ def test_what_never_moves_is_touched_as_it_is(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("way", ["none", "meshSimplification", "sdf"])
-def test_what_can_move_and_cannot_be_touched_so_is_refused(tmp_path: Path, way: str) -> None:
+def test_what_can_move_and_cannot_be_touched_so_is_reported(tmp_path: Path, way: str) -> None:
     written(tmp_path, "mesh.usda", form=ANGLE, way=way)
-    (tmp_path / "spec.wms").write_text('task t : custom { object a { file: "mesh.usda"  at: (0, 0, 0) } }')
-    (reported,) = (d for d in checked(tmp_path / "spec.wms")[1].diagnostics if d.code == "WMS210")
-    assert "`/World/thing/form`" in reported.message
-    assert reported.help is not None
-    assert "collision" in reported.help
+    for strict, severity in (("", "warning"), ("strict: true", "error")):
+        (tmp_path / "spec.wms").write_text(
+            f'task t : custom {{ object a {{ file: "mesh.usda"  at: (0, 0, 0) {strict} }} }}'
+        )
+        (reported,) = (d for d in checked(tmp_path / "spec.wms")[1].diagnostics if d.code == "WMS211")
+        assert reported.severity == severity
+        assert "`/World/thing/form`" in reported.message
+        assert "its convex pieces" in reported.message
+        assert reported.help is not None
+        assert "collision" in reported.help
     assert ways(tmp_path, 'object a { file: "mesh.usda"  at: (0, 0, 0)  collision: hull }') == ["convexHull"]

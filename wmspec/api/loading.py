@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 
 from wmspec.api.task import Task
 from wmspec.compile.design.design import Design
-from wmspec.core.diagnostics import Diagnostic, Report, WmsError, suggestion
+from wmspec.core.diagnostics import Diagnostic, Report, SpecError, WmsError, suggestion
 from wmspec.core.places import Source
 from wmspec.core.safe_io import files_searched
+from wmspec.lang.check.library.expand import APPROXIMATION
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.files import catalogue_folders, display_path, spec_files
 from wmspec.lang.parse.load import Program, load_source
@@ -53,14 +54,21 @@ def load(
     return tasks[names.index(task)] if task else tasks[0]
 
 
-def load_all(*paths: PathOrText, seed: int = 0, tell: Tell = warn) -> tuple[Task, ...]:
+def load_all(*paths: PathOrText, seed: int = 0, tell: Tell = warn, strict: bool = False) -> tuple[Task, ...]:
     """Load all tasks of spec files and folders, in order; without paths, the tasks of WM-ABench.
+
+    With `strict`, what an asset's file has and cannot be read exactly is an error.
 
     Raises:
         SpecError: specs have mistakes; `diagnostics` lists all of them.
         WmsError: a file cannot be read, there is no task, or two tasks have the same name.
     """
-    return _tasks(spec_files(map(Path, paths or catalogue_folders())), seed, tell)
+    return _tasks(spec_files(map(Path, paths or catalogue_folders())), seed, tell, strict)
+
+
+def without_approximations(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Return the diagnostics, with approximations of asset files as errors."""
+    return tuple(replace(d, severity="error") if d.code == APPROXIMATION else d for d in diagnostics)
 
 
 @dataclass(frozen=True)
@@ -183,10 +191,12 @@ def _program(spec: Path | Source, report: Report) -> Program:
     return load_program(spec, report) if isinstance(spec, Path) else load_source(spec, Path(), report)
 
 
-def _tasks(specs: Iterable[Path | Source], seed: int, tell: Tell) -> tuple[Task, ...]:
+def _tasks(specs: Iterable[Path | Source], seed: int, tell: Tell, strict: bool = False) -> tuple[Task, ...]:
     report = Report()
     tasks = tuple(task for spec in specs for task in _checked(spec, seed, report))
     report.stop_if_failed()
+    if strict and any(d.code == APPROXIMATION for d in report.diagnostics):
+        raise SpecError.of(d for d in without_approximations(report.diagnostics) if d.severity == "error")
     for diagnostic in report.diagnostics:
         tell(diagnostic.render())
     if not tasks:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Time limit of the whole check, in seconds.",
 )
+@click.option("--strict", is_flag=True, help="Refuse asset files with features that would be approximated or ignored.")
 @click.option("--no-cache", is_flag=True, help="Ignore cached results and store none.")
 @click.option(
     "--try",
@@ -48,7 +50,13 @@ if TYPE_CHECKING:
 )
 @click.option("--backend", "-b", default="", metavar="ENGINE", help="Engine of --try.  [default: the first installed]")
 def check_command(
-    specs: tuple[Path, ...], form: str, timeout: float, no_cache: bool, count: int | None, backend: str
+    specs: tuple[Path, ...],
+    form: str,
+    timeout: float,
+    strict: bool,
+    no_cache: bool,
+    count: int | None,
+    backend: str,
 ) -> None:
     """Check specs: syntax, names, units, types, the design, and a sample of scenes. `-` reads standard input.
 
@@ -61,6 +69,7 @@ def check_command(
     Text is coloured on a terminal unless NO_COLOR is set. Code hosts display SARIF next to the lines.
     """
     from wmspec.api.checking import check_files, check_text
+    from wmspec.api.loading import without_approximations
     from wmspec.core.disk_cache import disabled
 
     if count and (form not in ("text", "json") or specs == (Path("-"),)):
@@ -69,6 +78,7 @@ def check_command(
         raise WmsError("--backend selects the engine of --try", help="add --try")
     with time_limit(timeout), disabled() if no_cache else nullcontext():
         checked = check_text(read_stdin()) if specs == (Path("-"),) else check_files(specs)
+        checked = replace(checked, diagnostics=without_approximations(checked.diagnostics)) if strict else checked
         trials = _tried(specs, count, backend) if count and checked.passed and checked.tasks else ()
     if form == "json":
         records = [d.record() for d in checked.diagnostics]

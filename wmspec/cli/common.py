@@ -142,11 +142,11 @@ def exit_if_failed(tally: Tally) -> None:
         raise SystemExit(1)
 
 
-def load_instance(path: Path, name: str, index: int, seed: int, redraw: int = 0) -> Instance:
+def load_instance(path: Path, name: str, index: int, seed: int, redraw: int = 0, *, strict: bool = False) -> Instance:
     """Return an instance of a spec's task with this name, or of its only task. Raises WmsError if there is none."""
     from wmspec.api import load_all
 
-    tasks = load_all(path, seed=seed, tell=tell)
+    tasks = load_all(path, seed=seed, tell=tell, strict=strict)
     names = [task.name for task in tasks]
     if not name and len(tasks) > 1:
         raise WmsError(f"{path} has {len(tasks)} tasks", help=f"choose one with --task: {', '.join(names)}")

@@ -54,7 +54,9 @@ duration_option = click.option(
     type=click.Path(path_type=Path),
     help="Write the trace to this .npz file; `wmspec render` draws it.",
 )
-@click.option("--strict", is_flag=True, help="Refuse stages with features that would be approximated or ignored.")
+@click.option(
+    "--strict", is_flag=True, help="Refuse stages and asset files with features that would be approximated or ignored."
+)
 @json_option
 def run_command(
     source: Path,
@@ -82,7 +84,7 @@ def run_command(
     if source.suffix.lower() in STAGES:
         episodes, refusals = _run_each(engines, lambda engine: run(source, engine, seconds, strict=strict))
     else:
-        one = load_instance(source, task, instance, seed, redraw)
+        one = load_instance(source, task, instance, seed, redraw, strict=strict)
         episodes, refusals = _run_each(engines, lambda engine: one.run(engine, duration=seconds))
     if output is not None and episodes:
         episodes[0].save(output)

@@ -11,7 +11,7 @@ from wmspec.core.diagnostics import Diagnostic
 from wmspec.lang.check.tables.property_schema import APPEARANCE
 from wmspec.lang.check.tables.vocabulary import Y_UP
 from wmspec.lang.importers import model
-from wmspec.lang.importers.model import MAX_FAULTS, Form, Joint, Link, MeshFile, RejectedAsset, Shape
+from wmspec.lang.importers.model import Form, Joint, Link, MeshFile, RejectedAsset, Shape, grouped
 from wmspec.lang.importers.tree import LinkTree, PlacedLink
 from wmspec.lang.importers.turns import angles, without_rounding
 from wmspec.lang.importers.write import Writer
@@ -26,6 +26,8 @@ OF_LINK = (
 OF_JOINT = ("low", "high", "start", "target", "stiffness", "damping", "pace", "strength", "touching")
 #: Properties of the whole asset that apply to every link, beyond its appearance.
 _COMMON = ("density", "friction", "restitution", "damping")
+#: Properties of the object that say how its file is read.
+OF_ASSET = ("collision", "strict", "inertia")
 #: Units of shape parameters other than lengths and points.
 _SIZES = {"number": None, "angle": "rad"}
 _UNITS = {"density": "kg/m^3", "damping": "Hz", "spin_damping": "Hz"}
@@ -39,26 +41,30 @@ def to_identifier(name: str) -> str:
     return made if not made[:1].isdigit() else f"_{made}"
 
 
-def relevant_errors(
+def relevant_faults(
     of: LinkTree | RejectedAsset, overrides: Overrides, whole: Collection[str]
 ) -> tuple[Diagnostic, ...]:
-    """Return the first relevant errors, each once, given the spec's overrides of links and of the `whole`."""
-    mistakes = dict.fromkeys(of.diagnostics if isinstance(of, RejectedAsset) else ())
+    """Return the relevant errors and warnings by kind, given the spec's overrides of links and of the `whole`."""
+    mistakes = dict.fromkeys(of.diagnostics if isinstance(of, RejectedAsset) else of.warnings)
     for link in of.links if isinstance(of, RejectedAsset) else (placed.link for placed in of.links):
         own = {p.name.id for p in overrides.get(to_identifier(link.name), ())}
         conditional = (c for shape in link.shapes for c in (*shape.look.conditional, *shape.conditional))
         mistakes |= {c.diagnostic: None for c in conditional if not {*own, *whole}.intersection(c.unless)}
-    return tuple(mistakes)[:MAX_FAULTS]
+    return grouped(mistakes)
 
 
 @dataclass(frozen=True)
 class Blocks:
-    """Converts an asset; `base` is the object that names it, `overrides` are the spec's properties of its links."""
+    """Converts an asset; `base` is the object that names it, `overrides` are the spec's properties of its links.
+
+    `own_inertia` keeps the file's inertias even if they are impossible.
+    """
 
     base: s.Block
     tree: LinkTree
     overrides: Overrides
     write: Writer
+    own_inertia: bool = False
 
     def name(self, of: str) -> str:
         """Return the block name of a link or joint."""
@@ -74,7 +80,7 @@ class Blocks:
         here = {p.name.id for p in self.base.properties}
         stands = (self.tree.held or link.fixed) and "fixed" not in here
         held: dict[str, s.Expr] = {"fixed": self.write.truth(True)} if stands else {}
-        own = tuple(p for p in self.base.properties if p.name.id not in ("file", "collision"))
+        own = tuple(p for p in self.base.properties if p.name.id not in ("file", *OF_ASSET))
         properties = _with_overrides(
             (*own, *self.write.properties(held | self._from_file(link))), self._overrides_of(link)
         )
@@ -119,13 +125,15 @@ class Blocks:
     def _mass_properties(self, link: Link, properties: tuple[s.Property, ...]) -> dict[str, s.Expr]:
         """Return mass, centre and moments; empty if the spec sets the density."""
         names = {p.name.id for p in properties}
-        if link.mass is None or "density" in {p.name.id for p in (*self.base.properties, *self._overrides_of(link))}:
+        by_density = "density" in {p.name.id for p in (*self.base.properties, *self._overrides_of(link))}
+        mass = link.own_inertia if link.own_inertia is not None and self.own_inertia else link.mass
+        if mass is None or by_density:
             return {}
-        values = {} if "mass" in names else {"mass": self.write.number(link.mass.mass, "kg")}
+        values = {} if "mass" in names else {"mass": self.write.number(mass.mass, "kg")}
         own = self.write.of(self.name(link.name), "mass")
-        values["centre"] = self.write.numbers(without_rounding(link.mass.center), "m")
-        values["moments"] = self.write.times((float(m) / link.mass.mass for m in link.mass.moments), "m^2", own)
-        values["axes"] = self.write.numbers(angles(link.mass.axes), "rad")
+        values["centre"] = self.write.numbers(without_rounding(mass.center), "m")
+        values["moments"] = self.write.times((float(m) / mass.mass for m in mass.moments), "m^2", own)
+        values["axes"] = self.write.numbers(angles(mass.axes), "rad")
         return values
 
     def _parts(self, link: Link, properties: tuple[s.Property, ...]) -> tuple[s.Part, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +15,8 @@ from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import open_file
 from wmspec.lang.importers.model import Faults, UnreadableAsset
 
+#: A value of xacro with a default, such as `$(optenv HUSKY_IMU_XYZ 0.19 0 0.149)`.
+_OPTIONAL = re.compile(r"\$\(optenv\s+\w+\s+([^)]*)\)")
 #: Maximum magnitude of any quantity (SI).
 MAX_MAGNITUDE = 1e6
 
@@ -46,15 +49,15 @@ class Reader:
         self.faults = faults
 
     def known(self, e: Element, attributes: Collection[str], children: Collection[str] = ()) -> None:
-        """Report unsupported attributes and children; prefixed ones belong to other programs and are ignored."""
+        """Report unknown attributes and children, which are ignored; prefixed ones belong to other programs."""
         for name in e.attributes:
             if name not in attributes and ":" not in name and name != "xmlns":
                 hint = suggestion(name, attributes) or "remove it"
-                self.faults.add(e.where, f"`{name}` is not supported here", hint)
+                self.faults.approximate(e.where, f"`{name}` of `{e.tag}` is not supported", "ignored", hint)
         for child in e.children:
             if child.tag not in children and ":" not in child.tag:
                 hint = suggestion(child.tag, children) or "remove it"
-                self.faults.add(child.where, f"`{child.tag}` in `{e.tag}` is not supported", hint)
+                self.faults.approximate(child.where, f"`{child.tag}` in `{e.tag}` is not supported", "ignored", hint)
 
     def only(self, e: Element, tag: str) -> Element | None:
         """Return the child with a tag, if any; report duplicates."""
@@ -82,11 +85,16 @@ class Reader:
         """Return `count` numbers; errors are reported and replaced by ones."""
         if name not in e.attributes and default is not None:
             return default
-        try:
-            values = tuple(float(word) for word in self.text(e, name).split())
+        shown = e.attributes.get(name, "")[:60]
+        try:  # as in Bullet, commas separate too
+            values = tuple(float(word) for word in _OPTIONAL.sub(r"\1", self.text(e, name)).replace(",", " ").split())
         except ValueError:
             values = ()
-        shown = e.attributes.get(name, "")[:60]
+        if len(values) > count > 1:
+            self.faults.approximate(
+                e.where, f'{name}="{shown}" has more than {count} numbers', "the first", "correct it"
+            )
+            values = values[:count]
         if name in e.attributes and len(values) != count:
             what = "a number" if count == 1 else f"{count} numbers"
             self.faults.add(e.where, f'{name}="{shown}" is not {what}', "correct it")
@@ -134,12 +142,17 @@ class _Builder:
 
     def read(self, content: bytes) -> Element:
         top = self._open[0]
+        start = content.find(b"<?xml")
+        if start > 0:  # a declaration behind a comment is no XML; simple parsers read it
+            stop = content.find(b"?>", start) + 2
+            content = content[:start] + re.sub(rb"[^\n]", b" ", content[start:stop]) + content[stop:]
         try:
             self._parser.Parse(content, True)
         except UnreadableAsset:
             raise
         except (expat.ExpatError, ValueError, LookupError) as error:
-            raise self._stop(f"is no XML: {error}", "fix it, or export it again") from None
+            if not (top.children and len(self._open) == 1):  # what follows the root does not matter
+                raise self._stop(f"is no XML: {error}", "fix it, or export it again") from None
         return top.children[0]
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:

@@ -1,103 +1,106 @@
-"""Imports MJCF (https://mujoco.readthedocs.io/en/stable/XMLreference.html): bodies, geoms, joints, position actuators.
+"""Imports MJCF (https://mujoco.readthedocs.io/en/stable/XMLreference.html) as MuJoCo compiles it.
 
-Ignored, since the spec sets them or they have no effect: options, visuals, sites, lights, cameras, sensors, keyframes,
-control ranges. Everything else is rejected by name.
+Bodies become links, geoms shapes, joints joints, and position and velocity actuators drives. A body with several joints
+becomes a chain of links. The spec sets options, lights, cameras and sensors.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from wmspec.lang.importers.markup import Element
-from wmspec.lang.importers.mjcf_defaults import Defaults, MeshResolver
+from wmspec.lang.importers.mjcf_contacts import Contacts
 from wmspec.lang.importers.mjcf_geoms import Geoms
 from wmspec.lang.importers.mjcf_joints import Joints
-from wmspec.lang.importers.model import MAX_LINKS, MAX_SHAPES, Asset, Faults, Joint, Link
+from wmspec.lang.importers.mjcf_model import Compiled, compiled
+from wmspec.lang.importers.mjcf_source import FileResolver, Preparation
+from wmspec.lang.importers.model import Asset, Faults, Joint, Link
 from wmspec.lang.importers.tree import WORLD
 from wmspec.lang.importers.turns import X
+from wmspec.sim.scene.model import Array, Inertia, Pose
 from wmspec.sim.scene.model.transform import identity
 
-_READ = ("compiler", "default", "asset", "worldbody", "actuator")
-_LEFT_OUT = ("option", "size", "visual", "statistic", "sensor", "keyframe", "custom")
-_BODY = ("name", "childclass", "pos", "quat", "euler", "axisangle")
+#: Names of the link of the world's geoms, the first free one.
+_BASES = ("base", "stand", "ground", "surroundings")
 
 
-def mjcf(root: Element, find: MeshResolver, faults: Faults) -> Asset:
-    """Return the asset of an MJCF root element. Raises Broken if it is invalid."""
-    return _Mjcf(root, find, faults).asset()
+def mjcf(root: Element, folder: Path, shown: str, find: FileResolver, faults: Faults) -> Asset:
+    """Return the asset of an MJCF root element. Raises UnreadableAsset if it is invalid."""
+    source = Preparation(folder, shown, find, faults).source(root)
+    return _Mjcf(compiled(source, faults), faults).asset()
 
 
 class _Mjcf:
-    def __init__(self, root: Element, find: MeshResolver, faults: Faults) -> None:
-        self.root = root
-        self.faults = faults
-        self.read = Defaults(root, find, faults)
-        self.geoms = Geoms(self.read)
-        self.joints = Joints(self.read)
-        self.links: dict[str, Link] = {}
-        self.by_name: dict[str, Joint] = {}
-        self.shapes = 0
+    """Converts a compiled model."""
+
+    def __init__(self, compiled: Compiled, faults: Faults) -> None:
+        self._compiled, self._model, self._faults = compiled, compiled.model, faults
+        self._geoms = Geoms(compiled, faults)
+        self._joints = Joints(compiled, faults)
+        self._contacts = Contacts(compiled, faults)
+        names = [self._model.body(i).name or f"body_{i}" for i in range(self._model.nbody)]
+        self._names = [WORLD, *names[1:]]
 
     def asset(self) -> Asset:
         """Return the bodies as links; geoms of the world become a base that stands on it."""
-        self.read.known(self.root, ("model",), (*_READ, *_LEFT_OUT))
-        worlds = self.root.all("worldbody")
-        if not worlds:
-            raise self.faults.stop(self.root.where, "has no `worldbody`", "is this the right file?")
-        if len(worlds) > 1:
-            self.faults.add(worlds[1].where, "occurs twice", "merge them")
-        base = self._base(worlds[0])
-        for body, parent, inherited in self._bodies(worlds[0], base):
-            self._body(body, parent, inherited)
-        self.joints.drive(self.root, self.by_name)
-        return Asset(self.links, self.by_name)
+        world = self._compiled.bodies[0].where
+        if self._model.nbody == 1 and not self._model.ngeom:
+            raise self._faults.stop(self._compiled.source.root.where, "has no bodies", "is this the right file?")
+        links, joints = {WORLD: Link(WORLD, world)}, dict[str, Joint]()
+        shapes, properties = self._geoms.of(0)
+        if shapes:
+            base = next(name for name in (*_BASES, *(f"base_{i}" for i in range(1000))) if name not in self._names)
+            self._names[0] = base
+            links[base] = Link(base, world, shapes, None, properties)
+            joints[""] = Joint("", world, "fixed", WORLD, base, identity(), np.zeros(3), X)
+        for i in range(1, self._model.nbody):
+            links[self._names[i]] = self._link(i)
+            for joint, frame in self._held(i):
+                joints[joint.name] = joint
+                if frame is not None:
+                    links[frame.name] = frame
+        self._joints.drive(joints)
+        for i, others in self._contacts.passing().items():
+            passes = tuple(self._names[j] for j in others if self._names[j] in links)
+            if self._names[i] in links:
+                links[self._names[i]] = replace(links[self._names[i]], passes=passes)
+        return Asset(links, joints)
 
-    def _base(self, world: Element) -> str:
-        """Return the link that holds the bodies of the world."""
-        self.read.known(world, (), ("geom", "body", "light", "camera", "site"))
-        self.links[WORLD] = Link(WORLD, world.where)
-        link = self.geoms.link(world, "", "base")
-        if not link.shapes:
-            return WORLD
-        self.links["base"] = replace(link, mass=None)
-        held = Joint("", world.where, "fixed", WORLD, "base", identity(), np.zeros(3), X)
-        self.by_name[""] = held
-        return "base"
+    def _link(self, i: int) -> Link:
+        where, m = self._compiled.bodies[i].where, self._model
+        shapes, properties = self._geoms.of(i)
+        mass = None
+        if m.body_mass[i] > 0:
+            mass = Inertia(
+                float(m.body_mass[i]), _array(m.body_ipos[i]), _array(m.body_iquat[i]), _array(m.body_inertia[i])
+            )
+        if m.body_gravcomp[i]:
+            what = "bodies that gravity does not act on are not supported"
+            self._faults.approximate(where, what, "gravity acts on it", "hold it with a drive")
+        fixed = bool(m.body_mocapid[i] >= 0)
+        return Link(self._names[i], where, shapes, mass, properties, fixed, massless=mass is None and bool(shapes))
 
-    def _bodies(self, world: Element, base: str) -> Iterator[tuple[Element, str, str]]:
-        """Yield all bodies, parents first, with the parent's name and the active defaults class."""
-        waiting = [(body, base, "") for body in reversed(world.all("body"))]
-        count = 0
-        while waiting:
-            body, parent, inherited = waiting.pop()
-            count += 1
-            if not body.attributes.get("name"):
-                body.attributes["name"] = f"body_{count}"
-            inherited = body.attributes.get("childclass", inherited)
-            yield body, parent, inherited
-            waiting += [(child, body.attributes["name"], inherited) for child in reversed(body.all("body"))]
-
-    def _body(self, body: Element, parent: str, inherited: str) -> None:
-        """Add one body and its joint."""
-        left_out = ("light", "camera", "site")
-        self.read.known(body, _BODY, ("geom", "joint", "freejoint", "inertial", "body", *left_out))
-        name = body.attributes["name"]
-        if name in self.links:
-            self.faults.add(body.where, "there is another body of this name", "rename one of them")
+    def _held(self, i: int) -> Iterator[tuple[Joint, Link | None]]:
+        """Yield the joints of a body, each but the last with the frame that it moves."""
+        m, name, parent = self._model, self._names[i], self._names[int(self._model.body_parentid[i])]
+        where = self._compiled.bodies[i].where
+        here = Pose(_array(m.body_pos[i]), _array(m.body_quat[i]))
+        count, first = int(m.body_jntnum[i]), int(m.body_jntadr[i])
+        if count == 0:
+            yield Joint(f"{name} fixed", where, "fixed", parent, name, here, np.zeros(3), X), None
             return
-        link = self.geoms.link(body, inherited, name)
-        self.shapes += len(link.shapes)
-        if len(self.links) > MAX_LINKS or self.shapes > MAX_SHAPES:
-            what = f"has more than {MAX_LINKS} bodies or {MAX_SHAPES} geoms"
-            raise self.faults.stop(self.root.where, what, "make it simpler")
-        if link.shapes and link.mass is None:
-            what = "it has no mass"
-            self.faults.add(body.where, what, "give it an `inertial`, or one of its geoms a mass")
-        self.links[name] = link
-        joint = self.joints.of(body, parent, inherited)
-        if joint.name in self.by_name:
-            self.faults.add(joint.where, "there is another joint of this name", "rename one of them")
-        self.by_name[joint.name] = joint
+        touching = count == 1 and self._contacts.touches_parent(i)
+        for number in range(count):
+            last = number == count - 1
+            child = name if last else f"{name} {self._joints.name(first + number, name)}"
+            made = self._joints.joint(first + number, name, parent, child, here)
+            yield replace(made, touching=touching), None if last else Link(child, where)
+            parent, here = child, identity()
+
+
+def _array(numbers: object) -> Array:
+    return np.array(numbers, np.float64)

@@ -1,204 +1,182 @@
-"""MJCF geoms as shapes, and masses of bodies by MuJoCo's rules."""
+"""Geoms of a compiled MJCF model as shapes."""
 
 from __future__ import annotations
 
-import posixpath
+import math
+from dataclasses import replace
 
 import numpy as np
 
-from wmspec.lang.importers.markup import Element
-from wmspec.lang.importers.mjcf_defaults import Defaults
+from wmspec.lang.importers.mjcf_model import Compiled
 from wmspec.lang.importers.model import (
     OVERRIDING_PROPERTIES,
     Appearance,
     Color,
+    Faults,
     Form,
-    Link,
     MeshFile,
     Shape,
     conditional,
 )
-from wmspec.sim.scene.model import Inertia, Pose
-from wmspec.sim.scene.model.transform import multiply, quaternion
-from wmspec.sim.scene.physics.inertia import inertia, principal
-from wmspec.sim.shapes import Box, Capsule, Cylinder, Sphere
-from wmspec.sim.shapes import Shape as Solid
+from wmspec.sim.scene.model import Pose
+from wmspec.sim.scene.model.transform import compose, inverse, multiply, quaternion, rotate, rotation
+from wmspec.sim.shapes import Box, Capsule, Cylinder, Lathe, Sphere
 
-_GEOM = (
-    "name", "type", "size", "pos", "quat", "euler", "axisangle", "fromto", "mass", "density", "friction", "rgba",
-    "material", "mesh", "contype", "conaffinity", "group", "condim",
-)  # fmt: skip
-_SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3}
 #: Highest geom group that MuJoCo's viewer draws by default.
 _DRAWN = 2
+#: MuJoCo's colour of a geom without one.
+_PLAIN = (0.5, 0.5, 0.5, 1.0)
+#: Highest friction of a spec, and its restitution of an object without one.
+_MAX_FRICTION, _RESTITUTION = 5.0, 0.1
+#: Points of the outline of half an ellipse.
+_OUTLINE = 13
 
 
 class Geoms:
-    """Converts geoms and `inertial`s of bodies to links."""
+    """Converts the geoms of bodies."""
 
-    def __init__(self, read: Defaults) -> None:
-        self.read = read
-        self.faults = read.faults
+    def __init__(self, compiled: Compiled, faults: Faults) -> None:
+        self._compiled, self._m, self._faults = compiled, compiled.model, faults
+        self._kinds = compiled.mujoco.mjtGeom
 
-    def link(self, body: Element, inherited: str, name: str) -> Link:
-        """Return a body with its geoms, mass and friction."""
-        geoms = [self.read.full(e, inherited) for e in body.all("geom")]
-        made = [(e, shape) for e in geoms if (shape := self._shape(e)) is not None]
-        frictions = {self._friction(e) for e, shape in made if shape.solid}
-        if len(frictions) > 1:
-            self.faults.add(body.where, "its geoms have several frictions", "give them one")
-        inertial = self.read.only(body, "inertial")
-        mass = self._inertial(inertial) if inertial is not None else self._summed(made)
-        friction = {"friction": next(iter(frictions))} if frictions else {}
-        return Link(name, body.where, tuple(shape for _, shape in made), mass, friction)
+    def of(self, body: int) -> tuple[tuple[Shape, ...], dict[str, float]]:
+        """Return the shapes of a body, and their common friction; if it differs, each shape has its own."""
+        first, count = int(self._m.body_geomadr[body]), int(self._m.body_geomnum[body])
+        made = [(i, shape) for i in range(first, first + count) if (shape := self._shape(i)) is not None]
+        frictions = {self._friction(i) for i, shape in made if shape.solid}
+        if len(frictions) <= 1:
+            return tuple(shape for _, shape in made), ({"friction": next(iter(frictions))} if frictions else {})
+        own = ((shape, (self._friction(i), _RESTITUTION) if shape.solid else None) for i, shape in made)
+        return tuple(replace(shape, friction_restitution=rubs) for shape, rubs in own), {}
 
-    # ------------------------------------------------------------ shapes
-
-    def _shape(self, e: Element) -> Shape | None:
-        self.read.known(e, _GEOM)
-        kind = e.attributes.get("type", "sphere")
-        if kind != "mesh" and "mesh" in e.attributes:
-            what = f"MuJoCo fits a {kind[:30]} to the mesh, which is not supported"
-            self.faults.add(e.where, what, 'write type="mesh", or remove `mesh` and write the size')
+    def _shape(self, i: int) -> Shape | None:
+        m, kind = self._m, int(self._m.geom_type[i])
+        where = self._compiled.geoms[i].where
+        if kind in (self._kinds.mjGEOM_PLANE, self._kinds.mjGEOM_HFIELD):
+            what = "planes" if kind == self._kinds.mjGEOM_PLANE else "height fields"
+            self._faults.approximate(where, f"{what} are not supported", "left out", "the ground is the spec's")
             return None
-        here = self.read.place(e)
-        solid, drawn = self._touched(e), self.read.number(e, "group", 0.0) <= _DRAWN
-        look = self._look(e) if drawn else Appearance()
-        if kind == "mesh":
-            file = self._mesh(e)
-            return Shape(file, here, look, solid, drawn) if file else None
-        if kind not in _SIZES:
-            known = ", ".join((*_SIZES, "mesh"))
-            help = f"make it one of {known}" + ("; the ground is the spec's" if kind == "plane" else "")
-            self.faults.add(e.where, f"geoms of type `{kind[:30]}` are not supported", help)
+        here = Pose(np.array(m.geom_pos[i], np.float64), np.array(m.geom_quat[i], np.float64))
+        alpha = self._alpha(i)
+        solid = bool(m.geom_contype[i] or m.geom_conaffinity[i])
+        drawn = m.geom_group[i] <= _DRAWN and alpha > 0
+        if not (solid or drawn):
             return None
-        here, sizes = self._sized(e, kind, here)
-        return Shape(_form(kind, sizes), here, look, solid, drawn)
-
-    def _sized(self, e: Element, kind: str, here: Pose) -> tuple[Pose, tuple[float, ...]]:
-        """Return pose and half sizes, possibly from the end points of its axis."""
-        given = len(e.attributes.get("size", "").split())
-        if "fromto" in e.attributes:
-            if kind not in ("capsule", "cylinder"):
-                self.faults.add(e.where, f"`fromto` of a {kind} is not supported", "say its `pos`, turn and `size`")
-                return here, (1.0,) * _SIZES[kind]
-            here, half = self._between(e)
-            radius = self.read.numbers(e, "size", max(1, given), above=0.0)[0]
-            return here, (radius, half)
-        # MuJoCo ignores surplus numbers
-        sizes = self.read.numbers(e, "size", max(_SIZES[kind], given))[: _SIZES[kind]]
-        if any(x <= 0 for x in sizes):
-            self.faults.add(e.where, "its size must be more than 0", "correct it")
-        return here, sizes
-
-    def _between(self, e: Element) -> tuple[Pose, float]:
-        """Return the frame midway between two points, z axis from the second to the first, and half their distance."""
-        ends = np.array(self.read.numbers(e, "fromto", 6)).reshape(2, 3)
-        way = ends[0] - ends[1]
-        size = float(np.linalg.norm(way))
-        middle = ends.mean(axis=0)
-        if size < 1e-9:
-            self.faults.add(e.where, "the two ends of its `fromto` are the same", "correct them")
-            return Pose(middle, quaternion(np.eye(3))), 1.0
-        z = way / size
-        x = np.cross((0.0, 1.0, 0.0) if abs(z[1]) < 0.9 else (1.0, 0.0, 0.0), z)
-        x /= np.linalg.norm(x)
-        return Pose(middle, quaternion(np.stack([x, np.cross(z, x), z], axis=1))), size / 2
-
-    def _mesh(self, e: Element) -> MeshFile | None:
-        mesh = self.read.named("mesh", self.read.text(e, "mesh"))
-        if mesh is None:
-            self.faults.add(e.where, f"there is no mesh `{e.attributes.get('mesh', '')[:60]}`", "add it to `asset`")
+        placed = self._form(i, here)
+        if placed is None:
             return None
-        self.read.known(mesh, ("name", "file", "scale", "inertia"))
-        scale = self.read.scale(mesh)
-        named = self.read.text(mesh, "file")
-        file = self.read.find(mesh, posixpath.join(self.read.meshes, named)) if named else ""
-        return MeshFile(file, scale) if file else None
+        self._contact(i, solid)
+        look = self._look(i, alpha) if drawn else Appearance()
+        return Shape(placed[0], placed[1], look, solid, drawn)
 
-    def _touched(self, e: Element) -> bool:
-        """Whether it collides with geoms that have MuJoCo's defaults."""
-        bits = [int(self.read.number(e, name, 1.0)) for name in ("contype", "conaffinity")]
-        if 0 < (bits[0] & 1) + (bits[1] & 1) < 2 or (any(bits) and not bits[0] & 1):
-            what = "what collides with some things and not with others is not supported"
-            self.faults.add(e.where, what, "make contype and conaffinity both 0, or both 1")
-        if self.read.number(e, "condim", 3.0) != 3:
-            self.faults.add(e.where, "other contacts than those of condim 3 are not supported", "remove `condim`")
-        return any(bits)
+    def _form(self, i: int, here: Pose) -> tuple[Form, Pose] | None:
+        sizes, kinds = [float(x) for x in self._m.geom_size[i]], self._kinds
+        match int(self._m.geom_type[i]):
+            case kinds.mjGEOM_SPHERE:
+                return Sphere(sizes[0]), here
+            case kinds.mjGEOM_CAPSULE:
+                return Capsule(sizes[0], 2 * sizes[1]), here
+            case kinds.mjGEOM_CYLINDER:
+                return Cylinder(sizes[0], 2 * sizes[1]), here
+            case kinds.mjGEOM_BOX:
+                return Box((sizes[0], sizes[1], sizes[2])), here
+            case kinds.mjGEOM_ELLIPSOID:
+                return self._ellipsoid(i, sizes, here)
+            case kinds.mjGEOM_MESH:
+                return self._mesh(i, here)
+        self._faults.add(self._compiled.geoms[i].where, "geoms of this type are not supported", "make it a mesh")
+        return None
 
-    def _friction(self, e: Element) -> float:
-        """Return the sliding friction; explicit torsional and rolling friction is rejected."""
-        given = e.attributes.get("friction", "1").split()
-        return self.read.numbers(e, "friction", max(1, len(given)), (1.0,))[0]
+    def _ellipsoid(self, i: int, sizes: list[float], here: Pose) -> tuple[Form, Pose]:
+        """Return an ellipsoid of revolution about the axis that leaves the other two semi-axes nearest."""
+        axis = min(range(3), key=lambda k: abs(math.log(sizes[k - 1] / sizes[k - 2])))
+        a, b = sizes[axis - 2], sizes[axis - 1]
+        radius, half = math.sqrt(a * b), sizes[axis]
+        off = max(a, b) / radius - 1
+        size = f"a surface of {2 * _OUTLINE - 2} bands" + (
+            f" with equal axes, {100 * off:.0f} % off" if off > 1e-6 else ""
+        )
+        where = self._compiled.geoms[i].where
+        self._faults.approximate(where, "ellipsoids are not supported", size, "use a sphere or a capsule")
+        turn = (np.eye(3)[:, [1, 2, 0]], np.eye(3)[:, [2, 0, 1]], np.eye(3))[axis]
+        angles = [math.pi * (k / (_OUTLINE - 1) - 0.5) for k in range(_OUTLINE)]
+        profile = tuple((max(0.0, radius * math.cos(t)), half * math.sin(t)) for t in angles)
+        profile = ((0.0, -half), *profile[1:-1], (0.0, half))
+        return Lathe(profile), Pose(here.position, multiply(here.orientation, quaternion(turn)))
 
-    def _look(self, e: Element) -> Appearance:
-        """Return the colour of a geom, with errors."""
-        with self.faults.separately() as faults:
-            color = self._color(e)
+    def _mesh(self, i: int, here: Pose) -> tuple[Form, Pose] | None:
+        """Return a mesh with the pose of its file's frame: MuJoCo moves meshes to their centre and principal axes."""
+        m, number = self._m, int(self._m.geom_dataid[i])
+        mesh = self._compiled.meshes[m.mesh(number).name]
+        own = Pose(np.array(m.mesh_pos[number], np.float64), np.array(m.mesh_quat[number], np.float64))
+        pose = compose(here, inverse(own))
+        scale = tuple(float(x) for x in mesh.scale)
+        refpos, refquat = np.array(mesh.refpos, np.float64), np.array(mesh.refquat, np.float64)
+        turned = not np.allclose(rotation(refquat), np.eye(3), atol=1e-12)
+        if turned and len(set(scale)) > 1:
+            where = self._compiled.geoms[i].where
+            self._faults.add(where, "a mesh with `refquat` and unequal scales is not supported", "remove `refquat`")
+            return None
+        back = inverse(Pose(np.zeros(3), refquat)).orientation
+        shift = np.array(scale) * rotate(back, -refpos)
+        pose = compose(pose, Pose(shift, back if turned else np.array((1.0, 0.0, 0.0, 0.0))))
+        return MeshFile(self._compiled.source.files[mesh.file], scale), pose
+
+    # ------------------------------------------------------------ contact
+
+    def _contact(self, i: int, solid: bool) -> None:
+        """Report properties of contacts that are left out."""
+        m, where = self._m, self._compiled.geoms[i].where
+        if not solid:
+            return
+        if m.geom_condim[i] in (4, 6):
+            what = "torsional and rolling friction are not supported"
+            self._faults.approximate(where, what, "sliding friction only", "use condim 3")
+        if tuple(m.geom_solref[i]) != (0.02, 1.0) or not np.allclose(m.geom_solimp[i], (0.9, 0.95, 0.001, 0.5, 2)):
+            what = "the softness of contacts (`solref`, `solimp`) is not supported"
+            self._faults.approximate(where, what, "contacts are as stiff as each engine has them", "")
+        if m.geom_margin[i] or m.geom_gap[i]:
+            what = f"contacts at a distance (margin {float(m.geom_margin[i]):g} m) are not supported"
+            self._faults.approximate(where, what, "they begin at the surface", "")
+        if m.geom_friction[i, 0] > _MAX_FRICTION and m.geom_condim[i] > 1:
+            what = f"a friction of {float(m.geom_friction[i, 0]):g} is not supported"
+            self._faults.approximate(where, what, f"it is {_MAX_FRICTION:g}", "")
+
+    def _friction(self, i: int) -> float:
+        """Return the sliding friction of a geom."""
+        return 0.0 if self._m.geom_condim[i] == 1 else min(_MAX_FRICTION, float(self._m.geom_friction[i, 0]))
+
+    # ------------------------------------------------------------ looks
+
+    def _rgba(self, i: int) -> tuple[float, ...] | None:
+        """Return the colour of a geom, or of its material, or None."""
+        own = tuple(float(x) for x in self._m.geom_rgba[i])
+        material = int(self._m.geom_matid[i])
+        if material < 0 or not np.allclose(own, _PLAIN):
+            return None if np.allclose(own, _PLAIN) else own
+        return tuple(float(x) for x in self._m.mat_rgba[material])
+
+    def _alpha(self, i: int) -> float:
+        rgba = self._rgba(i)
+        return 1.0 if rgba is None else rgba[3]
+
+    def _look(self, i: int, alpha: float) -> Appearance:
+        """Return the colour of a geom, with what is left out of its look."""
+        where, material = self._compiled.geoms[i].where, int(self._m.geom_matid[i])
+        with self._faults.separately() as faults:
+            if alpha < 1:
+                self._faults.approximate(
+                    where, "what is transparent is not supported", "it is drawn opaque", "make it opaque"
+                )
+            if material >= 0 and self._m.mat(material).name in self._compiled.source.textured:
+                textured = self._compiled.source.textured[self._m.mat(material).name]
+                self._faults.approximate(
+                    textured.where, "textures of an asset are not supported", "its plain colour is drawn", "remove it"
+                )
+        rgba = self._rgba(i)
+        color: Color | None = None if rgba is None else (_unit(rgba[0]), _unit(rgba[1]), _unit(rgba[2]))
         return Appearance(color, conditional=conditional(faults, OVERRIDING_PROPERTIES))
 
-    def _color(self, e: Element) -> Color | None:
-        """Return the colour of a geom or of its material, or None."""
-        source = e if "rgba" in e.attributes else self._material(e)
-        if source is None:
-            return None
-        r, g, b, a = self.read.numbers(source, "rgba", 4, (1.0, 1.0, 1.0, 1.0))
-        if a != 1:
-            self.faults.add(source.where, "what is transparent is not supported", "make the last number of rgba 1")
-        if not all(0 <= x <= 1 for x in (r, g, b)):
-            self.faults.add(source.where, "its rgba is not four numbers from 0 to 1", "correct it")
-        return r, g, b
 
-    def _material(self, e: Element) -> Element | None:
-        """Return the material of a geom, or None."""
-        name = e.attributes.get("material")
-        material = self.read.named("material", name) if name is not None else None
-        if name is not None and material is None:
-            self.faults.add(e.where, f"there is no material `{name[:60]}`", "add it to `asset`")
-        if material is not None and "texture" in material.attributes:
-            what = "textures of an asset are not supported"
-            self.faults.add(material.where, what, "remove it")
-        return material
-
-    # ------------------------------------------------------------ masses
-
-    def _inertial(self, e: Element) -> Inertia:
-        self.read.known(e, ("pos", "quat", "euler", "axisangle", "mass", "diaginertia", "fullinertia"))
-        here = self.read.place(e)
-        mass = self.read.number(e, "mass", above=0.0)
-        if "fullinertia" in e.attributes:
-            xx, yy, zz, xy, xz, yz = self.read.numbers(e, "fullinertia", 6)
-            tensor = np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
-        else:
-            tensor = np.diag(self.read.numbers(e, "diaginertia", 3, above=0.0))
-        axes, moments = principal(tensor)
-        return Inertia(mass, here.position, multiply(here.orientation, axes), moments)
-
-    def _summed(self, made: list[tuple[Element, Shape]]) -> Inertia | None:
-        """Return the mass of all geoms of a body, visual and collision, from their masses or densities."""
-        if not made:
-            return None
-        parts: list[tuple[Solid, Pose, float]] = []
-        for e, shape in made:
-            mass = self.read.number(e, "mass", -1.0)
-            if isinstance(shape.form, MeshFile):
-                if mass == 0:
-                    continue
-                what, help = "the mass of a mesh is not computed", 'give its body an `inertial`, or the mesh mass="0"'
-                self.faults.add(e.where, what, help)
-                return None
-            if mass < 0:
-                mass = self.read.number(e, "density", 1000.0) * shape.form.volume
-            if mass > 0:
-                parts.append((shape.form, shape.pose, mass))
-        return inertia(parts) if parts else None
-
-
-def _form(kind: str, sizes: tuple[float, ...]) -> Form:
-    """Return a shape by its half sizes."""
-    match kind:
-        case "box":
-            return Box((sizes[0], sizes[1], sizes[2]))
-        case "sphere":
-            return Sphere(sizes[0])
-    return (Capsule if kind == "capsule" else Cylinder)(sizes[0], 2 * sizes[1])
+def _unit(x: float) -> float:
+    return min(1.0, max(0.0, x))

@@ -1,116 +1,150 @@
-"""MJCF joints, and the position actuators that drive them."""
+"""Joints of a compiled MJCF model, and the actuators that drive them."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
-from wmspec.lang.importers.markup import Element
-from wmspec.lang.importers.mjcf_defaults import Defaults
-from wmspec.lang.importers.model import Joint
+from wmspec.lang.importers.mjcf_model import Compiled
+from wmspec.lang.importers.model import Faults, Joint
 from wmspec.lang.importers.turns import X
-from wmspec.sim.scene.model import Pose
+from wmspec.sim.scene.joints.servos import UnsupportedActuator, combined, servo
+from wmspec.sim.scene.model import Drive, Pose
 
-_KINDS: dict[str, Literal["hinge", "slider", "ball", "free"]] = {
-    "hinge": "hinge",
-    "slide": "slider",
-    "ball": "ball",
-    "free": "free",
-}
-_JOINT = (
-    "name", "type", "pos", "axis", "range", "limited", "stiffness", "damping", "springref", "group", "frictionloss",
-    "armature", "ref",
-)  # fmt: skip
-_POSITION = ("name", "joint", "kp", "kv", "gear", "ctrlrange", "ctrllimited", "group")
+_Kind = Literal["hinge", "slider", "ball", "free"]
 
 
 class Joints:
-    """Creates the joint between a body and its parent."""
+    """Converts joints and actuators. The coordinate of a joint is 0 as the file places its body."""
 
-    def __init__(self, read: Defaults) -> None:
-        self.read = read
-        self.faults = read.faults
+    def __init__(self, compiled: Compiled, faults: Faults) -> None:
+        self._compiled, self._m, self._faults = compiled, compiled.model, faults
+        kinds = compiled.mujoco.mjtJoint
+        self._kinds: dict[int, _Kind] = {
+            int(kinds.mjJNT_HINGE): "hinge",
+            int(kinds.mjJNT_SLIDE): "slider",
+            int(kinds.mjJNT_BALL): "ball",
+            int(kinds.mjJNT_FREE): "free",
+        }
+        self._own: dict[int, str] = {}
+        self._inertias = self._joint_inertias()
 
-    def of(self, body: Element, parent: str, inherited: str) -> Joint:
-        """Return the joint of a body; a body without a joint is fixed."""
-        name, here = body.attributes["name"], self.read.place(body)
-        free = body.all("freejoint")
-        joints = [*free, *(self.read.full(e, inherited) for e in body.all("joint"))]
-        if len(joints) > 1:
-            what = "several joints of one body are not supported"
-            self.faults.add(joints[1].where, what, "put a body, with a geom, between each two of them")
-        if not joints:
-            return Joint(f"{name} fixed", body.where, "fixed", parent, name, here, np.zeros(3), X)
-        joint = joints[0]
-        if free:
-            self.read.known(joint, ("name", "group", "align"))
-            return Joint(f"{name} free", joint.where, "free", parent, name, here, np.zeros(3), X)
-        return self._joint(joint, name, parent, here)
+    def name(self, j: int, body: str) -> str:
+        """Return the name of a joint of a body."""
+        first = int(self._m.body_jntadr[self._m.jnt_bodyid[j]])
+        return self._m.joint(j).name or (f"{body} joint" if j == first else f"{body} joint_{j - first + 1}")
 
-    def _joint(self, e: Element, body: str, parent: str, here: Pose) -> Joint:
-        self.read.known(e, _JOINT)
-        type_ = e.attributes.get("type", "hinge")
-        kind = _KINDS.get(type_)
-        if kind is None:
-            what = f"joints of type `{type_[:30]}` are not supported"
-            self.faults.add(e.where, what, f"make it one of {', '.join(_KINDS)}")
-            kind = "hinge"
-        for name in ("frictionloss", "armature", "ref"):
-            if self.read.number(e, name, 0.0) != 0:
-                self.faults.add(e.where, f"`{name}` of a joint is not supported", "make it 0")
-        axis = np.array(self.read.numbers(e, "axis", 3, (0.0, 0.0, 1.0)))
-        size = float(np.linalg.norm(axis))
-        if size < 1e-6:
-            self.faults.add(e.where, "its axis is 0", 'write something like axis="0 0 1"')
-            axis, size = X, 1.0
-        at = np.array(self.read.numbers(e, "pos", 3, (0.0, 0.0, 0.0)))
-        low, high = self._limits(e, kind)
-        stiffness, damping, rest = (self.read.number(e, n, 0.0) for n in ("stiffness", "damping", "springref"))
-        if kind == "ball" and (stiffness or damping):
-            self.faults.add(e.where, "springs and dampers in ball joints are not supported", "make them 0")
-        if min(stiffness, damping) < 0:
-            self.faults.add(e.where, "its stiffness or damping is below 0", "make it 0 or more")
-        unit = self.read.angle if kind == "hinge" else 1.0
-        name = e.attributes.get("name") or f"{body} joint"
-        spring = rest * unit if stiffness else None
-        return Joint(name, e.where, kind, parent, body, here, at, axis / size, low, high, damping, stiffness, spring)
-
-    def _limits(self, e: Element, kind: str) -> tuple[float | None, float | None]:
-        limited = e.attributes.get("limited", "auto")
-        if limited == "false" or "range" not in e.attributes or (limited == "auto" and not self.read.limited):
-            return None, None
-        low, high = self.read.numbers(e, "range", 2)
+    def joint(self, j: int, body: str, parent: str, child: str, here: Pose) -> Joint:
+        """Return a joint between two links; `here` is the pose of the child with the joint at 0."""
+        m, e = self._m, self._compiled.joints[j]
+        kind = self._kinds[int(m.jnt_type[j])]
+        if kind == "free":
+            return Joint(f"{body} free", e.where, kind, parent, child, here, np.zeros(3), X)
+        name = self._own[j] = self.name(j, body)
+        self._dry(j)
+        stiffness, damping = float(m.jnt_stiffness[j]), float(m.dof_damping[m.jnt_dofadr[j]])
+        at, axis = np.array(m.jnt_pos[j], np.float64), np.array(m.jnt_axis[j], np.float64)
+        low = high = target = None
         if kind == "ball":
-            self.faults.add(e.where, "ball joints with limits are not supported", "remove `range`")
-            return None, None
-        if low >= high and limited == "auto":  # MuJoCo: no limit
-            return None, None
-        if low >= high:
-            self.faults.add(e.where, "it can never move: its range leaves no room", "correct it, or remove the joint")
-        unit = self.read.angle if kind == "hinge" else 1.0
-        return low * unit, high * unit
+            if stiffness or damping:
+                what = "springs and dampers in ball joints are not supported"
+                self._faults.approximate(e.where, what, "left out", "use three hinges")
+            if m.jnt_limited[j]:
+                what = f"limits of ball joints ({math.degrees(m.jnt_range[j, 1]):.0f} deg) are not supported"
+                self._faults.approximate(e.where, what, "left out", "use hinges")
+            stiffness = damping = 0.0
+        else:
+            start = float(m.qpos0[m.jnt_qposadr[j]])
+            if m.jnt_limited[j]:
+                low, high = (float(x) - start for x in m.jnt_range[j])
+            target = float(m.qpos_spring[m.jnt_qposadr[j]]) - start if stiffness else None
+            stiffness, damping = self._positive(j, stiffness, damping)
+        return Joint(name, e.where, kind, parent, child, here, at, axis, low, high, damping, stiffness, target)
 
-    def drive(self, root: Element, joints: dict[str, Joint]) -> None:
-        """Add the drives defined by `position` actuators."""
-        for e in (e for actuators in root.all("actuator") for e in actuators.children):
-            if e.tag != "position":
-                what = f"`{e.tag}` actuators are not supported"
-                self.faults.add(e.where, what, "make it `position`, or remove it and let the spec pull with a `force`")
-                continue
-            full = self.read.full(e, "")
-            self.read.known(full, _POSITION)
-            joint = joints.get(full.attributes.get("joint", ""))
-            if joint is None or joint.kind not in ("hinge", "slider"):
-                self.faults.add(e.where, "it drives no hinge or slide", "correct its `joint`")
-                continue
-            if joint.stiffness:
-                self.faults.add(e.where, f"`{joint.name}` has a spring or another drive already", "keep one of them")
-            gear = self.read.numbers(full, "gear", len(full.attributes.get("gear", "1").split()), (1.0,))[0]
-            if gear == 0:
-                self.faults.add(e.where, "its gear is 0: it moves nothing", "correct it, or remove the actuator")
-            kp, kv = self.read.number(full, "kp", 1.0, above=0.0), self.read.number(full, "kv", 0.0)
-            joints[joint.name] = replace(
-                joint, stiffness=kp * gear**2, damping=joint.damping + kv * gear**2, target=0.0
-            )
+    def _positive(self, j: int, stiffness: float, damping: float) -> tuple[float, float]:
+        if min(stiffness, damping) < 0:
+            self._faults.add(self._compiled.joints[j].where, "its stiffness or damping is below 0", "make it 0 or more")
+        return max(0.0, stiffness), max(0.0, damping)
+
+    def _dry(self, j: int) -> None:
+        """Report properties of a joint that are left out, with their sizes."""
+        m, where, dof = self._m, self._compiled.joints[j].where, int(self._m.jnt_dofadr[j])
+        unit = "N" if self._kinds[int(m.jnt_type[j])] == "slider" else "N m"
+        if m.dof_frictionloss[dof]:
+            what = f"dry friction in joints ({float(m.dof_frictionloss[dof]):.2g} {unit}) is not supported"
+            self._faults.approximate(where, what, "left out", "use `damping`")
+        if m.dof_armature[dof]:
+            share = float(m.dof_armature[dof]) / max(self._inertias[dof], 1e-30)
+            what = f"`armature` ({100 * min(share, 1.0):.0f} % of the inertia that the joint moves) is not supported"
+            self._faults.approximate(where, what, "left out", "make the link heavier")
+        if np.any(m.jnt_stiffnesspoly[j]) or np.any(m.dof_dampingpoly[dof]):
+            what = "springs and dampers by polynomials are not supported"
+            self._faults.approximate(where, what, "their linear part", "")
+
+    def _joint_inertias(self) -> list[float]:
+        """Return the inertia (kg or kg m²) of each degree of freedom at the start, armature included."""
+        mujoco, m = self._compiled.mujoco, self._m
+        if not m.nv or not np.any(m.dof_armature):
+            return [0.0] * int(m.nv)
+        data = mujoco.MjData(m)
+        mujoco.mj_forward(m, data)
+        full = np.zeros((m.nv, m.nv))
+        mujoco.mj_fullM(m, data, full)
+        return [float(x) for x in np.diag(full)]
+
+    # ------------------------------------------------------------ actuators
+
+    def drive(self, joints: dict[str, Joint]) -> None:
+        """Add the drives of position and velocity actuators; others are reported."""
+        for a in range(int(self._m.nu)):
+            where = self._compiled.actuators[a].where
+            try:
+                name, own = self._actuator(a)
+                joint = joints.get(name)
+                if joint is None or joint.kind not in ("hinge", "slider"):
+                    raise UnsupportedActuator("of no hinge or slide is not supported")
+                joints[name] = _driven(joint, own)
+            except UnsupportedActuator as error:
+                self._faults.approximate(where, f"an actuator {error}", "left out", "let the spec exert a `force`")
+
+    def _actuator(self, a: int) -> tuple[str, Drive]:
+        """Return the joint and the drive of an actuator, about the coordinate of the joint here."""
+        m, mj = self._m, self._compiled.mujoco
+        affine = int(m.actuator_biastype[a]) == int(mj.mjtBias.mjBIAS_AFFINE)
+        known = affine or int(m.actuator_biastype[a]) == int(mj.mjtBias.mjBIAS_NONE)
+        if not known or int(m.actuator_gaintype[a]) not in (
+            int(mj.mjtGain.mjGAIN_FIXED),
+            int(mj.mjtGain.mjGAIN_AFFINE),
+        ):
+            raise UnsupportedActuator("of this type is not supported")
+        control = _range(m.actuator_ctrlrange[a]) if m.actuator_ctrllimited[a] else None
+        force = _range(m.actuator_forcerange[a]) if m.actuator_forcelimited[a] else None
+        bias = [float(x) for x in m.actuator_biasprm[a, :3]] if affine else [0.0, 0.0, 0.0]
+        j = int(m.actuator_trnid[a, 0])
+        made = servo(float(m.actuator_gainprm[a, 0]), bias, float(m.actuator_gear[a, 0]), control, force)
+        start = float(m.qpos0[m.jnt_qposadr[j]])
+        return self._own.get(j, ""), replace(made, target=made.target - start if made.stiffness else 0.0)
+
+
+def _driven(joint: Joint, own: Drive) -> Joint:
+    """Return a joint with a drive added to its spring and damper. Raises UnsupportedActuator if no drive equals it."""
+    most = math.inf if joint.strength is None else joint.strength
+    spring = Drive(joint.stiffness, joint.damping, joint.target or 0.0, joint.pace, most)
+    made = combined(spring, own)
+    return replace(
+        joint,
+        stiffness=made.stiffness,
+        damping=made.damping,
+        target=made.target if made.stiffness else None,
+        pace=made.velocity,
+        strength=made.max_force if math.isfinite(made.max_force) else None,
+    )
+
+
+def _range(numbers: Sequence[float]) -> tuple[float, float]:
+    low, high = numbers
+    return float(low), float(high)

@@ -1,10 +1,12 @@
-"""Format-independent model of assets: links with shapes, joints, and errors.
+"""Format-independent model of assets: links with shapes, joints, and what is wrong with them.
 
-Lengths in m, angles in rad, masses in kg.
+Lengths in m, angles in rad, masses in kg. A feature of a file is read exactly, or approximated or left out with a
+warning, or refused with an error. What bears neither on motion nor on pictures is ignored.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -12,6 +14,7 @@ from typing import Literal
 
 from wmspec.core.diagnostics import Diagnostic
 from wmspec.core.places import FilePlace
+from wmspec.lang.check.library.expand import APPROXIMATION
 from wmspec.sim.scene.model import Array, Inertia, Pose
 from wmspec.sim.shapes import Shape as Solid
 
@@ -21,10 +24,15 @@ Color = tuple[float, float, float]
 OVERRIDING_PROPERTIES = ("color", "material", "image")
 
 #: Limits of an asset: larger ones are rejected as mistakes.
-MAX_LINKS, MAX_SHAPES, MAX_FAULTS = 500, 2000, 10
+MAX_LINKS, MAX_SHAPES = 500, 2000
+#: Number of faults after which reading stops, and number of their kinds that are reported.
+MAX_FAULTS, MAX_KINDS = 2000, 30
 
 #: Diagnostic code of errors in assets.
 ASSET = "WMS210"
+
+#: Numbers and paths in messages, which do not distinguish kinds of faults.
+_NUMBERS = re.compile(r"`[^`]*[./][^`]*`|(?<![\w`])[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -46,15 +54,27 @@ class UnreadableAsset(Exception):
 
 @dataclass
 class Faults:
-    """Errors of one asset."""
+    """Errors of one asset, and warnings about what is approximated or left out."""
 
     diagnostics: list[Diagnostic] = field(default_factory=list)
+    warnings: list[Diagnostic] = field(default_factory=list)
 
     def add(self, where: FilePlace, message: str, help: str) -> None:
-        """Add an error. Raises Broken after the maximum number."""
+        """Add an error. Raises UnreadableAsset after the maximum number."""
         self.diagnostics.append(Diagnostic(message, where, help, ASSET))
         if len(self.diagnostics) >= MAX_FAULTS:
             raise UnreadableAsset
+
+    def approximate(self, where: FilePlace, message: str, taken: str, help: str) -> None:
+        """Add a warning: `taken` replaces a feature that is not supported."""
+        text = f"{message}: {taken}" if taken else message
+        if len(self.warnings) >= MAX_FAULTS:
+            raise self.stop(where, f"has more than {MAX_FAULTS} faults", "is this the right file?")
+        self.warnings.append(Diagnostic(text, where, help, APPROXIMATION, severity="warning"))
+
+    def stop_reading(self) -> UnreadableAsset:
+        """Return the exception that ends reading after errors that were added."""
+        return UnreadableAsset()
 
     def stop(self, where: FilePlace, message: str, help: str) -> UnreadableAsset:
         """Add a fatal error; raise what this returns."""
@@ -63,16 +83,32 @@ class Faults:
 
     @contextmanager
     def separately(self) -> Iterator[list[Diagnostic]]:
-        """Collect the errors of a `with` block separately."""
-        whole, self.diagnostics = self.diagnostics, []
-        apart = self.diagnostics
+        """Collect the errors, then the warnings, of a `with` block separately."""
+        outer = self.diagnostics, self.warnings
+        self.diagnostics, self.warnings = [], []
+        apart = list[Diagnostic]()
         try:
             yield apart
-        except UnreadableAsset:
-            whole += apart
-            raise
         finally:
-            self.diagnostics = whole
+            apart += [*self.diagnostics, *self.warnings]
+            self.diagnostics, self.warnings = outer
+
+
+def grouped(faults: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Return one diagnostic for each kind of fault, at its first place, with the number of places."""
+    kinds: dict[tuple[str, str, str], list[Diagnostic]] = {}
+    for fault in dict.fromkeys(faults):
+        kinds.setdefault((fault.severity, _NUMBERS.sub("0", fault.message), fault.help), []).append(fault)
+    made = [_counted(alike) for alike in kinds.values()]
+    if len(made) > MAX_KINDS:
+        more = f"{len(made) - MAX_KINDS} more kinds of faults"
+        made = [*made[:MAX_KINDS], Diagnostic(more, made[MAX_KINDS].place, "", made[MAX_KINDS].code)]
+    return tuple(made)
+
+
+def _counted(alike: list[Diagnostic]) -> Diagnostic:
+    first, count = alike[0], len(alike)
+    return first if count == 1 else replace(first, message=f"{first.message} (here and {count - 1} more)")
 
 
 @dataclass(frozen=True)
@@ -120,6 +156,9 @@ class Shape:
 class Link:
     """A rigid body; without shapes it is only a frame. `where` is its location in the file.
 
+    A `massless` link has shapes and no mass of its own; another one without a mass has that of its density.
+    `own_inertia` is that of the file if `mass` is a plausible one instead.
+
     `given` are scalars from the file: `density`, `friction`, `restitution`, `damping`. The initial `velocity` (3,) m/s
     and `spin` (3,) rad/s are in the asset's frame. It does not collide with the links that it `passes`.
     """
@@ -133,11 +172,13 @@ class Link:
     velocity: Array | None = None
     spin: Array | None = None
     passes: tuple[str, ...] = ()
+    massless: bool = False
+    own_inertia: Inertia | None = None
 
 
 @dataclass(frozen=True)
 class RejectedAsset:
-    """Errors of an asset, plus links whose errors depend on overrides."""
+    """Errors and warnings of an asset, plus links whose faults depend on overrides."""
 
     diagnostics: tuple[Diagnostic, ...]
     links: tuple[Link, ...]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import posixpath
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from wmspec.core.diagnostics import Diagnostic, WmsError
@@ -11,9 +12,11 @@ from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_within
 from wmspec.lang.check.tables.vocabulary import FILES
 from wmspec.lang.importers.markup import Element, read_xml
-from wmspec.lang.importers.mjcf import mjcf
+from wmspec.lang.importers.massless import with_massless_frames
 from wmspec.lang.importers.model import ASSET, Asset, Faults, RejectedAsset, UnreadableAsset
+from wmspec.lang.importers.plausible import checked
 from wmspec.lang.importers.tree import LinkTree, link_tree
+from wmspec.lang.importers.unique_names import with_unique_names
 from wmspec.lang.importers.urdf import urdf
 
 
@@ -22,10 +25,12 @@ def read(folder: Path, name: str) -> LinkTree | RejectedAsset:
     faults = Faults()
     asset = Asset({}, {})
     with suppress(UnreadableAsset):
-        asset = _asset(folder, name, faults)
+        asset = checked(_asset(folder, name, faults), folder, faults)
         if not faults.diagnostics:
-            made = link_tree(asset, FilePlace(name), faults)
-    return RejectedAsset(tuple(faults.diagnostics), tuple(asset.links.values())) if faults.diagnostics else made
+            asset = with_massless_frames(asset, faults)
+            made = with_unique_names(link_tree(asset, FilePlace(name), faults), faults)
+    said = (*faults.diagnostics, *faults.warnings)
+    return RejectedAsset(said, tuple(asset.links.values())) if faults.diagnostics else replace(made, warnings=said)
 
 
 class _Lenient(Faults):
@@ -43,7 +48,7 @@ def structure(folder: Path, name: str) -> tuple[Asset, tuple[Diagnostic, ...]]:
     """
     faults = _Lenient()
     try:
-        return _asset(folder, name, faults), tuple(faults.diagnostics)
+        return _asset(folder, name, faults), (*faults.diagnostics, *faults.warnings)
     except UnreadableAsset:
         raise WmsError.of(faults.diagnostics) from None
 
@@ -51,41 +56,47 @@ def structure(folder: Path, name: str) -> tuple[Asset, tuple[Diagnostic, ...]]:
 def _asset(folder: Path, name: str, faults: Faults) -> Asset:
     """Return the asset by file format. Raises Broken if it is invalid."""
     if PurePosixPath(name).suffix.lower() in (".urdf", ".xml"):
-        root, find = read_xml(folder / name, name, faults), _Meshes(folder, name, faults).find
-        return mjcf(root, find, faults) if root.tag == "mujoco" else urdf(root, find, faults)
+        root, find = read_xml(folder / name, name, faults), _Files(folder, name, faults).find
+        if root.tag != "mujoco":
+            return urdf(root, find, faults)
+        from wmspec.lang.importers.mjcf import mjcf
+
+        return mjcf(root, folder, name, find, faults)
     from wmspec.lang.importers.usd import usd
 
     return usd(folder / name, folder, name, faults)
 
 
-class _Meshes:
-    """Resolves meshes relative to the asset's folder, or `package://NAME/...` in a folder above."""
+class _Files:
+    """Resolves files relative to the asset's folder, or `package://NAME/...` in a folder above."""
 
     def __init__(self, folder: Path, name: str, faults: Faults) -> None:
         self._folder = folder
         self._home = PurePosixPath(name).parent
         self._faults = faults
 
-    def find(self, e: Element, named: str) -> str:
-        """Return the mesh path relative to the spec's folder, or '' after reporting an error."""
-        if PurePosixPath(named).suffix.lower() not in FILES["file"]:
+    def find(self, e: Element, named: str, mesh: bool = True) -> str:
+        """Return the path of a mesh or another file relative to the spec's folder, or '' after reporting an error."""
+        what = "mesh" if mesh else "file"
+        if mesh and PurePosixPath(named).suffix.lower() not in FILES["file"]:
             can = ", ".join(FILES["file"])
             self._faults.add(e.where, f"`{named[:80]}` is no mesh that can be read", f"convert it to one of: {can}")
             return ""
-        for path in self._places(named):
+        for path in self._places(e, named):
             if not path.startswith(("..", "/")) and is_within(self._folder, self._folder / path):
                 return path
-        if named:
-            what = f"there is no mesh `{named[:80]}` below the spec's folder"
-            self._faults.add(e.where, what, "put it beside the asset")
+        message = f"there is no {what} `{named[:80]}` below the spec's folder"
+        self._faults.add(e.where, message, "put it beside the asset")
         return ""
 
-    def _places(self, named: str) -> list[str]:
+    def _places(self, e: Element, named: str) -> list[str]:
+        """Return the candidates: relative to the asset, then to the file that names it."""
         if "\\" in named or (":" in named and not named.startswith("package://")):
             return []
         if not named.startswith("package://"):
-            return [posixpath.normpath(posixpath.join(self._home.as_posix(), named))]
+            homes = dict.fromkeys((self._home, PurePosixPath(e.file).parent))
+            return [posixpath.normpath(posixpath.join(home.as_posix(), named)) for home in homes]
         whole = posixpath.normpath(named.removeprefix("package://"))
         inner = whole.partition("/")[2]
-        homes = (self._home, *self._home.parents)
+        homes = dict.fromkeys((self._home, *self._home.parents))
         return [posixpath.normpath((home / path).as_posix()) for home in homes for path in (whole, inner) if path]

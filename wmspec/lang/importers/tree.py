@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-import numpy as np
-
+from wmspec.core.diagnostics import Diagnostic
 from wmspec.core.places import FilePlace
 from wmspec.lang.importers.model import Asset, Faults, Joint, Link
 from wmspec.sim.scene.model import Inertia, Pose
@@ -28,12 +27,13 @@ class PlacedLink:
 class LinkTree:
     """Links with shapes, base first, and joints between them or to the world (`parent` is '').
 
-    The base's frame is the asset's. `held` is whether the base is fixed to the world.
+    The base's frame is the asset's. `held` is whether the base is fixed to the world. `warnings` are approximations.
     """
 
     links: tuple[PlacedLink, ...]
     joints: tuple[Joint, ...]
     held: bool
+    warnings: tuple[Diagnostic, ...] = ()
 
 
 def link_tree(asset: Asset, where: FilePlace, faults: Faults) -> LinkTree:
@@ -44,7 +44,6 @@ def link_tree(asset: Asset, where: FilePlace, faults: Faults) -> LinkTree:
         below.setdefault(joint.parent, []).append(joint)
     walk = _Walk(asset, below, faults)
     walk.from_root(root)
-    _check_inertias(walk, faults)
     return LinkTree(tuple(walk.links), tuple(walk.joints), walk.held)
 
 
@@ -140,11 +139,6 @@ class _Walk:
             name = child.name if child.shapes else holder
             if child.shapes:
                 self._take(joint, holder, child, here)
-            elif child.mass is not None or joint.kind != "fixed":
-                why = "it has no shape" if child.mass is not None else "it has neither shape nor mass"
-                self._faults.add(
-                    child.where, why, "give it a `visual`, or join it by a `fixed` joint without `inertial`"
-                )
             waiting += [(j, name, here) for j in reversed(self._below.get(joint.child, ()))]
 
     def _take(self, joint: Joint, holder: str, child: Link, here: Pose) -> None:
@@ -163,19 +157,6 @@ def _in_frame(link: Link, here: Pose) -> Link:
     if mass is not None:
         mass = Inertia(mass.mass, apply(here, mass.center), multiply(here.orientation, mass.axes), mass.moments)
     return replace(link, shapes=shapes, mass=mass)
-
-
-def _check_inertias(walk: _Walk, faults: Faults) -> None:
-    """Report physically impossible inertias."""
-    for placed in walk.links:
-        link = placed.link
-        if link.mass is None:
-            continue
-        moments = np.sort(link.mass.moments)
-        if moments[0] <= 0 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-6):
-            values = ", ".join(f"{m:.3g}" for m in moments)
-            what = f"no solid has its moments of inertia, {values}: each is above 0 and none above the others' sum"
-            faults.add(link.where, what, "correct `inertia`, or remove `inertial` to have it by density")
 
 
 def named_elements(tree: LinkTree) -> Iterator[tuple[str, FilePlace]]:

@@ -1,7 +1,7 @@
-"""Imports URDF (https://wiki.ros.org/urdf/XML): passive mechanisms; unsupported features are rejected.
+"""Imports URDF (https://wiki.ros.org/urdf/XML): passive mechanisms.
 
 Ignored, since other programs use them: `gazebo`, `transmission`, `safety_controller`, `calibration`, prefixed elements,
-and the motor limits `effort` and `velocity`.
+and the motor limits `effort` and `velocity`. Unknown elements are ignored with a warning.
 """
 
 from __future__ import annotations
@@ -9,7 +9,18 @@ from __future__ import annotations
 from wmspec.lang.importers.markup import Element, Reader
 from wmspec.lang.importers.model import MAX_LINKS, MAX_SHAPES, Asset, Faults, Joint, Link
 from wmspec.lang.importers.urdf_joints import Joints
-from wmspec.lang.importers.urdf_links import Links, MeshResolver
+from wmspec.lang.importers.urdf_links import Links, MeshResolver, named_materials
+
+#: Elements for other programs.
+_IGNORED = (
+    "gazebo",
+    "transmission",
+    "sensor",
+    "ros2_control",
+    "self_collision_checking",
+    "disable_collisions",
+    "group",
+)
 
 
 def urdf(robot: Element, find: MeshResolver, faults: Faults) -> Asset:
@@ -25,14 +36,14 @@ def urdf(robot: Element, find: MeshResolver, faults: Faults) -> Asset:
 
 def _asset(robot: Element, read: Reader, find: MeshResolver) -> Asset:
     """Return the links and joints; of duplicates the first."""
-    read.known(robot, ("name", "version"), ("link", "joint", "material", "gazebo", "transmission"))
+    read.known(robot, ("name", "version"), ("link", "joint", "material", *_IGNORED))
     elements = robot.all("link")
     shapes = sum(len(e.all("visual")) + len(e.all("collision")) for e in elements)
     if len(elements) > MAX_LINKS or shapes > MAX_SHAPES:
         what = f"has more than {MAX_LINKS} links or {MAX_SHAPES} shapes"
         raise read.faults.stop(robot.where, what, "make it simpler")
-    make_link = Links(read, find, {read.text(m, "name"): m for m in robot.all("material")}).link
-    make_joint = Joints(read).joint
+    make_link = Links(read, find, named_materials(robot)).link
+    make_joint = Joints(read).joints
     links: dict[str, Link] = {}
     joints: dict[str, Joint] = {}
     for e in elements:
@@ -40,9 +51,10 @@ def _asset(robot: Element, read: Reader, find: MeshResolver) -> Asset:
         links.setdefault(e.attributes.get("name", ""), make_link(e))
     for e in robot.all("joint"):
         _once(read, e, joints)
-        joint = make_joint(e)
-        if joint is not None:
+        for joint, frame in make_joint(e):
             joints.setdefault(joint.name, joint)
+            if frame is not None:
+                links.setdefault(frame.name, frame)
     return Asset(links, joints)
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
+from wmspec.core.places import FilePlace
 from wmspec.lang.importers.markup import Element, Reader
 from wmspec.lang.importers.model import (
     OVERRIDING_PROPERTIES,
@@ -30,6 +30,12 @@ MeshResolver = Callable[[Element, str], str]
 
 #: Children of `contact`, and the property of an object that each sets.
 _CONTACT = {"lateral_friction": "friction", "restitution": "restitution"}
+#: Children of `contact` that only concern how Bullet computes.
+_SOLVER = ("friction_anchor", "contact_erp", "contact_cfm", "inertia_scaling")
+#: Highest friction of a spec.
+_MAX_FRICTION = 5.0
+#: Children for other programs.
+_OTHERS = ("self_collision_checking", "self_filter", "verbose", "sensor", "audio_source", "inertial_frame", "surface")
 
 
 class Links:
@@ -42,8 +48,8 @@ class Links:
 
     def link(self, e: Element) -> Link:
         """Return a link with all its shapes; an equal visual and collision are one shape."""
-        self.read.known(e, ("name", "type"), ("inertial", "visual", "collision", "contact"))
-        drawn = [s for v in e.all("visual") if (s := self._shape(v)) is not None]
+        self.read.known(e, ("name", "type"), ("inertial", "visual", "collision", "contact", *_OTHERS))
+        drawn = [s for v in e.all("visual") if (s := self._visual(v)) is not None]
         touched = [s for c in e.all("collision") if (s := self._shape(c)) is not None]
         shapes = []
         for s in drawn:
@@ -51,63 +57,81 @@ class Links:
             touched = [t for t in touched if t is not same]
             shapes.append(replace(s, solid=same is not None))
         shapes += [replace(t, drawn=not drawn) for t in touched]
-        return Link(e.attributes.get("name", ""), e.where, tuple(shapes), self._mass(e), self._contact(e))
+        mass, massless = self._mass(e)
+        name = e.attributes.get("name", "")
+        return Link(name, e.where, tuple(shapes), mass, self._contact(e), massless=massless and bool(shapes))
 
     def _contact(self, link: Element) -> dict[str, float]:
         """Return friction and restitution of Bullet's extension `contact` (PyBullet Quickstart Guide, "URDF")."""
         e = self.read.only(link, "contact")
         if e is None:
             return {}
-        self.read.known(e, (), tuple(_CONTACT))
+        self.read.known(e, (), (*_CONTACT, *_SOLVER))
         given: dict[str, float] = {}
         for tag, name in _CONTACT.items():
             child = self.read.only(e, tag)
             if child is not None:
-                self.read.known(child, ("value",))
-                given[name] = self._coefficient(child, highest=1.0 if name == "restitution" else math.inf)
+                given[name] = self._coefficient(child, highest=1.0 if name == "restitution" else _MAX_FRICTION)
         return given
 
     def _coefficient(self, e: Element, highest: float) -> float:
         value = self.read.number(e, "value")
-        if not 0 <= value <= highest:
-            bounds = "0 or more" if highest == math.inf else f"from 0 to {highest:g}"
+        if value < 0 or (value > highest and e.tag == "restitution"):
+            bounds = f"from 0 to {highest:g}" if e.tag == "restitution" else "0 or more"
             self.read.faults.add(e.where, f"`{e.tag}` is {value:g}", f"make it {bounds}")
-        return value
+        elif value > highest:
+            self.read.faults.approximate(e.where, f"a friction of {value:g} is not supported", f"it is {highest:g}", "")
+        return min(value, highest)
 
-    def _mass(self, link: Element) -> Inertia | None:
-        """Return the `inertial`, or None."""
+    def _mass(self, link: Element) -> tuple[Inertia | None, bool]:
+        """Return the `inertial`, or None, and whether it has a mass of 0. Without `inertia` the moments are 0."""
         e = self.read.only(link, "inertial")
         if e is None:
-            return None
+            return None, False
         self.read.known(e, (), ("origin", "mass", "inertia"))
         mass, inertia = self.read.only(e, "mass"), self.read.only(e, "inertia")
-        if mass is None or inertia is None:
-            self.read.faults.add(
-                link.where, "its `inertial` needs a `mass` and an `inertia`", "add it, or remove `inertial`"
-            )
-            return None
-        self.read.known(mass, ("value",))
+        if mass is None:
+            self.read.faults.approximate(e.where, "an `inertial` without a `mass`", "that of the density", "add it")
+            return None, False
         names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-        self.read.known(inertia, names)
-        kg = self.read.number(mass, "value", above=0.0)
-        xx, yy, zz = (self.read.number(inertia, name, above=0.0) for name in names[:3])
-        xy, xz, yz = (self.read.number(inertia, name, 0.0) for name in names[3:])
+        kg = self.read.number(mass, "value")
+        if kg < 0:
+            self.read.faults.add(mass.where, f"a mass of {kg:g} kg", "make it 0 or more")
+        if kg <= 0:
+            return None, True
+        values = [0.0] * 6 if inertia is None else [self.read.number(inertia, name, 0.0) for name in names]
+        xx, yy, zz, xy, xz, yz = values
         here, tensor = origin(self.read, e), np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
         axes, moments = principal(tensor)
-        return Inertia(kg, here.position, multiply(here.orientation, axes), moments)
+        return Inertia(kg, here.position, multiply(here.orientation, axes), moments), False
+
+    def _visual(self, e: Element) -> Shape | None:
+        """Return a `visual`, or None, with a warning if it cannot be read: motion does not depend on it."""
+        with self.read.faults.separately() as faults:
+            made = self._shape(e)
+        for fault in faults:
+            help, text = fault.help, fault.message.removesuffix(": left out")
+            where = fault.place if isinstance(fault.place, FilePlace) else e.where
+            if fault.severity == "error":
+                self.read.faults.approximate(where, text, "left out of pictures", help)
+            else:
+                self.read.faults.warnings.append(fault)
+        return None if any(fault.severity == "error" for fault in faults) else made
 
     def _shape(self, e: Element) -> Shape | None:
         """Return a `visual` or `collision`."""
         drawn = e.tag == "visual"
-        self.read.known(e, ("name",), ("origin", "geometry", *(("material",) if drawn else ())))
+        self.read.known(e, ("name", "group", "concave"), ("origin", "geometry", "material", *_OTHERS))
         geometry = self.read.only(e, "geometry")
         if geometry is None or len(geometry.children) != 1:
             self.read.faults.add(e.where, "it needs one `geometry` with one shape in it", "add it")
             return None
-        self.read.known(geometry, (), ("box", "sphere", "cylinder", "capsule", "mesh"))
         here = origin(self.read, e)
         form = self._form(geometry.children[0])
-        return Shape(form, here, self._look(e) if drawn else Appearance()) if form else None
+        if form is None:
+            return None
+        look, opaque = self._look(e) if drawn else (Appearance(), True)
+        return Shape(form, here, look, drawn=opaque)
 
     def _form(self, e: Element) -> Form | None:
         match e.tag:
@@ -124,7 +148,13 @@ class Links:
                 return (Cylinder if e.tag == "cylinder" else Capsule)(radius, length)
             case "mesh":
                 return self._mesh(e)
-        return None  # already reported
+            case "plane":
+                self.read.faults.approximate(
+                    e.where, "planes are not supported", "left out", "the ground is the spec's"
+                )
+                return None
+        self.read.faults.add(e.where, f"geometries of type `{e.tag}` are not supported", "make it a mesh")
+        return None
 
     def _mesh(self, e: Element) -> MeshFile | None:
         self.read.known(e, ("filename", "scale"))
@@ -132,39 +162,50 @@ class Links:
         file = self.find(e, self.read.text(e, "filename"))
         return MeshFile(file, scale) if file else None
 
-    def _look(self, e: Element) -> Appearance:
-        """Return the colour of a `visual`, with errors."""
+    def _look(self, e: Element) -> tuple[Appearance, bool]:
+        """Return the colour of a `visual`, with what is approximated, and whether it can be seen."""
         with self.read.faults.separately() as faults:
-            material = self.read.only(e, "material")
-            color = self._color(self._definition(material)) if material is not None else None
-        return Appearance(color, conditional=conditional(faults, OVERRIDING_PROPERTIES))
+            material = next(iter(e.all("material")), None)
+            color, alpha = self._color(self._definition(material)) if material is not None else (None, 1.0)
+        return Appearance(color, conditional=conditional(faults, OVERRIDING_PROPERTIES)), alpha > 0
 
     def _definition(self, material: Element) -> Element:
-        """Return the definition of a `material`: itself, or the first one of its name."""
-        name = material.attributes.get("name", "")
+        """Return the definition of a `material`: itself, or the first one of its name in the file."""
         if material.children:
-            self.materials.setdefault(name, material)
-        elif name not in self.materials:
-            self.read.faults.add(material.where, "there is no material of this name", 'give it `<color rgba="..."/>`')
-        return material if material.children else self.materials.get(name, material)
+            return material
+        name = material.attributes.get("name", "")
+        if name and name not in self.materials:
+            what, help = "there is no material of this name", 'give it `<color rgba="..."/>`'
+            self.read.faults.approximate(material.where, what, "a plain colour is drawn", help)
+        return self.materials.get(name, material)
 
-    def _color(self, e: Element) -> Color | None:
-        self.read.known(e, ("name",), ("color", "texture"))
+    def _color(self, e: Element) -> tuple[Color | None, float]:
+        """Return the colour of a material, and its opacity."""
         for texture in e.all("texture"):
             what, help = "textures of an asset are not supported", "remove it"
-            self.read.faults.add(texture.where, what, help)
+            self.read.faults.approximate(texture.where, what, "its plain colour is drawn", help)
         color = self.read.only(e, "color")
         if color is None:
-            return None
-        self.read.known(color, ("rgba",))
+            return None, 1.0
         r, g, b, a = self.read.numbers(color, "rgba", 4)
         if not all(0 <= x <= 1 for x in (r, g, b, a)):
-            self.read.faults.add(e.where, "its colour is not four numbers from 0 to 1", "correct it")
-        elif a < 1:
-            self.read.faults.add(
-                e.where, "what is transparent is not supported", "make the last number of its colour 1"
-            )
-        return r, g, b
+            what = "its colour is not four numbers from 0 to 1"
+            self.read.faults.approximate(e.where, what, "the nearest colour is drawn", "correct it")
+            r, g, b = (min(1.0, max(0.0, x)) for x in (r, g, b))
+        if 0 < a < 1:
+            what, help = "what is transparent is not supported", "make the last number of its colour 1"
+            self.read.faults.approximate(e.where, what, "it is drawn opaque", help)
+        return (r, g, b), a
+
+
+def named_materials(robot: Element) -> dict[str, Element]:
+    """Return the definitions of materials by name, those of the robot before those of links."""
+    links = (m for link in robot.all("link") for v in link.all("visual") for m in v.all("material"))
+    made: dict[str, Element] = {}
+    for material in (*robot.all("material"), *links):
+        if material.children:
+            made.setdefault(material.attributes.get("name", ""), material)
+    return made
 
 
 def origin(read: Reader, e: Element) -> Pose:

@@ -7,6 +7,7 @@ Cameras, lights, physics scenes and episodes are ignored: the spec sets them.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from pxr import Usd
@@ -28,20 +29,23 @@ from wmspec.lang.importers.model import (
     Shape,
     conditional,
 )
-from wmspec.lang.importers.usd_file import REST, add_problems, check_mesh_size, stage_of
+from wmspec.lang.importers.usd_file import REST, add_problems, add_substitutions, check_mesh_size, stage_of
 from wmspec.lang.importers.usd_tree import Stage
 from wmspec.sim.scene.model import Body, Motion
 from wmspec.sim.shapes import Mesh
-from wmspec.sim.usd import joints, meshes
+from wmspec.sim.usd import actuators, joints, meshes
 from wmspec.sim.usd.bodies import body
 from wmspec.sim.usd.colliders import collision_approximation
 from wmspec.sim.usd.filters import filtered_pairs
 from wmspec.sim.usd.frames import StageFrame, split_transform
 from wmspec.sim.usd.geoms import MaterialTable
+from wmspec.sim.usd.ignored_attributes import warn_ignored_attributes
+from wmspec.sim.usd.layer_metrics import warn_layer_metrics
 from wmspec.sim.usd.masses import body_inertia
 from wmspec.sim.usd.prims import Names, applied_schemas, refuse
 from wmspec.sim.usd.shapes import PlacedShape, placed_shape
 from wmspec.sim.usd.stage_index import BodyPrim, GeomPrim, StageWalk
+from wmspec.sim.usd.substitutions import Substitutions
 from wmspec.sim.usd.unsupported import TYPES
 
 #: Prim types that the spec sets, not the asset.
@@ -64,8 +68,9 @@ class _Usd:
     def __init__(self, stage: Usd.Stage, folder: Path, shown: str, faults: Faults) -> None:
         self.stage, self.folder, self.shown, self.faults = stage, folder.resolve(), shown, faults
         self.problems = Report(StageError)
+        self.notes = Substitutions(strict=False)
         self.world = StageFrame(stage, self.problems)
-        self.census = StageWalk(stage, self.problems, _IGNORED_TYPES).census
+        self.census = StageWalk(stage, self.problems, _IGNORED_TYPES, self.notes).census
         self.owners = tuple(self.census.owners.values())
         self.materials = MaterialTable((piece for owner in self.owners for piece in owner.pieces), pictured=True)
 
@@ -74,17 +79,29 @@ class _Usd:
         self._check_size()
         if not any(_physical(owner) for owner in self.owners):
             whole = Link("base", FilePlace(self.shown), tuple(self._shapes_without_physics()))
-            add_problems(self.problems.diagnostics, self.shown, self.faults, self.folder)
+            self._report()
             return Asset({whole.name: whole}, {})
         bodies, shapes = self._bodies()
-        held = joints.joints(self.census.joints, bodies, self.world, self.problems).joints
+        chained = joints.joints(self.census.joints, bodies, self.world, self.problems, self.notes)
+        acting = [prim for kind in actuators.TYPES for prim in self.census.of(kind)]
+        held = actuators.with_actuators(acting, chained.joints, self.problems, self.notes)
         apart: tuple[tuple[str, str], ...] = ()
         with self.problems.collect_errors():
             groups = self.census.of("PhysicsCollisionGroup")
-            apart = filtered_pairs(self.stage, self.census.filters, groups, self.census.owners, bodies, held)
-        add_problems(self.problems.diagnostics, self.shown, self.faults, self.folder)
-        stage = Stage(bodies, shapes, apart, self.shown)
+            owners = self.census.owners
+            apart = filtered_pairs(self.stage, self.census.filters, groups, owners, bodies, held, self.notes)
+        with self.problems.collect_errors():
+            warn_ignored_attributes(self.stage, self.problems, self.notes)
+            warn_layer_metrics(self.stage, self.notes)
+        self._report()
+        between = {link.name: replace(link, path=link.name) for link in chained.between}
+        stage = Stage(bodies | between, shapes | dict.fromkeys(between, ()), apart, self.shown)
         return Asset(stage.links, {}) if self.faults.diagnostics else stage.asset(tuple(held.values()), self.faults)
+
+    def _report(self) -> None:
+        """Add the errors and substitutions of the reading to the faults."""
+        add_problems(self.problems.diagnostics, self.shown, self.faults, self.folder)
+        add_substitutions(self.notes, self.shown, self.faults)
 
     def _check_size(self) -> None:
         """Report an empty and a too large stage."""
@@ -115,7 +132,8 @@ class _Usd:
         for piece in owner.pieces:
             with problems.collect_errors():
                 check_mesh_size(piece.prim)
-                here = placed_shape(piece.prim, split_transform(self.world.matrix(piece.prim) * back, piece.prim))
+                inner = split_transform(self.world.matrix(piece.prim) * back, piece.prim)
+                here = placed_shape(piece.prim, inner)
                 shapes += self._shapes(piece, here, owner.motion)
                 if piece.collides:
                     colliders.append((here, self.materials.density(piece.prim)))
@@ -123,7 +141,7 @@ class _Usd:
         mass = None
         if owner.motion == "dynamic":
             try:
-                mass = body_inertia(owner.prim, place, colliders, self.world)
+                mass = body_inertia(owner.prim, place, colliders, self.world, notes=self.notes)
             except StageError:
                 if not any(shape.conditional for shape in shapes):
                     raise
@@ -165,11 +183,11 @@ class _Usd:
             yield Shape(MeshFile(file, collision=way), here.pose, look, piece.collides, drawn, rubs, why)
 
     def _rubs(self, prim: Usd.Prim) -> tuple[float, float]:
-        """Return friction and restitution of a collider. Raises StageError if its two frictions differ."""
+        """Return friction and restitution of a collider."""
         friction = self.materials.friction(prim)
         if friction.static != friction.dynamic:
             reason = f"its static friction {friction.static:g} differs from its dynamic friction {friction.dynamic:g}"
-            refuse(prim, reason, "make them equal, or author one")
+            self.notes.record(prim, reason, "that of motion is used", "make them equal, or author one")
         return friction.dynamic, friction.restitution
 
     def _touched(self, prim: Usd.Prim, mesh: Mesh, motion: Motion) -> tuple[str, tuple[Conditional, ...]]:
@@ -179,7 +197,9 @@ class _Usd:
         except StageError as error:
             if meshes.is_flat(mesh):
                 raise
-            return "hull", conditional(self._diagnostics(error), ("collision",))
+            way = "pieces" if motion == "dynamic" else "hull"
+            taken = {"pieces": "its convex pieces", "hull": "its convex hull"}[way]
+            return way, conditional(self._approximations(error, taken), ("collision",))
 
     def _look(self, prim: Usd.Prim) -> Appearance:
         """Return the appearance of a geometry or subset, and its unsupported features."""
@@ -189,7 +209,8 @@ class _Usd:
                 return Appearance()
             image = self._image(prim, surface.texture) if surface.texture else ""
         except StageError as error:
-            return Appearance(conditional=conditional(self._diagnostics(error), OVERRIDING_PROPERTIES))
+            said = self._approximations(error, "a plain colour is drawn")
+            return Appearance(conditional=conditional(said, OVERRIDING_PROPERTIES))
         color = None if image and surface.color == (1, 1, 1) else surface.color
         return Appearance(color, image, surface.repeats, surface.roughness, surface.metallic)
 
@@ -203,10 +224,14 @@ class _Usd:
             refuse(prim, f"`{path.name[:80]}` is no picture that can be read", f"make it {', '.join(FILES['image'])}")
         return path.resolve().relative_to(self.folder).as_posix()
 
-    def _diagnostics(self, error: StageError) -> list[Diagnostic]:
+    def _approximations(self, error: StageError, taken: str) -> list[Diagnostic]:
+        """Return warnings that `taken` replaces the subject of an error."""
         faults = Faults()
         add_problems(error.diagnostics, self.shown, faults, self.folder)
-        return faults.diagnostics
+        for fault in faults.diagnostics:
+            assert isinstance(fault.place, FilePlace)
+            faults.approximate(fault.place, fault.message, taken, fault.help)
+        return faults.warnings
 
 
 def _physical(owner: BodyPrim) -> bool:

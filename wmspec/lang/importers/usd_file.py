@@ -18,6 +18,7 @@ from wmspec.sim.usd import meshes
 from wmspec.sim.usd.files import error_text, open_stage_file
 from wmspec.sim.usd.frames import StageFrame, split_transform
 from wmspec.sim.usd.prims import refuse, value
+from wmspec.sim.usd.substitutions import Substitutions
 from wmspec.sim.usd.unsupported import report_missing_files
 
 #: Suffix of a mesh path for the faces that belong to no subset.
@@ -78,6 +79,14 @@ def add_problems(problems: Iterable[Diagnostic], shown: str, faults: Faults, fol
     for problem in problems:
         reason = problem.message.replace(home, "") if home else problem.message
         faults.add(FilePlace(shown, element=f"`{problem.place}`"), reason[:300], problem.help)
+
+
+def add_substitutions(notes: Substitutions, shown: str, faults: Faults) -> None:
+    """Add the substitutions of a reading as warnings."""
+    for note in notes.diagnostics:
+        reason, _, taken = note.message.rpartition(": ")
+        place = FilePlace(shown, element=f"`{note.place}`")
+        faults.approximate(place, reason or taken, taken if reason else "", note.help)
 
 
 def check_mesh_size(prim: Usd.Prim) -> None:

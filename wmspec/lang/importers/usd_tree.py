@@ -103,7 +103,7 @@ class Stage:
             turned = self._end(ready.first) not in reached
             reached |= {self._end(ready.first), self._end(ready.second)}
             try:
-                yield self._joint(ready, turned)
+                yield self._joint(ready, turned, faults)
             except StageError as error:
                 add_problems(error.diagnostics, self._shown, faults)
 
@@ -116,22 +116,23 @@ class Stage:
         where = self.links[name].where
         return Joint(f"{name} free", where, "free", self._root, name, self._pose(name), np.zeros(3), X)
 
-    def _joint(self, joint: model.Joint, turned: bool) -> Joint:
+    def _joint(self, joint: model.Joint, turned: bool, faults: Faults) -> Joint:
         """Return a joint whose parent is its first end, or its second if `turned`; its coordinate stays the same.
 
-        Raises StageError if it is invalid, mimics another, or is a ball joint with limits.
+        Limits of a ball joint, and a mimic, are left out. Raises StageError if it is invalid.
         """
         ends = ((joint.first, joint.first_frame), (joint.second, joint.second_frame))
         if turned:  # the axis is reversed with the ends
             ends = tuple((body, compose(frame, _OVER)) for body, frame in reversed(ends))  # type: ignore[assignment]
         (upper, above), (lower, below) = ends
         assert lower is not None
+        where = FilePlace(self._shown, element=f"`{joint.path}`")
         if joint.kind == "ball" and joint.limits:
-            reason, remedy = "a spec cannot say the limits of a ball joint", "author cone angles of -1, or use hinges"
-            raise StageError(reason, PrimPlace(joint.path), remedy)
+            what = "limits of ball joints are not supported in a spec"
+            faults.approximate(where, what, "left out", "author cone angles of -1, or use hinges")
         if joint.mimic:
-            reason, remedy = "a spec cannot say that a joint mimics another", "remove the mimic, and drive both joints"
-            raise StageError(reason, PrimPlace(joint.path), remedy)
+            what = "a joint that mimics another is not supported in a spec"
+            faults.approximate(where, what, "it does not follow", "let the spec drive it")
         start = joint_coordinate(joint, relative_frame(self._bodies, upper, lower, above, below))
         parent, child = self._end(upper), self._end(lower)
         if upper is not None and parent == self._root:  # the base's frame is the stage's
@@ -140,11 +141,14 @@ class Stage:
             place = compose(above, inverse(below))
         else:
             place = compose(inverse(self._pose(parent)), self._pose(child))
-        low, high = joint.limits or (-np.inf, np.inf)
+        low, high = (joint.limits if joint.kind != "ball" else None) or (-np.inf, np.inf)
         drive = joint.drive or model.Drive(0.0, 0.0)
+        if drive.weightless:
+            reason, remedy = "drives by acceleration are not supported in a spec", "author a force drive"
+            raise StageError(reason, PrimPlace(joint.path), remedy)
         return Joint(
             self._names.give(to_identifier(joint.name)),
-            FilePlace(self._shown, element=f"`{joint.path}`"),
+            where,
             joint.kind,
             parent,
             child,

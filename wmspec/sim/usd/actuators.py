@@ -13,6 +13,7 @@ from dataclasses import replace
 from pxr import Usd
 
 from wmspec.core.diagnostics import Report
+from wmspec.sim.scene.joints.servos import UnsupportedActuator, combined, servo
 from wmspec.sim.scene.model import Drive, Joint
 from wmspec.sim.usd.prims import applied_schemas, targets, value
 from wmspec.sim.usd.substitutions import STRICT, Substitutions
@@ -21,11 +22,8 @@ TYPES = ("MjcActuator", "NewtonActuator")
 """Prim types of actuators that are read."""
 
 _REMEDY = "use a PhysicsDriveAPI, or remove it"
+_GAINS = ("fixed", "affine")
 _NEWTON_CLAMPS = ("NewtonDCMotorClampingAPI", "NewtonPositionBasedClampingAPI", "NewtonActuatorDelayAPI")
-
-
-class _Unsupported(Exception):
-    """An actuator that is no drive; the text is the reason."""
 
 
 def with_actuators(
@@ -38,9 +36,9 @@ def with_actuators(
         try:
             path, own = _mujoco(prim) if prim.GetTypeName() == "MjcActuator" else _newton(prim)
             if path not in made or made[path].kind not in ("hinge", "slider"):
-                raise _Unsupported("of no hinge or slider of a dynamic body is not supported")
-            made[path] = replace(made[path], drive=_added(made[path].drive, own))
-        except _Unsupported as error:
+                raise UnsupportedActuator("of no hinge or slider of a dynamic body is not supported")
+            made[path] = replace(made[path], drive=combined(made[path].drive, own))
+        except UnsupportedActuator as error:
             left_out.setdefault(str(error), []).append(prim)
     for reason, those in left_out.items():
         others = f" (here and on {len(those) - 1} other prims)" if len(those) > 1 else ""
@@ -52,37 +50,31 @@ def with_actuators(
 def _mujoco(prim: Usd.Prim) -> tuple[str, Drive]:
     """Return the joint and the drive of an `MjcActuator` with control 0: force = b0 + b1 length + b2 velocity."""
     if value(prim, "mjc:dynType", "none") not in ("none", "filter", "filterexact", "integrator"):
-        raise _Unsupported("with dynamics of its own is not supported")
+        raise UnsupportedActuator("with dynamics of its own is not supported")
     gain, bias = ((*value(prim, f"mjc:{name}Prm", ()), 0.0, 0.0, 0.0)[:3] for name in ("gain", "bias"))
-    affine = value(prim, "mjc:biasType", "none") == "affine"
-    if value(prim, "mjc:gainType", "fixed") not in ("fixed", "affine") or not affine or not (bias[1] or bias[2]):
-        raise _Unsupported("that is no position or velocity actuator needs a control")
-    if bias[1] > 0 or bias[2] > 0:
-        raise _Unsupported("that pushes away from its target is not supported")
+    if value(prim, "mjc:biasType", "none") != "affine" or value(prim, "mjc:gainType", "fixed") not in _GAINS:
+        raise UnsupportedActuator("that is no position or velocity actuator needs a control")
     gear = float((*value(prim, "mjc:gear", (1.0,)), 1.0)[0])
-    if gear == 0:
-        raise _Unsupported("with a gear of 0 moves nothing")
-    low, high = (float(value(prim, f"mjc:forceRange:{end}", 0.0)) for end in ("min", "max"))
-    most = min(-low, high) * abs(gear) if low < high and value(prim, "mjc:forceLimited", "auto") != "false" else 0.0
-    stiffness, damping = -bias[1] * gear**2, -bias[2] * gear**2
-    target = float(value(prim, "mjc:ctrlRange:min", 0.0)), float(value(prim, "mjc:ctrlRange:max", 0.0))
-    control = max(target[0], min(target[1], 0.0)) if target[0] < target[1] else 0.0
-    pushed = (gain[0] * control + bias[0]) * gear
-    rest = pushed / stiffness if stiffness else 0.0
-    speed = pushed / damping if not stiffness and damping else 0.0
-    return _joint(prim, "mjc:target"), Drive(stiffness, damping, rest, speed, most if most > 0 else math.inf)
+    force = _range(prim, "force") if value(prim, "mjc:forceLimited", "auto") != "false" else None
+    control = _range(prim, "ctrl") if value(prim, "mjc:ctrlLimited", "auto") != "false" else None
+    return _joint(prim, "mjc:target"), servo(gain[0], bias, gear, control, force)
+
+
+def _range(prim: Usd.Prim, name: str) -> tuple[float, float] | None:
+    low, high = (float(value(prim, f"mjc:{name}Range:{end}", 0.0)) for end in ("min", "max"))
+    return (low, high) if low < high else None
 
 
 def _newton(prim: Usd.Prim) -> tuple[str, Drive]:
     """Return the joint and the drive of a `NewtonActuator` with control 0."""
     apis = [api.partition(":")[0] for api in applied_schemas(prim)]
     if "NewtonPDControlAPI" not in apis and not any(prim.GetAttribute(f"newton:{n}") for n in ("kp", "kd")):
-        raise _Unsupported("without NewtonPDControlAPI is not supported")
+        raise UnsupportedActuator("without NewtonPDControlAPI is not supported")
     if clamp := next((api for api in apis if api in _NEWTON_CLAMPS), ""):
-        raise _Unsupported(f"with {clamp} is not supported")
+        raise UnsupportedActuator(f"with {clamp} is not supported")
     kp, kd, effort = (float(value(prim, f"newton:{name}", 0.0)) for name in ("kp", "kd", "constEffort"))
     if min(kp, kd) < 0 or not (kp or kd):
-        raise _Unsupported("that pushes away from its target, or needs a control, is not supported")
+        raise UnsupportedActuator("that pushes away from its target, or needs a control, is not supported")
     most = float(value(prim, "newton:maxEffort", math.inf))
     target, speed = (effort / kp, 0.0) if kp else (0.0, effort / kd)
     return _joint(prim, "newton:targets"), Drive(kp, kd, target, speed, most if most > 0 else math.inf)
@@ -91,19 +83,5 @@ def _newton(prim: Usd.Prim) -> tuple[str, Drive]:
 def _joint(prim: Usd.Prim, name: str) -> str:
     paths = targets(prim, name)
     if len(paths) != 1:
-        raise _Unsupported(f"with {len(paths)} targets is not supported")
+        raise UnsupportedActuator(f"with {len(paths)} targets is not supported")
     return paths[0]
-
-
-def _added(first: Drive | None, second: Drive) -> Drive:
-    """Return the sum of two drives of a joint. Raises _Unsupported if none equals it."""
-    if first is None:
-        return second
-    if first.weightless or math.isfinite(first.max_force) or math.isfinite(second.max_force):
-        if first.stiffness or first.damping:
-            raise _Unsupported("beside a limited drive of the same joint is not supported")
-        return second
-    stiffness, damping = first.stiffness + second.stiffness, first.damping + second.damping
-    target = (first.stiffness * first.target + second.stiffness * second.target) / stiffness if stiffness else 0.0
-    speed = (first.damping * first.velocity + second.damping * second.velocity) / damping if damping else 0.0
-    return Drive(stiffness, damping, target, speed)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import Diagnostic, Note, suggestion
 from wmspec.lang.check.expressions.expressions import Expressions
@@ -19,6 +20,8 @@ if TYPE_CHECKING:  # most specs have no assets and do without the importers
     from wmspec.lang.importers.model import RejectedAsset
     from wmspec.lang.importers.tree import LinkTree
 
+#: Code of warnings about approximations of asset files.
+APPROXIMATION = "WMS211"
 #: Properties that an asset has per link.
 _OF_LINKS = ("shape", "size", "radius", "height", "scale", "mass", "centre", "moments", "axes", "solid")
 
@@ -31,6 +34,7 @@ class Assets:
         self.scope = check.scope
         self._substitute = substitute
         self._known: dict[tuple[Path, str], LinkTree | RejectedAsset] = {}
+        self._warned: set[tuple[tuple[Path, str], Diagnostic]] = set()
 
     def expanded(self, block: s.Block) -> tuple[s.Block, ...]:
         """Return the links and joints of an asset, its base first; other blocks are unchanged. Raises Failed."""
@@ -62,7 +66,7 @@ class Assets:
                 self.check.report.add("WMS203", message, p.name.span, help)
 
     def _blocks(self, block: s.Block, named: s.Text) -> Blocks:
-        from wmspec.lang.importers.blocks import Blocks, relevant_errors
+        from wmspec.lang.importers.blocks import Blocks, relevant_faults
         from wmspec.lang.importers.model import RejectedAsset
         from wmspec.lang.importers.read import read
         from wmspec.lang.importers.write import Writer
@@ -71,19 +75,41 @@ class Assets:
         tree = self._known[key] = self._known.get(key) or read(*key)
         whole = {p.name.id for p in block.properties}
         if isinstance(tree, RejectedAsset):
-            self._report(relevant_errors(tree, {p.name.id: p.properties for p in block.parts}, whole), named)
+            self._report(relevant_faults(tree, {p.name.id: p.properties for p in block.parts}, whole), named)
+            raise Failed
         overrides = self._overrides(block, tree, named)
-        if mistakes := relevant_errors(tree, overrides, whole):
-            self._report(mistakes, named)
+        faults = relevant_faults(tree, overrides, whole)
+        if self._is_strict(block):
+            faults = tuple(replace(fault, severity="error") for fault in faults)
+        self._report(faults, named)
+        if any(fault.severity == "error" for fault in faults):
+            raise Failed
         bare = s.Block("object", block.name, self._own(block), block.span)
-        return Blocks(bare, tree, overrides, Writer(named.span))
+        return Blocks(bare, tree, overrides, Writer(named.span), self._keeps_inertia(block))
 
     def _own(self, block: s.Block) -> tuple[s.Property, ...]:
         return tuple(p for p in block.properties if p.name.id not in _OF_LINKS)
 
-    def _report(self, mistakes: tuple[Diagnostic, ...], named: s.Text) -> NoReturn:
-        self.check.report.include(mistake.named_at(named.span) for mistake in mistakes)
-        raise Failed
+    def _keeps_inertia(self, block: s.Block) -> bool:
+        """Whether the object keeps impossible inertias of its file. Raises Failed for another word than `file`."""
+        value = next((p.value for p in block.properties if p.name.id == "inertia"), None)
+        if value is not None and not (isinstance(value, s.Name) and value.id == "file"):
+            self.check.fail("WMS302", "`inertia` must be `file`", value.span, "or leave it out")
+        return value is not None
+
+    def _is_strict(self, block: s.Block) -> bool:
+        """Whether the object refuses approximations of its file. Raises Failed if that is no constant."""
+        value = next((p.value for p in block.properties if p.name.id == "strict"), None)
+        if value is None or isinstance(value, s.Truth):
+            return value is not None and value.value
+        self.check.fail("WMS302", "`strict` must be true or false, the same in all instances", value.span)
+
+    def _report(self, faults: tuple[Diagnostic, ...], named: s.Text) -> None:
+        """Report faults of a file where the spec names it, warnings once for all objects of the file."""
+        key = resolve_display_path(named.span.source.name).parent, named.value
+        fresh = [f for f in faults if f.severity == "error" or (key, f) not in self._warned]
+        self._warned |= {(key, f) for f in fresh}
+        self.check.report.include(fault.named_at(named.span) for fault in fresh)
 
     # ------------------------------------------------------------ what the spec says of links and joints
 
@@ -99,6 +125,7 @@ class Assets:
                 whose = f"`{taken}`" if taken is not None else "a property of objects"
                 message = f"its name conflicts with {whose} in a spec"
                 self._report((Diagnostic(message, where, "rename one of them in the file", "WMS210"),), named)
+                raise Failed
             by_plain[to_identifier(name)] = name
         return by_plain
 

@@ -15,6 +15,7 @@ _TRAFFIC = ("roads", "lane", "keeps")
 _DRIVEN = ("axis", "low", "high", "start", "target", "stiffness", "damping", "pace", "strength")
 #: Properties that require another one, and the owner they are for.
 _REQUIREMENTS = {
+    **dict.fromkeys(("strict", "inertia"), ("file", "an asset")),
     **dict.fromkeys(("scale", "units", "up"), ("file", "a mesh")),
     "collision": ("file", "a mesh"),
     "axes": ("moments", "moments of inertia"),

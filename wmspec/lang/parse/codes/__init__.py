@@ -16,6 +16,7 @@ CODES: dict[str, str] = {
     "WMS208": "libraries use each other in a circle",
     "WMS209": "values depend on each other in a circle",
     "WMS210": "file that cannot be used",
+    "WMS211": "file that is read approximately",
     "WMS301": "wrong unit",
     "WMS302": "wrong kind of value",
     "WMS303": "measured value where none can be",
