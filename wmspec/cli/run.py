@@ -41,7 +41,7 @@ duration_option = click.option(
 
 
 @click.command("run")
-@click.argument("source", type=click.Path(path_type=Path), metavar="SPEC|STAGE")
+@click.argument("source", type=click.Path(path_type=Path), metavar="SPEC|STAGE|FILE")
 @click.option("--backend", "-b", default="", help="Engines: comma-separated names, or all.  [default: first installed]")
 @task_option
 @instance_option
@@ -70,11 +70,14 @@ def run_command(
     strict: bool,
     as_json: bool,
 ) -> None:
-    """Execute an instance of a spec, or a USD stage, and print final positions and contacts.
+    """Execute an instance of a spec, a USD stage, or a URDF, MJCF or mesh file, and print final positions and contacts.
+
+    A URDF or mesh file is let go on a ground, for 2 s or --for TIME. MJCF stays where it is.
 
     Exits with 1 if some of several engines refuse it; results of the others are printed.
     """
     from wmspec.api import run
+    from wmspec.api.asset_task import RUN_FILES, asset_task
     from wmspec.runtime.engines.registry import select_backends
 
     engines = select_backends(backend)
@@ -83,6 +86,9 @@ def run_command(
     seconds = parse_duration(duration) if duration else None
     if source.suffix.lower() in STAGES:
         episodes, refusals = _run_each(engines, lambda engine: run(source, engine, seconds, strict=strict))
+    elif source.suffix.lower() in RUN_FILES:
+        alone = asset_task(source, seconds, strict=strict, tell=tell)[0]
+        episodes, refusals = _run_each(engines, alone.run)
     else:
         one = load_instance(source, task, instance, seed, redraw, strict=strict)
         episodes, refusals = _run_each(engines, lambda engine: one.run(engine, duration=seconds))

@@ -1,0 +1,54 @@
+"""`wmspec run` of a file without a spec: URDF, MJCF and meshes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+import trimesh
+from click.testing import CliRunner
+
+from tests.assets.specs import CABINET
+from wmspec.cli.run import run_command
+
+pytest.importorskip("mujoco")
+
+MJCF = """<mujoco><worldbody><geom type="plane" size="1 1 1"/>
+<body name="ball" pos="0 0 1"><freejoint/><geom size=".1"/></body></worldbody></mujoco>"""
+
+
+def final(path: Path, *options: str) -> dict[str, list[float]]:
+    """The final positions of the bodies that can move."""
+    result = CliRunner().invoke(run_command, [str(path), "--backend", "mujoco", "--json", *options])
+    assert result.exit_code == 0, result.output
+    (summary,) = json.loads(result.stdout)
+    return {name: body["middle"] for name, body in summary["bodies"].items()}
+
+
+def test_a_urdf_stands_on_a_ground(tmp_path: Path) -> None:
+    (tmp_path / "cabinet.urdf").write_bytes(CABINET.read_bytes())
+    found = final(tmp_path / "cabinet.urdf", "--for", "0.5s")
+    assert "cabinet_door" in found
+
+
+def test_an_mjcf_keeps_its_place_above_its_plane(tmp_path: Path) -> None:
+    (tmp_path / "ball.xml").write_text(MJCF)
+    assert final(tmp_path / "ball.xml")["ball"][2] == pytest.approx(0.1, abs=2e-3)
+    (tmp_path / "ball.xml").write_text(MJCF.replace('type="plane"', 'type="sphere" pos="9 0 0"'))
+    assert final(tmp_path / "ball.xml", "--for", "1s")["ball_ball"][2] == pytest.approx(1 - 9.81 / 2, abs=0.02)
+
+
+def test_a_gltf_stands_upright(tmp_path: Path) -> None:
+    trimesh.creation.box((0.2, 0.8, 0.4)).export(tmp_path / "chair 1.glb")
+    assert final(tmp_path / "chair 1.glb")["chair_1"][2] == pytest.approx(0.4, abs=2e-3)
+
+
+def test_strict_and_missing_files_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "ball.xml").write_text(MJCF)
+    for file, options, message in (
+        ("ball.xml", ["--strict"], "planes are not supported"),
+        ("none.urdf", [], "there is no such file"),
+    ):
+        result = CliRunner().invoke(run_command, [str(tmp_path / file), *options])
+        assert message in str(result.exception)

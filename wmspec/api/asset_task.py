@@ -1,0 +1,65 @@
+"""A task of one asset or mesh file: it is let go on a ground."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+from wmspec.api.loading import Tell, TextCheck, warn, without_approximations
+from wmspec.api.task import Task
+from wmspec.core.diagnostics import Diagnostic, SpecError, WmsError
+from wmspec.core.places import FilePlace
+from wmspec.lang.check.tables.vocabulary import ASSETS, FILES, STAGES
+from wmspec.lang.importers.blocks import to_identifier
+
+#: Extensions of files that are run without a spec; stages are run as they are.
+RUN_FILES = tuple(ending for ending in (*ASSETS, *FILES["file"]) if ending not in STAGES)
+
+_SPEC = """task run : custom {{
+{ground}  object {name} {{ file: "{file}"  {place} }}
+  horizon {seconds} s
+  camera front {{ at: (2 m, -3 m, 1.5 m)  look_at: (0, 0, 40 cm) }}
+  observe front at [0 s]
+}}
+"""
+_GROUND = "  object floor_ { shape: box  size: (40 m, 40 m, 10 cm)  at: (0, 0, -5 cm)  fixed: true  color: mist }\n"
+_PLANE = re.compile(rb"""type\s*=\s*["']plane["']""")
+_DEFAULT_SECONDS = 2.0
+
+
+def asset_task(path: Path, seconds: float | None = None, *, strict: bool = False, tell: Tell = warn) -> Task:
+    """Return the task of a URDF, MJCF or mesh file, lasting 2 s or `seconds`.
+
+    The file stands on a ground. MJCF keeps its own place, on a ground at height 0 if it has a plane. Warnings go to
+    `tell`. Raises WmsError if the file cannot be read, or, if `strict`, not exactly.
+    """
+    if not path.is_file():
+        raise WmsError("there is no such file", FilePlace(str(path)))
+    if '"' in path.name or "\\" in path.name:
+        raise WmsError("a file with such a name cannot be run", FilePlace(str(path)), "rename it")
+    native = path.suffix.lower() == ".xml"
+    ground = _GROUND if not native or _PLANE.search(path.read_bytes()) else ""
+    name = to_identifier(path.stem) or "it"
+    text = _SPEC.format(
+        ground=ground,
+        name=f"{name}_" if name in ("floor_", "front", "end", "index") else name,
+        file=path.name,
+        place="at: (0, 0, 0)" if native else "on: floor_ at (0, 0)",
+        seconds=f"{seconds or _DEFAULT_SECONDS:.9g}",
+    )
+    check = TextCheck(text, path.parent / f"{path.stem}.wms")
+    found = check.diagnosis(tried=False).diagnostics
+    found = without_approximations(found) if strict else found
+    if not check.tasks or any(d.severity == "error" for d in found):
+        raise SpecError.of(_about_file(d, path) for d in found if d.severity == "error")
+    for diagnostic in found:
+        if diagnostic.code.startswith("WMS2"):  # others are about the generated text
+            tell(_about_file(diagnostic, path).render())
+    return check.tasks[0]
+
+
+def _about_file(diagnostic: Diagnostic, path: Path) -> Diagnostic:
+    """Return a diagnostic without its place in the generated text."""
+    place = None if path.name in diagnostic.message else FilePlace(str(path))
+    return replace(diagnostic, place=place, notes=())
