@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import resource
 import shutil
 import subprocess
@@ -34,8 +35,10 @@ def main() -> None:
             shutil.copytree(folder, specs / folder.name)
         measured(options, temporary, "at first")
         measured(options, temporary, "unchanged")
-        changed = sorted(specs.rglob("collide.wms") or specs.rglob("*.wms"))[0]
-        changed.write_text(changed.read_text().replace("horizon", "tolerance drift 6 mm/s\n  horizon", 1))
+        changed = [*specs.rglob("collide.wms"), *sorted(specs.rglob("*.wms"))][0]
+        text, count = re.subn(r"(?m)^(task [^{]*\{)$", r"\1\n  tolerance drift 6 mm/s", changed.read_text(), count=1)
+        assert count, changed
+        changed.write_text(text)
         measured(options, temporary, f"{changed.name} changed")
 
 
