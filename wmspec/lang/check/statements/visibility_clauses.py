@@ -21,29 +21,32 @@ def visibility(check: Expressions, clauses: Sequence[s.Clause]) -> tuple[ir.Visi
     made = list[ir.Visibility]()
     for clause in sorted(clauses, key=lambda each: each.span.start):
         try:
-            made.append(_visibility(check, clause))
+            made += _visibility(check, clause)
         except Failed:
             continue
     _report_conflicts(check, made, {Location.of(clause.span): clause.span for clause in clauses})
     return tuple(made)
 
 
-def _visibility(check: Expressions, clause: s.Clause) -> ir.Visibility:
+def _visibility(check: Expressions, clause: s.Clause) -> list[ir.Visibility]:
+    """Return the declared visibility of every object, or set, that a clause lists."""
     place = Location.of(clause.span)
     if _is_none(check, clause):
         if clause.bound is not None:
             check.fail("WMS304", "`seen none` has no times", clause.bound.span, "remove them")
-        return ir.Visibility(objects=None, times=None, place=place)
+        return [ir.Visibility(objects=None, times=None, place=place)]
     what = "`may hide`" if clause.kind == "hide" else "`seen`"
-    objects = check.value(clause.value, (OBJECT, List(OBJECT)), what)
+    listed = clause.value.items if isinstance(clause.value, s.Items) and clause.value.kind == "list" else (clause.value,)
+    objects = [check.value(item, (OBJECT, List(OBJECT)), what).expr for item in listed]
     if clause.kind == "hide":
-        return ir.Visibility(objects=objects.expr, times=None, place=place)
+        return [ir.Visibility(objects=each, times=None, place=place) for each in objects]
     if clause.bound is None:
         remedy = (
             f"say when: `seen {clause.value.span.text} at [0 s]`; without a clause it must be seen in every picture"
         )
         check.fail("WMS304", "`seen` has no times", clause.span, remedy)
-    return ir.Visibility(objects=objects.expr, times=_times(check, clause.bound).expr, place=place)
+    times = _times(check, clause.bound).expr
+    return [ir.Visibility(objects=each, times=times, place=place) for each in objects]
 
 
 def _is_none(check: Expressions, clause: s.Clause) -> bool:
