@@ -44,6 +44,8 @@ def values(*parts: Any) -> Evaluator:
         ("mod", (7.5, 2.0), 1.5),
         ("mod", (-1.0, 3.0), 2.0),
         ("sqrt", (2.25,), 1.5),
+        ("atan", (1.0,), math.pi / 4),
+        ("atan", (-1e9,), -math.pi / 2),
         ("sin", (math.pi / 6,), 0.5),
         ("cos", (math.pi,), -1.0),
         ("opposite", ("left",), 2 * math.pi),

@@ -48,7 +48,8 @@ if TYPE_CHECKING:
 @click.option(
     "--per-task",
     type=click.IntRange(1),
-    help="Number of random instances per task.  [default: as many as the paper has of its tasks, all of others]",
+    help="Number of random instances per task; groups are whole, so there may be more.  "
+    "[default: as many as the paper has of its tasks, all of others]",
 )
 @click.option("--shard", metavar="I/N", default="1/1", help="Generate only share I of N of each task's instances.")
 @click.option(

@@ -26,7 +26,7 @@ def list_command(specs: tuple[Path, ...], dimension: tuple[str, ...], sizes: boo
     Instances of a group share all draws, so the number of groups is a sample size. `color (3 in 60)` is a factor with
     three levels that is crossed in 60 groups. `--sizes` includes nuisances.
 
-    Without SPECS: the tasks of WM-ABench. `wmspec list specs/gallery` lists further shipped tasks.
+    Without SPECS: the tasks of WM-ABench. `wmspec list specs/gallery` and `specs/paradigms` list further shipped tasks.
     """
     from wmspec.api import load_all
     from wmspec.api.loading import filter_dimensions

@@ -164,6 +164,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "mod": _mod,
     "pick": _item,
     "sqrt": _sqrt,
+    "atan": lambda _, x: math.atan(x),
     "sin": lambda _, a: math.sin(a),
     "cos": lambda _, a: math.cos(a),
     "present": _present,

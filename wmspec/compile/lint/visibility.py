@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.motion import CARRYING, heading_of, placement_after, placement_before, timed_path
+from wmspec.compile.layout.motion import CARRYING, carriers, heading_of, placement_after, placement_before, timed_path
 from wmspec.compile.layout.solids import Box, bounds, corners
 from wmspec.core.space import Vector, add, cross, dot, heading_vector, scale
 from wmspec.lang.check.ir.evaluate import subexpressions
@@ -82,6 +82,8 @@ def _words(value: object) -> Iterator[str]:
 def swept_boxes(values: Evaluator, name: str) -> Iterator[Box]:
     """Yield the axis-aligned boxes of an object, at the start and where its own actions take it."""
     low, high = bounds(pieces(values, name), values.pose(name))
+    if not values.flag(name, "fixed") and name not in carriers(values):
+        low = (low[0], low[1], min(low[2], 0.0))  # it may fall to the ground
     yield low, high
     here = values.pose(name).position
     for verb in (*CARRYING, "launch", "slide"):

@@ -75,7 +75,7 @@ def library_folder() -> Path:
 
 
 def catalogue_folders() -> tuple[Path, ...]:
-    """Return the folders of the catalogue's specs, without the gallery's."""
+    """Return the folders of the catalogue's specs, without those of the gallery and the paradigms."""
     return resource("specs/perception"), resource("specs/prediction")
 
 

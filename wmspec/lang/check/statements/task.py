@@ -19,6 +19,7 @@ from wmspec.lang.check.library.expand import Assets
 from wmspec.lang.check.library.modules import Item, Modules
 from wmspec.lang.check.library.substitute import Substitute
 from wmspec.lang.check.library.templates import Templates
+from wmspec.lang.check.library.worlds import merged_worlds
 from wmspec.lang.check.statements.balance import balance
 from wmspec.lang.check.statements.dimensions import warn_near_known
 from wmspec.lang.check.statements.factors import Factors
@@ -147,7 +148,7 @@ class _Task:
         statements = modules.statements(*items)
         substitute = Substitute()
         templates = Templates(statements, substitute, report)
-        self.statements = [templates.expanded(statement) for statement in statements]
+        self.statements = merged_worlds([templates.expanded(statement) for statement in statements], task)
         self.scope = Scope(self.statements, report, alone=not modules.any)
         self.scope.whole = self.scope.whole and modules.whole
         self.check = Expressions(self.scope, report, unknown)

@@ -36,7 +36,9 @@ def _visibility(check: Expressions, clause: s.Clause) -> list[ir.Visibility]:
             check.fail("WMS304", "`seen none` has no times", clause.bound.span, "remove them")
         return [ir.Visibility(objects=None, times=None, place=place)]
     what = "`may hide`" if clause.kind == "hide" else "`seen`"
-    listed = clause.value.items if isinstance(clause.value, s.Items) and clause.value.kind == "list" else (clause.value,)
+    listed = (
+        clause.value.items if isinstance(clause.value, s.Items) and clause.value.kind == "list" else (clause.value,)
+    )
     objects = [check.value(item, (OBJECT, List(OBJECT)), what).expr for item in listed]
     if clause.kind == "hide":
         return [ir.Visibility(objects=each, times=None, place=place) for each in objects]

@@ -83,6 +83,7 @@ FUNCTIONS: dict[str, Function] = {
     "mod": Function("what is left of the first after taking away the second as often as it fits", (QUANTITY, QUANTITY), QUANTITY),
     "pick": Function("the item of a list by its number, the first is 0; after the last comes the first again", (List(ITEM), A_NUMBER), ITEM),
     "sqrt": Function("the square root", (A_NUMBER,), A_NUMBER),
+    "atan": Function("the angle whose tangent a number is, -90 deg to 90 deg", (A_NUMBER,), AN_ANGLE),
     "sin": Function("of an angle", (AN_ANGLE,), A_NUMBER),
     "cos": Function("of an angle", (AN_ANGLE,), A_NUMBER),
     # presence and size

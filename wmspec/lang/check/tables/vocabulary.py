@@ -212,7 +212,11 @@ _FORM: dict[str, PropertySpec] = {
         above=0,
     ),
     "roughness": PropertySpec(
-        (A_NUMBER,), "of its surface, 0 is a mirror; instead of its material's", optional=True, least=0, most=1
+        (A_NUMBER,),
+        "of its surface, 0 is polished; surroundings are reflected in the look `photo` only; instead of its material's",
+        optional=True,
+        least=0,
+        most=1,
     ),
     "metallic": PropertySpec(
         (A_NUMBER,), "1 for bare metal; instead of its material's", optional=True, least=0, most=1

@@ -21,7 +21,12 @@ def bounds(shape: Shape, pose: Pose) -> Array:
 
 
 def world_box(geoms: Iterable[Geom], pose: Pose) -> Array:
-    """Return the corners (2, 3) m of the axis-aligned box around geoms of a body placed at `pose`."""
+    """Return the corners (2, 3) m of the axis-aligned box around geoms of a body placed at `pose`.
+
+    Without geoms it is the point of the frame: a body that is neither solid nor drawn, such as a carrier of a camera.
+    """
+    if not (geoms := tuple(geoms)):
+        return np.stack([pose.position, pose.position])
     boxes = np.stack([bounds(g.shape, compose(pose, g.pose)) for g in geoms])
     return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
