@@ -48,3 +48,38 @@ def test_a_camera_at_the_ground_sees_what_falls_there() -> None:
     for fixed, codes in (("", set()), ("fixed: true", {"WMS602"})):
         found = wmspec.diagnose(text=spec.replace("HIGH", "2 m").replace("FIXED", fixed))
         assert {each.code for each in found.diagnostics if each.code == "WMS602"} == codes
+
+
+TASK = """use tabletop
+task t : custom {{
+  factor tone in [red, blue]
+  factor heavy in [100 g, 2 kg]
+  let shown = ball.color
+  object ball {{ shape: sphere  size: 10 cm  color: tone  mass: heavy  {more}  on: table at (-10 cm, 0) }}
+  object cube_a {{ shape: cube  size: 10 cm  mass: 1 kg  color: green  on: table at (10 cm, 0) }}
+  observe front at [{times}]
+  question "{text}" {{ answer {answer} {options} }}
+}}
+"""
+COLORS = "options [red, blue]"
+
+
+def codes(**written: str) -> set[str]:
+    """The diagnostics of a task with these words."""
+    given = {"more": "", "times": "0 s", "text": "?", "options": ""} | written
+    return {found.code for found in wmspec.diagnose(text=TASK.format(**given)).diagnostics}
+
+
+@pytest.mark.parametrize("answer", ["tone", "ball.color", "shown"])
+@pytest.mark.parametrize("said", ["tone", "ball.color", "shown"])
+def test_a_text_that_says_the_answer_in_another_spelling(answer: str, said: str) -> None:
+    assert "WMS510" in codes(text=f"Is the {{{said}}} ball red?", answer=answer, options=COLORS)
+    assert "WMS510" not in codes(text="Which colour has the ball?", answer=answer, options=COLORS)
+
+
+def test_a_mass_is_not_to_be_seen_in_one_picture() -> None:
+    heavier = "ball.mass > cube_a.mass"
+    assert "WMS605" in codes(text="Is the ball heavier than the cube?", answer=heavier)
+    assert "WMS605" not in codes(text="Is the ball heavier than the cube?", answer=heavier, times="0 s, 1 s")
+    shown = "material: if heavy > 1 kg then metal else wood"
+    assert "WMS605" not in codes(text="Is the ball heavier than the cube?", answer=heavier, more=shown)

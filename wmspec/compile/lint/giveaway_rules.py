@@ -9,12 +9,14 @@ from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import LintScene
 from wmspec.compile.lint.task_rules import LintTask
 from wmspec.lang.check.ir.evaluate import evaluate, subexpressions
-from wmspec.lang.check.ir.ir import Interpolation, Question, Ref, time_of_last_picture
+from wmspec.lang.check.ir.ir import Expr, Interpolation, Property, Question, Ref, TaskSpec, Value, time_of_last_picture
 from wmspec.lang.check.statements.question_kinds import asks_possibility
 from wmspec.lang.check.types import units
 
 #: Properties that are visible in every picture.
 _VISIBLE_PROPERTIES = ("form", "color", "material", "image", "scale")
+#: Longest chain of names that is followed.
+_MAX_NAMES = 20
 #: Times closer than this (s) are equal.
 _MOMENT = 1e-9
 
@@ -29,9 +31,24 @@ def answer_in_text(task: LintTask) -> Iterator[Breach]:
             names = " and ".join(f"`{name}`" for name in sorted(decisive))
             what = f"the text says {names}, which is all that decides between the options"
             yield Breach(what, question.place, "leave one of them to the pictures", about=("text", question.place))
-        elif question.answer in mentioned:
+        elif _meaning(question.answer, task.spec) in [_meaning(value, task.spec) for value in mentioned]:
             what = "the text says the answer"
             yield Breach(what, question.place, "leave it to the pictures", about=("text", question.place))
+
+
+def _meaning(expr: Expr, spec: TaskSpec) -> Expr:
+    """Return what a named value or a property of an object stands for: `ball.color` and `tone` may be the same."""
+    lets = {let.name: let.value for let in spec.lets}
+    things = {thing.name: thing for thing in spec.things}
+    for _ in range(_MAX_NAMES):
+        match expr:
+            case Ref(name=name) if name in lets:
+                expr = lets[name]
+            case Property(owner=Value(value=str(owner)), name=name) if name in things[owner].properties:
+                expr = things[owner].properties[name].value
+            case _:
+                break
+    return expr
 
 
 @rule("WMS510")

@@ -8,8 +8,13 @@ from dataclasses import dataclass
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.lang.check.expressions.measured import is_measured
-from wmspec.lang.check.ir.ir import Choices, Expr, Interpolation, TaskSpec
+from wmspec.lang.check.ir.evaluate import subexpressions
+from wmspec.lang.check.ir.ir import Choices, Expr, Interpolation, Items, Property, TaskSpec, Value
 from wmspec.lang.check.statements.question_kinds import asks_possibility
+
+#: Properties that no picture shows, and those that it shows.
+_INVISIBLE = ("mass", "density", "friction", "restitution")
+_LOOKS = ("form", "color", "material", "image")
 
 
 @dataclass(frozen=True)
@@ -52,7 +57,30 @@ def constant_answer(task: LintTask) -> Iterator[Breach]:
             yield Breach(message, question.place, "let it depend on a factor, or measure it on the episode")
 
 
-RULES = (idle_factor, factor_in_words_alone, constant_answer)
+@rule("WMS605")
+def invisible_answer(task: LintTask) -> Iterator[Breach]:
+    """Find answers from properties that a single picture cannot show, such as a mass."""
+    if not _has_one_picture(task.spec):
+        return
+    for question in task.spec.questions:
+        said = [part.value for part in question.text if isinstance(part, Interpolation)]
+        for part in subexpressions(question.answer):
+            match part:
+                case Property(owner=Value(value=str(owner)), name=name) if name in _INVISIBLE and part not in said:
+                    shown = task.depend.sources(f"{owner}.{look}" for look in _LOOKS)
+                    if not task.depend.source(f"{owner}.{name}") & {f.name for f in task.spec.factors} <= shown:
+                        what = f"one picture does not show `{owner}.{name}`, on which the answer depends"
+                        remedy = "show what it does in more pictures, or let how the object looks depend on it"
+                        yield Breach(what, question.place, remedy, about=("invisible", question.place))
+                        break
+
+
+def _has_one_picture(spec: TaskSpec) -> bool:
+    times = [observation.times for observation in spec.observations]
+    return len(times) == 1 and isinstance(times[0], Items) and len(times[0].items) == 1
+
+
+RULES = (idle_factor, factor_in_words_alone, constant_answer, invisible_answer)
 
 
 def _texts(spec: TaskSpec) -> Iterator[Expr]:
