@@ -138,3 +138,23 @@ def test_the_editor_offers_objects() -> None:
     document = Document(Path("t.wms"), text)
     offered = {offer.word for offer in complete(document, text.index("may hide ") + len("may hide ")).offers}
     assert {"ball", "block", "screen"} <= offered
+
+
+@pytest.mark.parametrize(
+    ("place", "word"), [("0, 20 cm", "in_front_of"), ("0, -20 cm", "behind"), ("-20 cm, 0", "left_of")]
+)
+def test_a_viewer_without_a_body_knows_what_is_ahead_of_it(place: str, word: str) -> None:
+    """`me` looks away from the camera, is neither solid nor drawn, and may be the second of a relation."""
+    text = f"""
+      object me {{ shape: cube  size: 4 cm  solid: false  drawn: false  at: (0, 0, 20 cm)  yaw: 90 deg  fixed: true }}
+      object ball {{ shape: sphere  size: 8 cm  color: red  on: table at ({place}) }}
+      observe front at [0 s]
+      question "Where is it from there?" {{
+        options [left_of, right_of, in_front_of, behind]
+        answer  relation(ball, me, seen_from: me)
+        may hide me
+      }}
+    """
+    (found,) = ask_all(text)
+    assert isinstance(found, QuestionRow), found
+    assert [option.name for option in found.options if option.kind == "truth"] == [word]

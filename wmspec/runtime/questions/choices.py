@@ -9,6 +9,8 @@ from wmspec.runtime.questions import outcome
 from wmspec.runtime.questions.measure import Measured
 from wmspec.runtime.questions.view_direction import view_direction
 
+#: What is nearer to a viewer than itself is behind it.
+_OPPOSITE = {"in_front_of": "behind", "behind": "in_front_of"}
 #: The option for a tie.
 NEITHER = "neither"
 
@@ -60,8 +62,12 @@ def touches_first(measured: Measured, name: str, others: tuple[str, ...], tie: f
 
 
 def relation(measured: Measured, a: str, b: str, at: float | None = None, seen_from: str | None = None) -> str:
-    """Return the relation of the first object to the second, as seen by the cameras or by a viewer."""
+    """Return the relation of the first object to the second, as seen by the cameras or by a viewer.
+
+    If the viewer is the second object itself, what is ahead of it is in front of it.
+    """
     observed = measured.observed
     time = observed.window[1] if at is None else float(observed.trace.time[observed.moment(at)])
     way = common_direction(measured.values) if seen_from is None else view_direction(observed, seen_from, time)
-    return outcome.relation(observed, a, b, way, time)
+    word = outcome.relation(observed, a, b, way, time)
+    return _OPPOSITE.get(word, word) if seen_from == b else word
