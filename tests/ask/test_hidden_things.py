@@ -146,7 +146,9 @@ def test_the_editor_offers_objects() -> None:
 def test_a_viewer_without_a_body_knows_what_is_ahead_of_it(place: str, word: str) -> None:
     """`me` looks away from the camera, is neither solid nor drawn, and may be the second of a relation."""
     text = f"""
-      object me {{ shape: cube  size: 4 cm  solid: false  drawn: false  at: (0, 0, 20 cm)  yaw: 90 deg  fixed: true }}
+      object me {{ shape: cube  size: 4 cm  solid: false  drawn: false  at: (0, 0, 20 cm)  yaw: 90 deg }}
+      action go = glide(me, direction: away, speed: 1 cm/s) for 0.1 s
+      horizon 0.2 s
       object ball {{ shape: sphere  size: 8 cm  color: red  on: table at ({place}) }}
       observe front at [0 s]
       question "Where is it from there?" {{
