@@ -28,7 +28,11 @@ OWN = {
     "lang/check/expressions/libraries.py", "lang/parse/pages.py", "lang/parse/tables.py", "dataset/build/webpage.py",
 }  # fmt: skip
 #: Calls whose path the lines before check.
-CHECKED = {("compile/layout/meshes.py", "trimesh.load")}
+CHECKED = {
+    ("compile/layout/meshes.py", "trimesh.load"),
+    ("lang/importers/mesh_sizes.py", "trimesh.load"),
+    ("lang/importers/mjcf_source.py", "trimesh.load"),
+}
 
 
 def calls(path: Path) -> Iterator[str]:

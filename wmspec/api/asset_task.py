@@ -9,7 +9,9 @@ from pathlib import Path
 from wmspec.api.loading import Tell, TextCheck, warn, without_approximations
 from wmspec.api.task import Task
 from wmspec.core.diagnostics import Diagnostic, SpecError, WmsError
+from wmspec.core.limits import FILE_BYTES
 from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import read_bytes
 from wmspec.lang.check.tables.vocabulary import ASSETS, FILES, STAGES
 from wmspec.lang.importers.blocks import to_identifier
 
@@ -39,7 +41,7 @@ def asset_task(path: Path, seconds: float | None = None, *, strict: bool = False
     if '"' in path.name or "\\" in path.name:
         raise WmsError("a file with such a name cannot be run", FilePlace(str(path)), "rename it")
     native = path.suffix.lower() == ".xml"
-    ground = _GROUND if not native or _PLANE.search(path.read_bytes()) else ""
+    ground = _GROUND if not native or _PLANE.search(read_bytes(path, FILE_BYTES)) else ""
     name = to_identifier(path.stem) or "it"
     text = _SPEC.format(
         ground=ground,

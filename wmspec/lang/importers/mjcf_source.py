@@ -14,6 +14,8 @@ from typing import Any
 from xml.sax.saxutils import quoteattr
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.limits import FILE_BYTES
+from wmspec.core.safe_io import read_bytes
 from wmspec.lang.importers.markup import Element, read_xml
 from wmspec.lang.importers.mesh_files import check_mesh_file
 from wmspec.lang.importers.model import MAX_LINKS, MAX_SHAPES, Faults
@@ -281,7 +283,7 @@ def _stem(e: Element) -> str:
 
 def _for_mujoco(path: Path) -> tuple[bytes, str]:
     """Return the content of a mesh file and its ending; formats that MuJoCo does not read become OBJ."""
-    content, ending = path.read_bytes(), path.suffix.lower()
+    content, ending = read_bytes(path, FILE_BYTES), path.suffix.lower()
     if ending == ".obj" or (ending == ".stl" and not content[:6].lower().startswith(b"solid ")):
         return content, ending
     import trimesh
