@@ -70,7 +70,7 @@ quick: setup
 	$(BIN)/pytest $(QUICK)
 
 # Every extra that users may have, but the models on this machine: PyTorch is gigabytes, and no quick test needs it.
-EXTRAS := audit,engines,evaluate,lsp,meshes,photo,ray,report,video
+EXTRAS := audit,clips,engines,evaluate,lsp,meshes,photo,ray,report,video
 LOWEST := $(BIN)/uv pip install --quiet --python build/lowest/bin/python
 
 lowest: setup

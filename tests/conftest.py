@@ -39,6 +39,7 @@ NEEDS = {
     "crosscheck": ("engine", "pixels"),
     "doctor": ("engine", "pixels"),
     "endtoend": ("engine", "pixels"),
+    "films": ("engine", "pixels"),
     "package": ("build",),
     "physics": ("engine",),
     "pixels": ("engine", "pixels"),

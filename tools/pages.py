@@ -109,6 +109,8 @@ def _columns() -> Iterator[str]:
     yield from _column_table(rows.HIDDEN)
     yield "\n## Balanced answers\n"
     yield from _column_table(rows.REDRAWN)
+    yield "\n## Films\n"
+    yield from _column_table(rows.FILMS)
     for channel, columns in rows.CHANNELS.items():
         yield f"\n## Channel `{channel}`\n"
         yield from _column_table(columns)

@@ -28,6 +28,9 @@ from wmspec.dataset.build.manifest import Summary
 from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.plan import Task as PlannedTask
 from wmspec.dataset.build.reuse import PriorInstances
+from wmspec.dataset.film.codec import pyav
+from wmspec.dataset.film.timing import DEFAULT_SIZE as DEFAULT_FILM_SIZE
+from wmspec.dataset.film.timing import FilmSettings
 from wmspec.lang.parse.files import BUNDLED
 from wmspec.runtime.engines.registry import quickest_renderer, require_look, select_backends, versions
 from wmspec.runtime.questions.consensus import Consensus, RowsOf
@@ -46,7 +49,8 @@ class DatasetOptions(TypedDict, total=False):
     engines, or one for each question in each of the "engines". `renderer`: one engine that draws all episodes, by
     default the quickest; with rows of engines, each draws its own by default. `consensus`: keep a question if "all"
     engines agree, if the "majority" agrees, or always ("none"). `seed`: random seed of tasks given by path. `size`
-    (pixels), `look` and `samples`: see `RenderOptions`. `licence`: SPDX identifier of the data licence, by default
+    (pixels), `look` and `samples`: see `RenderOptions`. `film`: frames per second of films of closed sets, None for no
+    films; `film_size`: their width and height (pixels). `licence`: SPDX identifier of the data licence, by default
     that of the specs, and CC-BY-4.0 for specs of wmspec.
     """
 
@@ -63,6 +67,8 @@ class DatasetOptions(TypedDict, total=False):
     size: int | tuple[int, int]
     look: Look
     samples: int | None
+    film: int | None
+    film_size: tuple[int, int]
     licence: str
 
 
@@ -173,9 +179,24 @@ def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptio
         rows_of=rows_of,
         profile=profile,
         part=part,
+        film=_film(options.get("film"), options.get("film_size"), chosen_tasks, look),
         licence=_licence(chosen_tasks, options.get("licence", "")),
         versions=versions({*engines, *drawers}, look),
     )
+
+
+def _film(rate: int | None, size: tuple[int, int] | None, tasks: Sequence[Task], look: Look) -> FilmSettings | None:
+    """Return the settings of films. Raises WmsError if no task has films, or if they cannot be made."""
+    if rate is None:
+        if size is not None:
+            raise WmsError("`film_size` is the size of films", help="set `film` too, such as 24 frames per second")
+        return None
+    if look != "parity":
+        raise WmsError(f"films are drawn in the look `parity`, and the pictures in `{look}`", help="remove one of them")
+    if not any(question.orbit and question.kind == "pictures" for task in tasks for question in task.spec.questions):
+        raise WmsError("no task has a question with a closed set of pictures (`options orbit of ...`), so no films")
+    pyav()
+    return FilmSettings(rate, pixels(size or DEFAULT_FILM_SIZE))
 
 
 def _licence(tasks: Sequence[Task], chosen: str) -> str:

@@ -168,6 +168,7 @@ def _plan(dataset: DatasetReader, tasks: list[Task]) -> Plan:
         shard=manifest["shard"],
         licence=manifest.get("licence", ""),
         versions=manifest["versions"],
+        film=dataset.film,
     )
 
 

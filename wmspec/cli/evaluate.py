@@ -22,11 +22,20 @@ if TYPE_CHECKING:
 _PATH = click.Path(path_type=Path)
 #: Default request parameters. A server that rejects one is sent another (`wmspec.eval.models.adapt`).
 _DEFAULTS: dict[str, Any] = {"temperature": 0, "max_tokens": 1024}
+#: Prefix of clips among models.
+CLIPS = "clips:"
+#: Prefixes of latent models and of tables of their surprises.
+SURPRISES = ("surprise:", "surprises:")
 
 
 @click.command("evaluate")
 @click.argument("dataset", type=_PATH, required=False)
-@click.option("--model", "-m", metavar="MODEL", help="openai:NAME, hf:PATH, random, blind, options-only or oracle.")
+@click.option(
+    "--model",
+    "-m",
+    metavar="MODEL",
+    help="openai:NAME, hf:PATH, clips:FOLDER, surprise:PACKAGE:FUNCTION, random, blind, options-only or oracle.",
+)
 @click.option("--output", "-o", type=_PATH, metavar="FILE", help="Results file (.parquet); an existing one is resumed.")
 @click.option(
     "--base-url", metavar="URL", help="URL of an OpenAI-compatible server.  [default: OPENAI_BASE_URL, or OpenAI]"
@@ -76,6 +85,11 @@ _DEFAULTS: dict[str, Any] = {"temperature": 0, "max_tokens": 1024}
     show_default=True,
     help="Time limit per try, in seconds.",
 )
+@click.option(
+    "--begins",
+    type=click.Choice(["context", "first", "after"]),
+    help="What clips begin with: the context, its last picture, or what comes after.  [default: by matching]",
+)
 @click.option("--cache", type=_PATH, metavar="FILE", help="Folder in which replies are cached.")
 @click.option("--dry-run", is_flag=True, help="Print the plan and the first request; send nothing.")
 @click.option("--rescore", type=_PATH, metavar="FILE", help="Score stored replies again; send nothing.")
@@ -93,11 +107,68 @@ def evaluate_command(dataset: Path | None, rescore: Path | None, as_json: bool, 
         return
     if dataset is None or options["model"] is None:
         raise WmsError("missing DATASET or --model: `wmspec evaluate DATASET --model MODEL -o results.parquet`")
+    if options["model"].startswith(CLIPS):
+        _evaluate_clips(dataset, options, as_json)
+        return
+    if options["begins"]:
+        raise WmsError("--begins: only for -m clips:FOLDER")
+    if options["model"].startswith(SURPRISES):
+        _evaluate_surprises(dataset, options, as_json)
+        return
     run, server = _run(dataset, options)
     if options["dry_run"]:
         _print_requests(run)
         return
     _evaluate(run, server, options, as_json)
+
+
+def _evaluate_surprises(dataset: Path, options: dict[str, Any], as_json: bool) -> None:
+    from wmspec.dataset.build.reader import DatasetReader
+    from wmspec.eval.clips.questions import selected
+    from wmspec.eval.clips.surprise import SurpriseRun, evaluate_surprises
+    from wmspec.eval.models.question import Selection
+
+    output = _results_file(options)
+    opened = DatasetReader.open(dataset)
+    opened.intact()
+    run = SurpriseRun(opened, options["model"], Selection(options["task"], options["engine"], options["limit"]))
+    with progress_bar(len(selected(opened, run.selection)), "evaluating", "questions") as bar:
+        ended = evaluate_surprises(run, output, lambda right, count: bar(_so_far(right, count, 0.0), 1))
+    _print_counts(ended.counts, output, as_json)
+
+
+def _results_file(options: dict[str, Any]) -> Path:
+    """Return the results file. Raises WmsError if it is missing, or for an option that films do not have."""
+    output: Path | None = options["output"]
+    if output is None or output.suffix != ".parquet":
+        raise WmsError("missing output: add -o results.parquet")
+    for name in ("ablate", "permute", "dry_run"):
+        if options[name]:
+            raise WmsError(f"--{name.replace('_', '-')}: not for models of films")
+    return output
+
+
+def _evaluate_clips(dataset: Path, options: dict[str, Any], as_json: bool) -> None:
+    from wmspec.dataset.build.reader import DatasetReader
+    from wmspec.eval.clips.questions import selected
+    from wmspec.eval.clips.run import ClipRun, evaluate_clips
+    from wmspec.eval.models.question import Selection
+
+    output = _results_file(options)
+    opened = DatasetReader.open(dataset)
+    opened.intact()
+    selection = Selection(options["task"], options["engine"], options["limit"])
+    run = ClipRun(opened, options["model"].removeprefix(CLIPS), selection, options["begins"])
+    with progress_bar(len(selected(opened, selection)), "scoring", "clips") as bar:
+        ended = evaluate_clips(run, output, lambda right, count: bar(_so_far(right, count, 0.0), 1))
+    _print_counts(ended.counts, output, as_json)
+    if ended.unknown and not as_json:
+        click.echo(f"{len(ended.unknown):,} files belong to no question, such as {ended.unknown[0]}", err=True)
+    status = ended.counts.status
+    read, failed = ended.counts.replies - status.get("error", 0), status.get("error", 0)
+    exit_if_failed(
+        Tally("clip could be read", read, "clips", ended.counts.replies, failed, ended.error, how="failed", most=0)
+    )
 
 
 def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
@@ -225,9 +296,10 @@ def _print_counts(counted: Counts, path: Path, as_json: bool) -> None:
 
 
 def _rescore(path: Path, as_json: bool) -> None:
+    from wmspec.eval.clips.run import rescore_clips
     from wmspec.eval.models.results import rescore
 
-    counted, changed = rescore(path)
+    counted, changed = rescore_clips(path) or rescore(path)
     _print_counts(counted, path, as_json)
     if not as_json:
         click.echo(f"{changed:,} scores have changed")

@@ -21,10 +21,15 @@ _PATH = click.Path(path_type=Path)
 @click.command("export")
 @click.argument("dataset", type=_PATH)
 @click.option(
-    "--to", "tool", required=True, type=click.Choice(["inspect", "lmms-eval", "vlmevalkit", "hf", "chat", "questions"])
+    "--to",
+    "tool",
+    required=True,
+    type=click.Choice(["inspect", "lmms-eval", "vlmevalkit", "hf", "chat", "questions", "video"]),
 )
 @click.option("--output", "-o", type=_PATH, required=True, metavar="FOLDER", help="Output folder.")
-@click.option("--prompt", default="default", show_default=True, help="default, paper, numbers, montage, or a file.")
+@click.option(
+    "--prompt", default="default", show_default=True, help="default, paper, numbers, montage, film, or a file."
+)
 @click.option("--secret", type=_PATH, metavar="FILE", help="For questions: secret that hides ids and signs receipts.")
 @split_options
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
@@ -35,6 +40,7 @@ _PATH = click.Path(path_type=Path)
     metavar="N",
     help="Maximum number of questions, spread evenly over tasks and engines.",
 )
+@click.option("--frames", is_flag=True, help="For video: also write every frame that is shown as a PNG file.")
 def export_command(
     dataset: Path,
     tool: str,
@@ -46,14 +52,17 @@ def export_command(
     task: tuple[str, ...],
     engine: tuple[str, ...],
     limit: int | None,
+    frames: bool,
 ) -> None:
     """Export a dataset as a folder for Inspect, lmms-eval, VLMEvalKit or Hugging Face `datasets`, or without answers.
 
     `chat` is training data in splits by control groups (--shares, --holdout), with answers. `questions` are published
     in place of a private dataset: without answers, under ids hidden by --secret, a file that is made if it is not
-    there. `wmspec submit`, `score` and `leaderboard` do the rest.
+    there. `wmspec submit`, `score` and `leaderboard` do the rest. `video` has the inputs of video models: films that are
+    shown and prompts, and nothing of the answers.
 
-    Requests equal those of `wmspec evaluate`. The folder contains the parser of replies and a README with the commands.
+    Other folders have requests equal to those of `wmspec evaluate`, the parser of replies, and a README.
+
     Exits with 1 if no question was written.
     """
     from wmspec.dataset.build.reader import DatasetReader
@@ -65,6 +74,15 @@ def export_command(
     opened = DatasetReader.open(dataset)
     opened.intact()
     selection = Selection(task, engine, limit)
+    if tool == "video":
+        from wmspec.eval.export.video import export_video
+
+        count = export_video(opened, selection, prompt, output, every_frame=frames)
+        click.echo(f"{output}: {count:,} questions for video models; {output / 'README.md'} says what to do")
+        exit_if_failed(Tally("question was written", count))
+        return
+    if frames:
+        raise WmsError("--frames: only for --to video")
     if note := selection.repetition(opened):
         tell(note)
     if (secret is None) == (tool == "questions"):

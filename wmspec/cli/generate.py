@@ -66,6 +66,13 @@ if TYPE_CHECKING:
 @click.option("--full", is_flag=True, help="All instances of every task, also beyond WM-ABench's count.")
 @dimension_option
 @size_option
+@click.option(
+    "--film",
+    type=click.Choice(["8", "12", "16", "24", "30", "60"]),
+    metavar="FPS",
+    help="Add a lossless film of every option, with 8, 12, 16, 24, 30 or 60 frames per second.",
+)
+@click.option("--film-size", metavar="WxH", help="Size of films in pixels.  [default: 832x480]")
 @look_options
 @seed_option
 @click.option(
@@ -112,6 +119,8 @@ def generate_command(
     profile: Any,
     dimension: tuple[str, ...],
     size: str,
+    film: str | None,
+    film_size: str | None,
     look: Any,
     samples: int | None,
     seed: int,
@@ -163,8 +172,11 @@ def generate_command(
         "size": parse_size(size),
         "look": look,
         "samples": samples,
+        "film": int(film) if film else None,
         "licence": licence,
     }
+    if film_size:
+        options["film_size"] = parse_size(film_size)
     if dry_run:
         plan = plan_dataset(specs, tell, **options)
         print_cost(plan, worker_settings(workers, timeout, plan.engines), as_json)

@@ -69,12 +69,13 @@ def report_command(
         return
     from wmspec.eval.models.splits import Splits
     from wmspec.eval.report.page import lost_answers, summary, warnings
+    from wmspec.eval.report.replies import read_strips
     from wmspec.eval.report.report import STEPS, report
     from wmspec.eval.report.write import text, write
 
     with progress_bar(STEPS, "analysing", "analyses") as progress:
         made = report(list(results), dataset, progress, _display_names(names), Splits.parse("", holdouts))
-    page = write(made, make_folder(output))
+    page = write(made, make_folder(output), read_strips(list(results)))
     if as_json:
         click.echo(text(made), nl=False)
         return

@@ -10,6 +10,7 @@ from wmspec.compile.lint.scene_rules import LintScene
 from wmspec.compile.lint.task_rules import LintTask
 from wmspec.lang.check.ir.evaluate import evaluate, subexpressions
 from wmspec.lang.check.ir.ir import Expr, Interpolation, Property, Question, Ref, TaskSpec, Value, time_of_last_picture
+from wmspec.lang.check.statements.films import answer_camera
 from wmspec.lang.check.statements.question_kinds import asks_possibility
 from wmspec.lang.check.types import units
 
@@ -90,7 +91,7 @@ def answer_in_pictures(scene: LintScene) -> Iterator[Breach]:
         # Without earlier pictures the question requests the view of another camera, not a prediction.
         is_prediction = bool(question.orbit) and any(moment < time - _MOMENT for _, moment in shown)
         for observation, moment in shown:
-            itself = abs(moment - time) < _MOMENT and observation.camera == _camera(question)
+            itself = abs(moment - time) < _MOMENT and observation.camera == answer_camera(question)
             if itself or (is_prediction and moment > time - _MOMENT):
                 at = units.format_quantity(moment, units.TIME)
                 what = f"the requested picture is shown: that at {at}, {scene.where}"
@@ -118,10 +119,3 @@ def _remedy(scene: LintScene, question: Question) -> str:
     if unwritten and any(isinstance(part, Ref) and part.name == "end" for part in subexpressions(question.answer)):
         return "without a `horizon` the last picture is the end: write `horizon TIME`, a later one"
     return "show what comes before it"
-
-
-def _camera(question: Question) -> str:
-    """Return the camera of the requested picture if it is always the same, else an empty string."""
-    answer = question.answer
-    first = answer.arguments[0] if answer.kind == "call" and answer.arguments else None
-    return str(first.value) if first is not None and first.kind == "value" else ""

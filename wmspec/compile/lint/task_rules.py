@@ -85,7 +85,8 @@ RULES = (idle_factor, factor_in_words_alone, constant_answer, invisible_answer)
 
 def _texts(spec: TaskSpec) -> Iterator[Expr]:
     for question in spec.questions:
-        parts = (*question.text, *(part for text in question.texts for part in text.parts))
+        model_texts = (*question.film_text, *question.action_text)
+        parts = (*question.text, *model_texts, *(part for text in question.texts for part in text.parts))
         yield from (part.value for part in parts if isinstance(part, Interpolation))
 
 
@@ -95,6 +96,7 @@ def _effective_expressions(spec: TaskSpec) -> Iterator[Expr]:
     for thing in spec.things:
         yield from (setting.value for setting in thing.properties.values())
     yield from (observation.times for observation in spec.observations)
+    yield from (time for time in (spec.film.start, spec.film.end) if time is not None) if spec.film else ()
     for q in spec.questions:
         gates = (e for m in q.margins for e in (m.value, m.bound, m.unless))
         changed = (c.value for c in q.counterfactuals)

@@ -10,7 +10,7 @@ from wmspec.dataset.build.baselines import Baselines
 from wmspec.dataset.build.files import EXAMPLES
 from wmspec.dataset.build.manifest import Summary, TaskSummary
 from wmspec.dataset.build.plan import Plan, Task, row_names
-from wmspec.dataset.build.rows import COLUMNS, channel_columns
+from wmspec.dataset.build.rows import COLUMNS, FILMS, channel_columns
 from wmspec.lang.check.ir.ir import Choices, Factor, Interval, Normal
 
 #: The configuration that holds the questions of all tasks, with the columns that all tasks share.
@@ -266,6 +266,7 @@ def _columns(plan: Plan) -> str:
     columns = COLUMNS.copy()
     for task in plan.tasks:
         columns |= channel_columns(task.spec)
+    columns |= FILMS if plan.film else {}
     rows = [[f"`{name}`", meaning] for name, (_, meaning) in columns.items()]
     rows += [
         ["`factor.*`", "the value of each factor, in SI units"],

@@ -17,6 +17,7 @@ import pyarrow as pa
 
 from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
+from wmspec.dataset.build.film_files import damaged_film
 from wmspec.dataset.build.plan import Plan, Shard
 from wmspec.dataset.build.rows import schema, table
 from wmspec.dataset.build.worker import Outcome
@@ -28,8 +29,9 @@ _SUFFIX = ".instance"
 def save(folder: Path, plan: Plan, shard: Shard, index: int, outcome: Outcome) -> None:
     """Save the outcome of an instance. Raises WmsError, and leaves no file, if it cannot be written."""
     rejected = json.dumps([asdict(r) for r in outcome.rejected])
-    rows = table(list(outcome.rows), schema(shard.task.spec))
-    metadata = {"plan": plan.fingerprint, "index": str(index), "rejected": rejected}
+    rows = table(list(outcome.rows), schema(shard.task.spec, plan.film is not None))
+    films = json.dumps(dict(outcome.films))
+    metadata = {"plan": plan.fingerprint, "index": str(index), "rejected": rejected, "films": films}
     content = _arrow_bytes(rows.replace_schema_metadata(metadata))
     name = f"{index}-{hashlib.sha256(content).hexdigest()}{_SUFFIX}"
     files.write(folder, f"{_folder(shard)}/{name}", content, synced=False)
@@ -52,10 +54,13 @@ def load(folder: Path, plan: Plan, shard: Shard) -> dict[int, Outcome]:
                 metadata = rows.schema.metadata
                 index, made_by = int(metadata[b"index"]), metadata[b"plan"].decode()
                 rejected = tuple(Rejected(**r) for r in json.loads(metadata[b"rejected"]))
+                films = dict(json.loads(metadata[b"films"]))
             except (pa.ArrowException, ValueError, TypeError, LookupError, RecursionError):
                 continue  # written by another plan or program
-            if made_by == plan.fingerprint and index in shard.indices and not transient(rejected):
-                outcomes[index] = Outcome(tuple(rows.to_pylist()), rejected)
+            if made_by != plan.fingerprint or index not in shard.indices or transient(rejected):
+                continue
+            if not damaged_film(folder, films):
+                outcomes[index] = Outcome(tuple(rows.to_pylist()), rejected, films)
     return outcomes
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import pyarrow as pa
 
 from wmspec.dataset.build.plan import Plan
-from wmspec.dataset.build.rows import CHANNELS, COLUMNS, schema
+from wmspec.dataset.build.rows import CHANNELS, COLUMNS, FILMS, schema
 from wmspec.dataset.build.shards import Record
 
 #: The JSON-LD context of the specification, restricted to the terms used here.
@@ -54,7 +54,9 @@ CONTEXT: dict[str, Any] = {
 }
 
 #: Description of every column by name.
-_DESCRIPTIONS = {name: meaning for columns in (COLUMNS, *CHANNELS.values()) for name, (_, meaning) in columns.items()}
+_DESCRIPTIONS = {
+    name: meaning for columns in (COLUMNS, FILMS, *CHANNELS.values()) for name, (_, meaning) in columns.items()
+}
 
 _TYPES = {pa.bool_(): "sc:Boolean", pa.int64(): "sc:Integer", pa.float64(): "sc:Float", pa.string(): "sc:Text"}
 
@@ -76,7 +78,11 @@ def croissant(plan: Plan, records: Mapping[str, Record], cited: str, published: 
     rows = {t.spec.name: 0 for t in plan.tasks}
     for shard in plan.shards():
         rows[shard.task.spec.name] += records[shard.path].rows
-    filled = [TaskMetadata(t.spec.name, t.spec.title, schema(t.spec)) for t in plan.tasks if rows[t.spec.name]]
+    filled = [
+        TaskMetadata(t.spec.name, t.spec.title, schema(t.spec, plan.film is not None))
+        for t in plan.tasks
+        if rows[t.spec.name]
+    ]
     description = f"{sum(rows.values())} questions about a physical world, made by wmspec"
     licenses = [plan.licence] if plan.licence else sorted({t.spec.license for t in plan.tasks if t.spec.license})
     name = "-".join(t.spec.name for t in plan.tasks[:3])

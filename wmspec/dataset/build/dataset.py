@@ -7,15 +7,17 @@ import os
 import re
 import shutil
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.safe_io import make_folders, read_bytes
 from wmspec.dataset.build import checkpoint, files
 from wmspec.dataset.build.derived import derived_files, publication_date
+from wmspec.dataset.build.film_files import clear_films, damaged_film
 from wmspec.dataset.build.manifest import Summary, summary
 from wmspec.dataset.build.plan import Plan, Shard, differences
 from wmspec.dataset.build.reader import unlisted_files
@@ -25,7 +27,7 @@ from wmspec.dataset.build.shards import Record, read_outcomes, read_records, rec
 from wmspec.dataset.build.worker import Outcome
 from wmspec.runtime.questions.model import Rejected
 
-_OWN_FILES = ("data", files.EXAMPLES, files.MANIFEST, files.CARD, files.CROISSANT)
+_OWN_FILES = ("data", files.FILMS, files.EXAMPLES, files.MANIFEST, files.CARD, files.CROISSANT)
 _SHARD = re.compile(r"test-\d{5}-of-\d{5}\.parquet")
 
 
@@ -89,12 +91,28 @@ class Dataset:
         """Return the outcomes that an interrupted run saved for a pending shard, by instance index."""
         return checkpoint.load(self.folder, self.plan, shard)
 
-    def write(self, shard: Shard, rows: Iterable[Row], rejected: Iterable[Rejected]) -> None:
-        """Write a shard atomically and discard its checkpoints. `rows` come from `rows.encode`, in any order.
+    def keep_films(self, films: Iterable[tuple[str, bytes]]) -> None:
+        """Write films that the folder lacks, by path. Raises WmsError if one cannot be written."""
+        for path, content in films:
+            there = self.folder / path
+            if not there.is_file() or there.read_bytes() != content:
+                files.write(self.folder, path, content, synced=False)
+
+    def write(
+        self,
+        shard: Shard,
+        rows: Iterable[Row],
+        rejected: Iterable[Rejected],
+        films: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
+        """Write a shard atomically and discard its checkpoints.
+
+        `rows` come from `rows.encode`, in any order; `films` are the SHA-256 of the films that they refer to, by path.
 
         Raises: WmsError: it cannot be written. ValueError: a question of the shard is missing, foreign or duplicated.
         """
-        self._records[shard.path] = write_shard(self.folder, self.plan, shard, rows=rows, rejected=rejected)
+        parts: dict[str, Any] = {"rows": rows, "rejected": rejected, "films": films}
+        self._records[shard.path] = write_shard(self.folder, self.plan, shard, **parts)
         checkpoint.discard(self.folder, shard)
 
     def finish(self) -> Summary:
@@ -159,6 +177,7 @@ class Dataset:
             picture.unlink()
         if (self.folder / files.EXAMPLES).is_dir() and not any((self.folder / files.EXAMPLES).iterdir()):
             (self.folder / files.EXAMPLES).rmdir()
+        clear_films(self.folder)
         for task in sorted((self.folder / "data").glob("*/")):
             for shard in filter(lambda p: _SHARD.fullmatch(p.name), list(task.iterdir())):
                 shard.unlink()
@@ -179,6 +198,8 @@ class Dataset:
                 self._again(shard, "is missing")
             elif files.digest(path) != record.sha256:
                 self._again(shard, "was modified")
+            elif lost := damaged_film(self.folder, record.films):
+                self._again(shard, f"refers to {lost}, which is missing or was modified")
             elif again := checkpoint.transient(record.rejected):
                 self._unmade(shard, record, again)
             else:

@@ -23,6 +23,8 @@ PLAN = "plan.json"
 CARD = "README.md"
 CROISSANT = "croissant.json"
 MANIFEST = "manifest.json"
+#: The subfolder with films.
+FILMS = "films"
 #: The subfolder with an example picture of each task.
 EXAMPLES = "examples"
 

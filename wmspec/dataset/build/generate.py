@@ -61,6 +61,7 @@ def generate(
                 crash = crash or made.crash
             else:
                 shared += made.shared
+                dataset.keep_films(made.films.items())
                 if specs[task].plan.balance:
                     balance[task] = balance.get(task, Balance()) + made.balance
             for at, index in enumerate(indices):
@@ -95,9 +96,13 @@ class _PendingShard:
     def finish(self) -> None:
         """Write the shard if no instance is missing."""
         if not self.missing:
-            made = self._dataset.kept(self.shard) | self._failed | self._before.outcomes(self.shard)
+            before = self._before.outcomes(self.shard)
+            self._dataset.keep_films(self._before.films(self.shard))
+            made = self._dataset.kept(self.shard) | self._failed | before
             rows = [row for outcome in made.values() for row in outcome.rows]
-            self._dataset.write(self.shard, rows, [r for outcome in made.values() for r in outcome.rejected])
+            rejected = [r for outcome in made.values() for r in outcome.rejected]
+            films = {path: sha for outcome in made.values() for path, sha in outcome.films.items()}
+            self._dataset.write(self.shard, rows, rejected, films)
 
 
 def _units(job: Job, plan: Plan, making: Iterable[_PendingShard]) -> Iterator[list[tuple[Job, str, Piece]]]:
@@ -117,7 +122,7 @@ def job_of(plan: Plan, effort: PoolConfig) -> Job:
         os.environ.setdefault("LP_NUM_THREADS", "0")
     tasks = tuple((t.spec.name, to_json(t.spec)) for t in plan.tasks)
     drawing = plan.look, plan.samples, plan.renderer
-    return Job(tasks, plan.seed, plan.engines, plan.size, plan.consensus, *drawing, plan.rows_of)
+    return Job(tasks, plan.seed, plan.engines, plan.size, plan.consensus, *drawing, plan.rows_of, plan.film)
 
 
 def failed_outcome(plan: Plan, spec: TaskSpec, index: int, lost: JobFailure) -> Outcome:

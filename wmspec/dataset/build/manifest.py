@@ -10,7 +10,7 @@ from typing import Any
 from wmspec.core.crash import Crash
 from wmspec.core.tally import Tally
 from wmspec.dataset.build.plan import QUESTIONS, Plan, Task, row_names
-from wmspec.dataset.build.shards import Record
+from wmspec.dataset.build.shards import Record, shard_entry
 from wmspec.dataset.build.worker import Balance, CacheStats
 from wmspec.runtime.questions.model import FAILED, Rejected
 
@@ -134,12 +134,13 @@ def manifest(
         **{key: record[key] for key in ("versions", "seed", "engines", "size", "consensus", "rows_of", "shard")},
         **({"profile": plan.profile} if plan.profile else {}),
         **({"part": list(plan.part)} if plan.part != (1, 1) else {}),
+        **({"film": plan.film.record} if plan.film else {}),
         "licence": plan.licence,
         "specs": {name: {"sha256": sha, "text": plan.texts[name]} for name, sha in record["specs"].items()},
         "tasks": {t.spec.name: _task(plan, t, c) for t, c in zip(plan.tasks, total.tasks, strict=True)},
         "rows": total.rows,
         "rejected": {"count": total.rejected, "list": [asdict(r) for _, s in shards for r in s.rejected]},
-        "shards": {path: {"rows": s.rows, "sha256": s.sha256} for path, s in shards},
+        "shards": {path: shard_entry(record) for path, record in shards},
         "files": dict(others or {}),
     }
 

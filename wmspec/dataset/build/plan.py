@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Any, Final
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.film.timing import FilmSettings
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.runtime.questions.consensus import Consensus, RowsOf
 from wmspec.sim.scene.model import Look
@@ -56,8 +57,8 @@ class Plan:
     renders its own. `consensus` says how many engines must agree. A row is one of `rows_of`: a question that the
     reference engine executed and the others confirm, or a question in each of the engines. `profile` names the
     benchmark whose tasks are asked as it asks them. `part` is (i, n) for share i of n of the instances. `shard` is the
-    number of instances in a shard, `versions` those of wmspec and the engines. `licence` is stated in the card and has
-    no other effect.
+    number of instances in a shard, `versions` those of wmspec and the engines. `film` are the settings of
+    films, None for a dataset without. `licence` is stated in the card and has no other effect.
 
     Raises WmsError if two tasks have the same name.
     """
@@ -77,6 +78,7 @@ class Plan:
     part: tuple[int, int] = (1, 1)
     shard: int = field(default=64)
     licence: str = ""
+    film: FilmSettings | None = None
 
     def __post_init__(self) -> None:
         names = [t.spec.name.casefold() for t in self.tasks]
@@ -120,6 +122,7 @@ class Plan:
             "consensus": self.consensus,
             "rows_of": self.rows_of,
             **({"profile": self.profile} if self.profile else {}),
+            **({"film": self.film.record} if self.film else {}),
             "shard": self.shard,
             "specs": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(self.texts.items())},
             "tasks": {t.spec.name: list(t.indices) for t in self.tasks},

@@ -15,9 +15,11 @@ from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes, regular_file
 from wmspec.dataset.build import files
+from wmspec.dataset.build.film_files import damaged_film, unlisted_films
 from wmspec.dataset.build.plan import fingerprint
 from wmspec.dataset.build.rows import Row
 from wmspec.dataset.build.schema import columns_fault, manifest_fault, pictures_fault, row_fault
+from wmspec.dataset.film.timing import FilmSettings
 from wmspec.runtime.questions.consensus import RowsOf
 
 #: The columns with pictures, as lists of {bytes, path}.
@@ -26,7 +28,7 @@ PICTURES = ("context", "option_image")
 CHANNELS = ("context_depth", "context_ids")
 
 #: What both the plan and the manifest state.
-_SHARED_KEYS = {"seed", "engines", "size", "consensus", "versions", "rows_of", "profile"}
+_SHARED_KEYS = {"seed", "engines", "size", "consensus", "versions", "rows_of", "profile", "film"}
 
 #: Remedy for a damaged dataset.
 REPAIR_HINT = "run the command that made the dataset again (`wmspec generate ... -o FOLDER`) to repair it"
@@ -62,12 +64,16 @@ class DatasetReader:
         Raises WmsError if a file may not be read.
         """
         wrong = dict.fromkeys(unlisted_files(self.folder, self.manifest["shards"]), "is not part of the dataset")
+        if self.film is not None:
+            wrong |= dict.fromkeys(unlisted_films(self.folder, self.films), "is not part of the dataset")
         for path, shard in self.manifest["shards"].items():
             file = self.folder / path
             if not file.is_file():
                 wrong[path] = "is missing"
             elif _digest(file) != shard["sha256"]:
                 wrong[path] = "was modified"
+            if lost := damaged_film(self.folder, shard.get("films", {})):
+                wrong[lost] = "was modified" if (self.folder / lost).is_file() else "is missing"
         return wrong
 
     def intact(self) -> None:
@@ -76,6 +82,16 @@ class DatasetReader:
         if wrong:
             more = f", and {len(wrong) - 3:,} more are damaged" if len(wrong) > 3 else ""
             raise WmsError(f"{', '.join(wrong[:3])}{more}; {REPAIR_HINT}")
+
+    @property
+    def film(self) -> FilmSettings | None:
+        """The settings of the films; None for a dataset without."""
+        return FilmSettings.of(self.manifest.get("film"))
+
+    @property
+    def films(self) -> dict[str, str]:
+        """The SHA-256 of every film by its path."""
+        return {path: sha for shard in self.manifest["shards"].values() for path, sha in shard.get("films", {}).items()}
 
     @property
     def tasks(self) -> tuple[str, ...]:

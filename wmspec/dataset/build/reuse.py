@@ -16,6 +16,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
 from wmspec.dataset.build.checkpoint import transient
+from wmspec.dataset.build.film_files import damaged_film
 from wmspec.dataset.build.plan import Plan, Shard, Task, differences
 from wmspec.dataset.build.rebuild import rebuild_plan
 from wmspec.dataset.build.shards import Record, read_outcomes, read_records
@@ -60,6 +61,15 @@ class PriorInstances:
                 requested.setdefault(f"{file.folder}/{file.shard.path}", (file, []))[1].append(index)
         return {i: outcome for file, indices in requested.values() for i, outcome in file.outcomes(indices).items()}
 
+    def films(self, shard: Shard) -> Iterator[tuple[str, bytes]]:
+        """Yield the films of a shard's instances that were made before, by path, each once."""
+        given = set[str]()
+        for index in shard.indices:
+            if file := self._files.get((shard.task.spec.name, index)):
+                for path in file.record.films.keys() - given:
+                    given.add(path)
+                    yield path, (file.folder / path).read_bytes()
+
     def missing(self, shard: Shard) -> tuple[int, ...]:
         """Return the instances of a shard that are still to be made."""
         return tuple(i for i in shard.indices if (shard.task.spec.name, i) not in self._files)
@@ -76,6 +86,7 @@ def _files(folder: Path, plan: Plan) -> Iterator[ShardFile]:
             and record.fingerprint == there.fingerprint
             and path.is_file()
             and files.digest(path) == record.sha256
+            and not damaged_film(folder, record.films)
         ):
             yield ShardFile(folder, shard, record)
 

@@ -137,6 +137,43 @@ HIDDEN: dict[str, tuple[pa.DataType, str]] = {
     )
 }
 
+_TRACK = pa.list_(
+    pa.struct(
+        [("name", pa.string()), ("frame", pa.int64())]
+        + [(name, pa.float64()) for name in ("x", "y", "z", "across", "down", "share")]
+    )
+)
+
+#: Additional columns of datasets with films; null or empty for questions without a closed set of films.
+FILMS: dict[str, tuple[pa.DataType, str]] = {
+    "film": (pa.string(), "the path of the film: the context, and then what happens"),
+    "film_rate": (pa.int64(), "its frames per second"),
+    "film_start": (pa.float64(), "the time (s) of its first frame"),
+    "film_context": (pa.int64(), "how many of its frames are shown"),
+    "film_answer": (pa.int64(), "which frame (from 0) is nearest to the time of the answer"),
+    "film_offset": (pa.float64(), "how much later (s) that frame is than the answer"),
+    "film_moving": (pa.int64(), "in how many frames of the context something moves"),
+    "film_text": (pa.string(), "the scene in words, for video models"),
+    "action_text": (pa.string(), "the action in words, for models that receive the last picture of the context only"),
+    "film_bodies": (_TEXTS, "the names of all bodies; the films of ids have their places here, plus 1"),
+    "film_objects": (_TEXTS, "the objects whose places tell the films of the options apart"),
+    "film_engines": (_TEXTS, "the other engines that have films of the futures, in half the size"),
+    "option_film": (_TEXTS, "the path of the film of each option"),
+    "film_apart": (
+        pa.list_(pa.float64()),
+        (
+            "how far the futures of each two options are apart, row by row (object widths: the mean of that over the "
+            "whole way and that of the last three frames)"
+        ),
+    ),
+    "film_track": (
+        _TRACK,
+        "where each of the objects is in each frame: its middle (m), and its place and share in the picture (0 to 1)",
+    ),
+}
+#: The film columns of a row without a film.
+NO_FILM: Row = {name: [] if pa.types.is_list(kind) else None for name, (kind, _) in FILMS.items()}
+
 #: Additional columns for picture channels other than colour.
 CHANNELS: dict[str, dict[str, tuple[pa.DataType, str]]] = {
     "depth": {
@@ -155,9 +192,9 @@ CHANNELS: dict[str, dict[str, tuple[pa.DataType, str]]] = {
 _FEATURE = {"_type": "Sequence", "feature": {"_type": "Image"}}
 
 
-def schema(spec: TaskSpec) -> pa.Schema:
-    """Return the columns of a task: common ones, balance, outcomes, channels, then `factor.*`, `level.*`, `group.*`,
-    `nuisance.*`.
+def schema(spec: TaskSpec, films: bool = False) -> pa.Schema:
+    """Return the columns of a task: common ones, balance, outcomes, channels, films, then `factor.*`, `level.*`,
+    `group.*`, `nuisance.*`.
 
     A factor's column is boolean, float64, string, or a list of float64 for points; its metadata hold the SI `unit` and
     the dimension that it is `about`.
@@ -173,6 +210,7 @@ def schema(spec: TaskSpec) -> pa.Schema:
             hidden_columns(spec),
             what_if_columns(spec),
             channel_columns(spec),
+            FILMS if films else {},
         )
         for name, (kind, _) in columns.items()
     ]
@@ -241,8 +279,11 @@ def _type(factor: Factor) -> pa.DataType:
     return pa.string() if any(isinstance(v, str) for v in values) else pa.float64()
 
 
-def encode(question: QuestionRow, rows_of: RowsOf) -> Row:
-    """Return the row of a question. Encoding pictures takes a few milliseconds each, so call it in the worker."""
+def encode(question: QuestionRow, rows_of: RowsOf, film: Row | None = None) -> Row:
+    """Return the row of a question, with its film columns if the dataset has films.
+
+    Encoding pictures takes a few milliseconds each, so call it in the worker.
+    """
     engine = question.engine if rows_of == "engines" else None
     return {
         "id": identity(question.seed, question.task, question.index, question.question, engine),
@@ -278,6 +319,7 @@ def encode(question: QuestionRow, rows_of: RowsOf) -> Row:
         **({} if question.visible is None else {"context_visible": [asdict(each) for each in question.visible]}),
         **_what_ifs(question),
         **_channel_columns(question.context),
+        **(film or {}),
         **{f"factor.{n}": v for n, v in question.factors.items()},
         **{f"level.{n}": words for n, words in question.levels.items()},
         **{f"group.{n}": v for n, v in question.groups.items()},

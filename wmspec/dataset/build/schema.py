@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import pyarrow as pa
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
 from wmspec.core.safe_io import is_file_name
+from wmspec.dataset.build.film_files import FILM
 from wmspec.dataset.build.images import image_format
 from wmspec.dataset.build.plan import row_names
 from wmspec.dataset.build.rows import COLUMNS, EARLIER_TYPES, Row
@@ -39,9 +40,15 @@ class _Task(_Strict):
     rejected: dict[str, _Count]
 
 
+class _Film(_Strict):
+    rate: Literal[8, 12, 16, 24, 30, 60]
+    size: Annotated[list[_Side], Field(min_length=2, max_length=2)]
+
+
 class _Shard(_Strict):
     rows: _Count
     sha256: _Sha256
+    films: dict[Annotated[str, StringConstraints(pattern=f"^{FILM.pattern}$")], _Sha256] = {}
 
 
 class _Rejected(_Strict):
@@ -67,6 +74,7 @@ class _Manifest(_Strict):
     profile: str = ""
     licence: str = ""
     part: Annotated[list[Annotated[int, Field(ge=1, strict=True)]], Field(min_length=2, max_length=2)] = [1, 1]
+    film: _Film | None = None
     versions: dict[str, str]
     tasks: dict[_Name, _Task]
     rows: _Count

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
 from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import pyarrow as pa
@@ -28,15 +29,24 @@ ROW_GROUP = 16
 
 @dataclass(frozen=True)
 class Record:
-    """The record of a shard: hash and number of rows of its file, and the rejections."""
+    """The record of a shard: hash and number of rows of its file, the rejections, and the hashes of its films."""
 
     fingerprint: str
     sha256: str
     rows: int
     rejected: tuple[Rejected, ...]
+    films: Mapping[str, str] = field(default_factory=dict)
 
 
-def write_shard(folder: Path, plan: Plan, shard: Shard, *, rows: Iterable[Row], rejected: Iterable[Rejected]) -> Record:
+def write_shard(
+    folder: Path,
+    plan: Plan,
+    shard: Shard,
+    *,
+    rows: Iterable[Row],
+    rejected: Iterable[Rejected],
+    films: Mapping[str, str] = MappingProxyType({}),
+) -> Record:
     """Write a shard's file, then its record, so that incomplete shards stay invisible.
 
     Rows and rejections come in any order. Raises WmsError if they cannot be written, and ValueError unless they account
@@ -53,9 +63,10 @@ def write_shard(folder: Path, plan: Plan, shard: Shard, *, rows: Iterable[Row], 
     ids = [r["id"] for r in kept]
     ids += [identity(plan.seed, r.task, r.index, r.question, r.engine if per_engine else None) for r in lost]
     _check_complete(plan.seed, shard, place.keys(), ids)
-    content = parquet(table(kept, schema(shard.task.spec)))
+    content = parquet(table(kept, schema(shard.task.spec, plan.film is not None)))
     files.write(folder, shard.path, content)
-    record = Record(plan.fingerprint, hashlib.sha256(content).hexdigest(), len(kept), tuple(lost))
+    sha256 = hashlib.sha256(content).hexdigest()
+    record = Record(plan.fingerprint, sha256, len(kept), tuple(lost), dict(sorted(films.items())))
     write_record(folder, shard, record)
     return record
 
@@ -83,7 +94,19 @@ def read_outcomes(folder: Path, shard: Shard, record: Record) -> dict[int, Outco
     """Return the outcomes of all instances of an intact shard, by index."""
     every = pq.read_table(regular_file(folder / shard.path)).to_pylist()
     rows = {index: tuple(same) for index, same in groupby(every, key=itemgetter("index"))}
-    return {i: Outcome(rows.get(i, ()), tuple(r for r in record.rejected if r.index == i)) for i in shard.indices}
+    return {
+        i: Outcome(
+            rows.get(i, ()), tuple(r for r in record.rejected if r.index == i), _films_of(rows.get(i, ()), record)
+        )
+        for i in shard.indices
+    }
+
+
+def _films_of(rows: Iterable[Row], record: Record) -> dict[str, str]:
+    """Return the films that rows refer to, with their hashes: those of their options in all engines."""
+    folders = {(path.rpartition("_")[0], Path(path).stem) for row in rows for path in row.get("option_film") or ()}
+    of = {path: (path.rpartition("_")[0], Path(path).name.partition(".")[0]) for path in record.films}
+    return {path: sha for path, sha in record.films.items() if of[path] in folders}
 
 
 def record_path(shard: Shard) -> str:
@@ -129,7 +152,7 @@ def _record_from_manifest(finished: dict[str, Any], shard: Shard) -> Record | No
     entry, lost = finished["shards"][shard.path], finished["lost"].get(shard.task.spec.name, {})
     rejected = tuple(r for index in shard.indices for r in lost.get(index, ()))
     try:
-        return Record(finished["fingerprint"], entry["sha256"], entry["rows"], rejected)
+        return Record(finished["fingerprint"], entry["sha256"], entry["rows"], rejected, dict(entry.get("films", {})))
     except (TypeError, KeyError):
         return None
 
@@ -137,3 +160,8 @@ def _record_from_manifest(finished: dict[str, Any], shard: Shard) -> Record | No
 def write_record(folder: Path, shard: Shard, record: Record) -> None:
     """Write the record of a shard. Raises WmsError if that fails."""
     files.write(folder, record_path(shard), files.pretty_json(asdict(record)))
+
+
+def shard_entry(record: Record) -> dict[str, Any]:
+    """Return the entry of a shard in the manifest."""
+    return {"rows": record.rows, "sha256": record.sha256, **({"films": dict(record.films)} if record.films else {})}

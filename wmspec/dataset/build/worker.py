@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import astuple, dataclass, field, replace
 from functools import cache, lru_cache, partial
 
 from wmspec.compile.design.design import Design
-from wmspec.dataset.build.rows import Row, encode
+from wmspec.dataset.build.rows import NO_FILM, Row, encode
+from wmspec.dataset.film.group import FilmSet, GroupFilms
+from wmspec.dataset.film.timing import FilmSettings
 from wmspec.lang.check.ir.record import from_json
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.caches.scene_cache import SceneCache
 from wmspec.runtime.caches.trace_cache import TraceCache
+from wmspec.runtime.engines.registry import quickest_renderer
 from wmspec.runtime.questions.balance import balanced_batch
 from wmspec.runtime.questions.closed_sets import Answers, drop_incomplete_groups, has_closed_set
 from wmspec.runtime.questions.consensus import Consensus, RowsOf
 from wmspec.runtime.questions.cross_validation import CrossValidation
-from wmspec.runtime.questions.model import Rejected
+from wmspec.runtime.questions.model import QuestionRow, Reject, Rejected
 from wmspec.runtime.questions.runs import EnginePair
 from wmspec.sim.scene.model import Look
 
@@ -34,6 +38,7 @@ class Job:
     samples: int | None = None
     renderer: str = ""
     rows_of: RowsOf = "questions"
+    film: FilmSettings | None = None
 
     def of(self, task: str) -> Job:
         """Return the settings restricted to one task, which are sent with every batch."""
@@ -42,10 +47,11 @@ class Job:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The rows and rejections of one instance."""
+    """The rows and rejections of one instance; `films` are the SHA-256 of the films that its rows refer to, by path."""
 
     rows: tuple[Row, ...]
     rejected: tuple[Rejected, ...]
+    films: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -84,11 +90,12 @@ class Balance:
 
 @dataclass(frozen=True)
 class BatchResult:
-    """The outcomes of instances in order, the cache statistics and the balancing cost."""
+    """The outcomes of instances in order, the cache statistics, the balancing cost, and the films by path."""
 
     outcomes: tuple[Outcome, ...]
     shared: CacheStats = field(default_factory=CacheStats)
     balance: Balance = field(default_factory=Balance)
+    films: Mapping[str, bytes] = field(default_factory=dict)
 
 
 def make_instances(job: Job, task: str, indices: tuple[int, ...]) -> BatchResult:
@@ -106,9 +113,13 @@ def make_instances(job: Job, task: str, indices: tuple[int, ...]) -> BatchResult
         answers = _group(job, design, block)
     else:
         answers = {index: _answers(job, design, index) for index in indices}
-    outcomes = tuple(_outcome(answers[index], job.rows_of) for index in indices)
+    filming = (
+        GroupFilms(design, _pairs(job), job.film, _film_renderer(job), job.rows_of == "questions") if job.film else None
+    )
+    films: dict[str, bytes] = {}
+    outcomes = tuple(_outcome(answers[index], job.rows_of, filming, films) for index in indices)
     after = _cache_counters(job)
-    return BatchResult(outcomes, CacheStats(*(b - a for a, b in zip(before, after, strict=True))), balance)
+    return BatchResult(outcomes, CacheStats(*(b - a for a, b in zip(before, after, strict=True))), balance, films)
 
 
 def _group(job: Job, design: Design, block: int) -> Mapping[int, Answers]:
@@ -135,9 +146,39 @@ def _answers(job: Job, design: Design, index: int) -> Answers:
     return validation.questions() if job.rows_of == "questions" else validation.rows()
 
 
-def _outcome(answers: Answers, rows_of: RowsOf) -> Outcome:
-    rejected = tuple(answer for answer in answers if isinstance(answer, Rejected))
-    return Outcome(tuple(encode(answer, rows_of) for answer in answers if not isinstance(answer, Rejected)), rejected)
+def _outcome(answers: Answers, rows_of: RowsOf, filming: GroupFilms | None, films: dict[str, bytes]) -> Outcome:
+    """Encode the questions of an instance; films are added to `films`."""
+    rows, rejected, own = list[Row](), list[Rejected](), dict[str, str]()
+    for answer in answers:
+        if isinstance(answer, Rejected):
+            rejected.append(answer)
+            continue
+        try:
+            film = _film_set(answer, filming)
+        except Reject as reject:
+            rejected.append(_unfilmed(answer, reject))
+            continue
+        rows.append(encode(answer, rows_of, None if film is None else film.columns))
+        if film is not None:
+            films |= film.files
+            own |= {path: hashlib.sha256(content).hexdigest() for path, content in film.files.items()}
+    return Outcome(tuple(rows), tuple(rejected), own)
+
+
+def _film_set(row: QuestionRow, filming: GroupFilms | None) -> FilmSet | None:
+    """Return the films of a row; empty columns for a question without a closed set of pictures."""
+    if filming is None:
+        return None
+    return filming.of(row) if filming.has_films(row) else FilmSet(dict(NO_FILM))
+
+
+def _unfilmed(row: QuestionRow, why: Reject) -> Rejected:
+    return Rejected(row.task, row.index, row.question, row.engine, why.reason, why.detail, row.label)
+
+
+def _film_renderer(job: Job) -> str:
+    """Return the engine that draws films: that of the pictures, or the quickest if each engine draws its own."""
+    return job.renderer or quickest_renderer(job.engines)
 
 
 @lru_cache(maxsize=4)

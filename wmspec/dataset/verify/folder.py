@@ -49,6 +49,7 @@ def folder_differences(dataset: DatasetReader, plan: Plan, records: Mapping[str,
     `plan` and `records` are those of the whole dataset, recomputed.
     """
     present, expected = set(folder_files(dataset.folder)), {shard.path for shard in plan.shards()}
+    expected |= {path for record in records.values() for path in record.films}
     for name, content in derived_files(dataset.folder, plan, records, publication_date(dataset.folder)):
         expected.add(name)
         if name in present:

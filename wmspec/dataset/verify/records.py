@@ -83,7 +83,7 @@ def _check_shard(
     rows: list[Row] = []
     digest = ""
     if shard.path in dataset.manifest["shards"]:
-        there, expected = dataset.shard_schema(shard.path), schema(shard.task.spec)
+        there, expected = dataset.shard_schema(shard.path), schema(shard.task.spec, plan.film is not None)
         if not _equal_columns(there, expected):
             found.differences.append(Difference(shard.path, "", "has other columns, units or metadata than its spec"))
         rows = list(dataset.shard_rows(shard.path, _columns(there.names)))
@@ -104,7 +104,8 @@ def _check_shard(
     known = {question.id for question in planned}
     found.differences += [Difference(i, "", "is no question of these specs and seed") for i in counts if i not in known]
     found.differences += _misplaced([row["id"] for row in rows], [question.id for question in planned])
-    found.shards[shard.path] = Record(plan.fingerprint, digest, len(rows), tuple(rejected))
+    films = dataset.manifest["shards"].get(shard.path, {}).get("films", {})
+    found.shards[shard.path] = Record(plan.fingerprint, digest, len(rows), tuple(rejected), dict(sorted(films.items())))
 
 
 def _fault(rows: int, rejections: int) -> str | None:

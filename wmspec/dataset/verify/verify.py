@@ -21,6 +21,7 @@ from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.rows import Row
 from wmspec.dataset.build.worker import Outcome, make_instances
 from wmspec.dataset.verify.compare import compare, option_scores
+from wmspec.dataset.verify.films import film_differences
 from wmspec.dataset.verify.marks import OptionScores, marked_truths
 from wmspec.dataset.verify.model import Difference, Power
 from wmspec.dataset.verify.records import PlannedQuestion, Records
@@ -95,6 +96,8 @@ def regenerate(
     with closing(map_batches(make_instances, every, effort, lambda p: weight(specs[p[1]], p[2]))) as outcomes:
         for (_, name, indices), made in outcomes:
             there = _stored_rows(dataset, name, set(indices))
+            if not isinstance(made, JobFailure):
+                comparison.differences += film_differences(dataset, made.films)
             for at, index in enumerate(indices):
                 outcome = made if isinstance(made, JobFailure) else made.outcomes[at]
                 comparison.instance(specs[name], index, there, outcome)

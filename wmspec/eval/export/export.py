@@ -6,25 +6,22 @@ import base64
 import csv
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
 from pathlib import Path
 
-from wmspec.core.diagnostics import WmsError
 from wmspec.core.resources import resource
-from wmspec.core.safe_io import make_folders, read_bytes
+from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.export import chat
+from wmspec.eval.export.folder import MARK_FILE, Folder
 from wmspec.eval.export.rows import COLUMNS, Row, exported_rows, write
 from wmspec.eval.models.prompt import Prompt
 from wmspec.eval.models.question import Selection
 from wmspec.eval.models.splits import DEFAULT_SPLITS, Splits
 from wmspec.eval.replies import LETTERS, ORDINALS
-
-#: The file that marks a folder as an export, with its settings and files.
-MARK_FILE = "export.json"
 
 
 @dataclass(frozen=True)
@@ -50,48 +47,13 @@ class Export:
         return exported_rows(self.dataset, self.tasks[task], self.prompt)
 
 
-@dataclass
-class _Folder:
-    """A folder being written, and the files written to it."""
-
-    place: Path
-    written: list[str] = field(default_factory=list)
-
-    def path(self, name: str) -> Path:
-        """Return the path for a file of this name, and record it."""
-        self.written.append(name)
-        path = self.place / name
-        make_folders(path.parent)
-        return path
-
-    def copy(self, name: str, to: str, **words: str) -> None:
-        """Copy a packaged file, with words in braces replaced."""
-        text = resource(name).read_text(encoding="utf-8")
-        for word, value in words.items():
-            text = text.replace(f"{{{word}}}", value)
-        self.path(to).write_text(text, encoding="utf-8")
-
-    def clear(self) -> None:
-        """Remove the files of an earlier export. Raises WmsError if the folder holds anything else."""
-        if not self.place.exists() or not any(self.place.iterdir()):
-            return
-        try:
-            before = json.loads(read_bytes(self.place / MARK_FILE))["files"]
-        except (OSError, ValueError, LookupError, TypeError, RecursionError):
-            raise WmsError(f"{self.place} holds files that are not an export; choose another folder with -o") from None
-        inside = self.place.resolve()
-        for path in [(self.place / str(name)).resolve() for name in before]:
-            if path.is_relative_to(inside):
-                path.unlink(missing_ok=True)
-
-
 def export(what: Export, tool: str, place: Path) -> int:
     """Write a folder for a tool of `TOOLS`; returns the number of questions.
 
     Files of an earlier export are replaced; the tool's own files stay. Raises WmsError if the folder holds something
     else or cannot be written.
     """
-    folder = _Folder(place)
+    folder = Folder(place)
     about = {
         "to": tool,
         "dataset": files.digest(what.dataset.folder / files.MANIFEST),
@@ -109,17 +71,17 @@ def export(what: Export, tool: str, place: Path) -> int:
     return count
 
 
-def _tables(what: Export, folder: _Folder) -> int:
+def _tables(what: Export, folder: Folder) -> int:
     return sum(write(folder.path(f"data/{task}.parquet"), what.rows(task)) for task in what.tasks)
 
 
-def _inspect(what: Export, folder: _Folder) -> int:
+def _inspect(what: Export, folder: Folder) -> int:
     folder.copy("eval/export/files/inspect_task.py", "wmspec_task.py")
     folder.copy("eval/export/files/inspect.md", "README.md")
     return _tables(what, folder)
 
 
-def _lmms_eval(what: Export, folder: _Folder) -> int:
+def _lmms_eval(what: Export, folder: Folder) -> int:
     """Write one file for each task, which includes a template, and a group in which every question has equal weight."""
     folder.copy("eval/export/files/lmms_utils.py", "utils.py")
     folder.copy("eval/export/files/lmms_template.yaml", "_default_template_yaml")
@@ -135,7 +97,7 @@ def _lmms_eval(what: Export, folder: _Folder) -> int:
     return _tables(what, folder)
 
 
-def _vlmevalkit(what: Export, folder: _Folder) -> int:
+def _vlmevalkit(what: Export, folder: Folder) -> int:
     """Write one table, with a hash of its content in the name, because VLMEvalKit caches tables by name."""
     make_folders(folder.place)
     part, count = folder.place / "table.part", 0
@@ -179,7 +141,7 @@ def _line(row: Row) -> Row:
 _NUMBER = ("answer_number", "answer_unit", "answer_within")
 
 
-def _hf(what: Export, folder: _Folder) -> int:
+def _hf(what: Export, folder: Folder) -> int:
     configs = (
         f"- config_name: {task}\n  data_files:\n  - split: test\n    path: data/{task}.parquet\n" for task in what.tasks
     )
@@ -189,14 +151,14 @@ def _hf(what: Export, folder: _Folder) -> int:
     return _tables(what, folder)
 
 
-def _chat(what: Export, folder: _Folder) -> int:
+def _chat(what: Export, folder: Folder) -> int:
     folder.copy("eval/export/files/chat.md", "README.md")
     what.splits.check(what.dataset)
     return sum(chat.write(what.dataset, what.tasks, what.prompt, what.splits, folder.path).values())
 
 
 #: Writer by tool.
-TOOLS: dict[str, Callable[[Export, _Folder], int]] = {
+TOOLS: dict[str, Callable[[Export, Folder], int]] = {
     "inspect": _inspect,
     "lmms-eval": _lmms_eval,
     "vlmevalkit": _vlmevalkit,

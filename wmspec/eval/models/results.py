@@ -190,17 +190,18 @@ def check_free(path: Path) -> None:
         raise WmsError(message, FilePlace(str(beside)), "choose another name with -o")
 
 
-def write(path: Path, rows: Iterable[Row], about: dict[str, Any]) -> None:
+def write(path: Path, rows: Iterable[Row], about: dict[str, Any], schema: pa.Schema = SCHEMA) -> None:
     """Write results with their settings. Raises WmsError, and leaves the previous files, if that fails."""
     metadata = json.dumps(about, indent=1, ensure_ascii=False) + "\n"
-    table = pa.Table.from_pylist(list(rows), schema=SCHEMA).replace_schema_metadata({_ABOUT: metadata})
+    table = pa.Table.from_pylist(list(rows), schema=schema).replace_schema_metadata({_ABOUT: metadata})
     sink = pa.BufferOutputStream()
     pq.write_table(table, sink, compression="zstd")
-    _write_atomically(settings_path(path), metadata.encode())
-    _write_atomically(path, bytes(sink.getvalue()))
+    write_atomically(settings_path(path), metadata.encode())
+    write_atomically(path, bytes(sink.getvalue()))
 
 
-def _write_atomically(path: Path, content: bytes) -> None:
+def write_atomically(path: Path, content: bytes) -> None:
+    """Write a file under a temporary name that is then renamed. Raises WmsError if that fails."""
     part = path.with_name(f"{path.name}.part")
     with with_remedies(path):
         make_folders(path.parent)

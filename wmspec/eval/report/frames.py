@@ -23,6 +23,7 @@ def long_tables(report: Report) -> dict[str, pd.DataFrame]:
     parts: dict[str, Iterable[Any]] = {
         "replies": report.accounts,
         "comparisons": report.comparisons,
+        "films": report.films,
         "pairs": report.pairs,
         "whole_groups": report.whole_groups,
         "flips": report.flips,
@@ -78,6 +79,8 @@ def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
             "Pair accuracy (%): of two instances that differ in one factor and in their answers, both are right.",
             _pivot(((p.task, p.system, format_percent(p.both.value)) for p in report.pairs), report.systems),
         )
+    if report.films:
+        made["films"] = ("Clips of video models: what they show. Errors are in object widths.", film_table(report))
     if report.whole_groups:
         made["whole_groups"] = (
             "Accuracy (%) on whole groups of possible and impossible episodes: all members are right.",
@@ -135,6 +138,45 @@ def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
     if any(cell for *_, cell in thresholds):
         made["thresholds"] = ("Thresholds, with 95 % intervals.", _pivot(thresholds, report.systems))
     return made
+
+
+#: The rows of the table of clips: name, field, and whether it is a share.
+_FILM_ROWS = (
+    ("shows the true future (%)", "right", True),
+    ("the nearest future is true (%)", "forced", True),
+    ("follows the state (%)", "state", True),
+    ("follows the action (%)", "action", True),
+    ("shows the future of another state (%)", "sibling_state", True),
+    ("shows the future of another action (%)", "sibling_action", True),
+    ("shows the future of another state and action (%)", "sibling_both", True),
+    ("shows none of the futures (%)", "none", True),
+    ("is frozen (%)", "frozen", True),
+    ("runs at another tempo (%)", "tempo", True),
+    ("error over the way", "track_error", False),
+    ("error over the way between engines", "track_floor", False),
+    ("error at the end", "final_error", False),
+    ("error at the end between engines", "final_floor", False),
+    ("Physics-IQ, spatial", "piq_spatial", False),
+    ("Physics-IQ, spatiotemporal", "piq_spatiotemporal", False),
+    ("Physics-IQ, weighted spatial", "piq_weighted", False),
+    ("Physics-IQ, squared error", "piq_mse", False),
+    ("overlap of objects (mIoU)", "miou", False),
+    ("background error (RMSE)", "background_rmse", False),
+)
+
+
+def film_table(report: Report) -> pd.DataFrame:
+    """Return the scores of clips over all tasks: a row for each figure, a column for each system."""
+    table = {}
+    for scores in (s for s in report.films if not s.task):
+        values = [getattr(scores, field) for _, field, _ in _FILM_ROWS]
+        numbers = [value.value if hasattr(value, "value") else value for value in values]
+        table[scores.system] = [
+            format_percent(number) if share else "–" if number is None or math.isnan(number) else f"{number:.3f}"
+            for number, (_, _, share) in zip(numbers, _FILM_ROWS, strict=True)
+        ]
+    frame = pd.DataFrame(table, index=[name for name, _, _ in _FILM_ROWS])
+    return frame.reindex(columns=[s for s in report.systems if s in frame.columns])
 
 
 def accuracy_table(table: Table) -> pd.DataFrame:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 import math
+from collections.abc import Mapping
+from types import MappingProxyType
 
 import pandas as pd
 
@@ -31,13 +33,18 @@ TITLES = {
 
 #: Collapsed tables of each section.
 TABLES_OF = {
-    "choices": ("pairs", "whole_groups", "preferences", "seen"),
+    "choices": ("films", "pairs", "whole_groups", "preferences", "seen"),
     "analyses": ("detections", "filtered", "missed", "thresholds", "entanglement"),
 }
 
 
-def page(report: Report, figures: dict[str, tuple[SvgFigure, ...]], wide: Wide) -> str:
-    """Return the page: HTML with style and figures inside; deterministic."""
+def page(
+    report: Report,
+    figures: dict[str, tuple[SvgFigure, ...]],
+    wide: Wide,
+    strips: Mapping[str, bytes] = MappingProxyType({}),
+) -> str:
+    """Return the page: HTML with style and figures inside; deterministic. `strips` are film strips (PNG) by system."""
     order = (*report.systems, *(a.system for a in report.accounts))
     return webpage(
         "wmspec.eval.report",
@@ -51,6 +58,7 @@ def page(report: Report, figures: dict[str, tuple[SvgFigure, ...]], wide: Wide) 
         lost=lost_answers(report),
         titles=TITLES,
         figures=figures,
+        strips={name: f"data:image/png;base64,{base64.b64encode(png).decode()}" for name, png in strips.items()},
         accounts_shown=sorted(report.accounts, key=lambda a: order.index(a.system)),
         tables_of=TABLES_OF,
         wide={name: (caption.replace(DELTA, "Δ"), frame) for name, (caption, frame) in wide.items()},

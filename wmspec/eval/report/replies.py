@@ -15,6 +15,7 @@ import pyarrow.parquet as pq
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import regular_file
+from wmspec.dataset.build.images import image_format
 from wmspec.eval.models.agreement import majority
 from wmspec.eval.models.chance import chances
 from wmspec.eval.models.results import upgraded, validated
@@ -28,6 +29,11 @@ COLUMNS = (
 )  # fmt: skip
 #: Columns of open questions, which results of other programs may lack.
 OPEN_COLUMNS = ("answer_number", "answer_unit", "answer_within")
+#: Further columns of the results of clips.
+CLIP_COLUMNS = (
+    "nearest", "tempo", "frozen", "track_error", "final_error", "track_floor", "final_floor", "piq_spatial",
+    "piq_spatiotemporal", "piq_weighted", "piq_mse", "miou", "background_rmse",
+)  # fmt: skip
 #: Columns that identify a reply.
 KEY = ["id", "model", "prompt", "ablation", "permutation", "sample"]
 #: Prefix of a person's name, and the name of all people together.
@@ -154,7 +160,8 @@ def _file(path: Path) -> pd.DataFrame:
             )
         columns = [name for name in (*COLUMNS, *OPEN_COLUMNS, "finish_reason") if name in file.schema_arrow.names]
         table: pd.DataFrame = validated(upgraded(file.read(columns)), path).to_pandas()
-        return table
+        clips = [name for name in CLIP_COLUMNS if name in file.schema_arrow.names]
+        return table.assign(**{name: file.read([name])[name].to_pandas() for name in clips})
     except FileNotFoundError:
         raise WmsError(f"{path} is not there; give a file or a folder that `wmspec evaluate` wrote") from None
     except (OSError, pa.ArrowException) as error:
@@ -162,6 +169,25 @@ def _file(path: Path) -> pd.DataFrame:
         raise WmsError(
             f"cannot be read ({reason})", FilePlace(str(path)), "evaluate again, what was answered is kept"
         ) from None
+
+
+#: The largest picture of film strips (bytes).
+MAX_STRIPS = 20_000_000
+
+
+def read_strips(paths: Sequence[Path]) -> dict[str, bytes]:
+    """Return the film strips (PNG) beside result files, by the model's name; those that cannot be read are left out."""
+    found = {}
+    for path in _files(paths):
+        place = path.with_suffix(".strips.png")
+        try:
+            content = regular_file(place).read_bytes() if place.stat().st_size <= MAX_STRIPS else b""
+        except OSError:
+            continue
+        if image_format(content) == "PNG":
+            model = pq.read_table(path, columns=["model"])["model"]
+            found[str(model[0]) if len(model) else path.stem] = content
+    return found
 
 
 def _unique_replies(table: pd.DataFrame) -> pd.DataFrame:

@@ -17,6 +17,7 @@ from wmspec.eval.report.compare import Comparison, comparisons
 from wmspec.eval.report.curves import Curve, curves
 from wmspec.eval.report.detection import Detection, detections
 from wmspec.eval.report.entanglement import Entanglement, entanglement
+from wmspec.eval.report.films import FilmScores, films
 from wmspec.eval.report.filtered import FilteredAccuracy, MissedAccuracy, filtered_accuracies, missed_accuracies
 from wmspec.eval.report.items import Items, items
 from wmspec.eval.report.pairs import Pair, pairs
@@ -77,6 +78,7 @@ class Report:
     missed: tuple[MissedAccuracy, ...]
     items: Items | None
     seen: tuple[SeenAccuracy, ...] = ()
+    films: tuple[FilmScores, ...] = ()
 
     @property
     def systems(self) -> tuple[str, ...]:
@@ -134,6 +136,7 @@ def analyse(
         missed=step("missed", missed_accuracies),
         items=step("items", items),
         seen=seen_accuracies(replies, splits),
+        films=step("films", films),
     )
 
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from wmspec.core.safe_io import make_folders
@@ -17,10 +19,13 @@ from wmspec.eval.report.page import page
 from wmspec.eval.report.report import Report
 
 
-def write(report: Report, folder: Path) -> Path:
-    """Write a report to a folder and return the page's path. Raises WmsError if it cannot be written."""
+def write(report: Report, folder: Path, strips: Mapping[str, bytes] = MappingProxyType({})) -> Path:
+    """Write a report to a folder and return the page's path. Raises WmsError if it cannot be written.
+
+    `strips` are film strips (PNG) by system.
+    """
     drawn, printed = figures(report), wide_tables(report)
-    content = {"report.json": text(report), "report.html": page(report, drawn, printed)}
+    content = {"report.json": text(report), "report.html": page(report, drawn, printed, strips)}
     content |= {f"figures/{f.name}.svg": f.svg for section in drawn.values() for f in section}
     content |= {
         f"tables/{name}.csv": frame.to_csv(index=False, lineterminator="\n")

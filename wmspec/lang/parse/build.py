@@ -145,6 +145,9 @@ class _Builder:
     def observe(self, c: Any, span: Span) -> s.Observe:
         return s.Observe(self(c[0]), self(c[1]), span, self.maybe(c[2]))
 
+    def film(self, c: Any, span: Span) -> s.Film:
+        return s.Film(self(c[0]), self.maybe(c[1]), self.maybe(c[2]), span)
+
     # ------------------------------------------------------------ questions
 
     def question(self, c: Any, span: Span) -> s.Question:
@@ -153,7 +156,8 @@ class _Builder:
         counterfactuals = tuple(p for p in parts if isinstance(p, s.Counterfactual | s.EachOther))
         kinds = tuple(p for p in parts if isinstance(p, s.Kinds))
         legibility = tuple(p for p in parts if isinstance(p, s.Legibility))
-        return s.Question(self(c[1]), clauses, counterfactuals, span, self.maybe(c[0]), kinds, legibility)
+        texts = tuple(p for p in parts if isinstance(p, s.ModelText))
+        return s.Question(self(c[1]), clauses, counterfactuals, span, self.maybe(c[0]), kinds, legibility, texts)
 
     def pieces(self, c: Any, span: Span) -> s.Pieces:
         return s.Pieces(tuple(self.text([token], self.span(token)) for token in c), span)
@@ -182,6 +186,12 @@ class _Builder:
 
     def legibility(self, c: Any, span: Span) -> s.Legibility:
         return s.Legibility(self.word(c[0]), span)
+
+    def film_text(self, c: Any, span: Span) -> s.ModelText:
+        return s.ModelText("film_text", self(c[0]), span)
+
+    def action_text(self, c: Any, span: Span) -> s.ModelText:
+        return s.ModelText("action_text", self(c[0]), span)
 
     def kinds(self, c: Any, span: Span) -> s.Kinds:
         return s.Kinds(self.every(c), span)

@@ -17,7 +17,8 @@ INDENT = 2
 _TIGHT_BEFORE = {"COMMA", "COLON", "DOT", "RPAR", "RSQB", "LIST_UNIT"}
 _TIGHT_AFTER = {"LPAR", "LSQB", "DOT"}
 
-Part = s.Statement | s.Task | s.Variant | s.Clause | s.Legibility | s.Kinds | s.Counterfactual | s.EachOther
+_Clause = s.Clause | s.Legibility | s.ModelText | s.Kinds | s.Counterfactual | s.EachOther
+Part = s.Statement | s.Task | s.Variant | _Clause
 
 
 def token_text(token: Token) -> str:
@@ -116,8 +117,7 @@ class Layout:
             case s.Variant():
                 self._body(x.span, x.name.span.end, x.body)
             case s.Question():
-                clauses: list[s.Clause | s.Legibility | s.Kinds | s.Counterfactual | s.EachOther]
-                clauses = [*x.clauses, *x.legibility, *x.kinds, *x.counterfactuals]
+                clauses: list[_Clause] = [*x.clauses, *x.legibility, *x.model_texts, *x.kinds, *x.counterfactuals]
                 self._pieces(x)
                 self._body(x.span, x.text.span.end, sorted(clauses, key=lambda part: part.span.start))
             case s.Block() | s.Template():
@@ -146,10 +146,10 @@ class Layout:
             self._block(part.span, [(p.name.id, p.span) for p in part.properties])
         self._level -= 1
 
-    def _pieces(self, question: s.Question) -> None:
+    def _pieces(self, x: s.Question | s.ModelText) -> None:
         """Align the pieces of a text under the first."""
-        first, *others = question.text.pieces
-        before, here = self._index(question.span.start), self._index(first.span.start)
+        first, *others = x.text.pieces
+        before, here = self._index(x.span.start), self._index(first.span.start)
         beside = self._tokens[here - 1].end_line == self._tokens[here].line
         hang = sum(len(t.text) + 1 for t in self._tokens[before:here]) if beside else 2 * INDENT
         for piece in others:
@@ -171,6 +171,8 @@ class Layout:
                 self.cells[self._after(x.camera.span.start)] = "at"
             case s.Clause(kind="hide"):
                 self.cells[x.value.span.start] = "value"
+            case s.ModelText():
+                self._pieces(x)
             case s.Setting() | s.Clause() | s.Legibility() | s.Tolerance():
                 self.cells[self._after(x.span.start)] = "value"
 

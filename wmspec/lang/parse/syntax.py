@@ -306,6 +306,15 @@ class Observe(Node):
     channels: Expr | None = None
 
 
+class Film(Node):
+    """`film camera from time to time`; without times, from the start to the last picture."""
+
+    camera: Name
+    start: Expr | None
+    end: Expr | None
+    span: Span
+
+
 class Change(Node):
     """The one change of a counterfactual or what-if.
 
@@ -361,6 +370,14 @@ class Legibility(Node):
     span: Span
 
 
+class ModelText(Node):
+    """`film_text "text"`, `action_text "text"`: a text for models that continue the film; `kind` is the keyword."""
+
+    kind: str
+    text: Pieces
+    span: Span
+
+
 class Question(Node):
     """`question name "text" { clauses }`; the name may be left out."""
 
@@ -371,6 +388,7 @@ class Question(Node):
     name: Name | None = None
     kinds: tuple[Kinds, ...] = ()
     legibility: tuple[Legibility, ...] = ()
+    model_texts: tuple[ModelText, ...] = ()
 
 
 Statement = (
@@ -387,6 +405,7 @@ Statement = (
     | Block
     | Action
     | Observe
+    | Film
     | Question
 )
 

@@ -41,7 +41,7 @@ from wmspec.runtime.questions.question_context import (
 )
 from wmspec.runtime.questions.robustness import require_stable
 from wmspec.runtime.questions.runs import EnginePair, Run, execute
-from wmspec.runtime.questions.verbalize import format_expression, question_text
+from wmspec.runtime.questions.verbalize import fill_template, format_expression, question_text
 from wmspec.runtime.questions.views import View, channels_of
 from wmspec.runtime.questions.visibility_gate import connected_sets, require_visible, require_visible_in
 from wmspec.runtime.questions.visible_object import visible_objects
@@ -221,6 +221,8 @@ class _Row:
             label=_member(self.design, instance, self.q) or answer_label(asking),
             visible=self.visible_parts(names),
             evidence=answer,
+            film_text=fill_template(question.film_text, measured, asking.values),
+            action_text=fill_template(question.action_text, measured, asking.values),
         )
 
     def visible(self, answer: Answer) -> None:

@@ -182,7 +182,8 @@ class QuestionRow:
     the answer as it is counted (see `answer_label`). `visible` has the visible share, in every shown picture, of
     objects that may be hidden (None: no question of the task allows it). `what_ifs` are the changes that the question
     imagines (None: no question of the task imagines any), and `actual` is the value of its expression without them, in
-    words. `evidence` is compared with other engines.
+    words. `evidence` is compared with other engines. `film_text` and `action_text` describe film and action for video
+    models; empty if the spec has none.
     """
 
     task: str
@@ -220,6 +221,8 @@ class QuestionRow:
     visible: tuple[VisiblePart, ...] | None = None
     what_ifs: tuple[Change, ...] | None = None
     actual: str | None = None
+    film_text: str = ""
+    action_text: str = ""
 
     @property
     def kind(self) -> QuestionKind:

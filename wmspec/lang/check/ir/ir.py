@@ -238,6 +238,18 @@ class Observation(Node):
     place: Location
 
 
+class Film(Node):
+    """The film shown to video models: a camera, and first and last time (s).
+
+    Without times it begins at 0 and ends with the last picture.
+    """
+
+    camera: str
+    start: Expr | None = None
+    end: Expr | None = None
+    place: Location
+
+
 def time_of_last_picture(observations: Iterable[Observation]) -> Call:
     """Return the time of the last picture, which ends a task without a `horizon`."""
     return Call(function="max", arguments=tuple(o.times for o in observations))
@@ -345,7 +357,8 @@ class Question(Node):
     by the kind of their outcome, the first of `kinds` that holds. `texts` are the options with inserted values.
     `stable` is the displacement (m) of every free object under which the answer must hold. Without `legible`,
     illegible instances are kept. Objects of the question must be visible in every picture, unless `visibility` says
-    otherwise.
+    otherwise. `film_text` describes the film for video models, without the question. `action_text` describes the action
+    for models that receive the last picture only.
     """
 
     name: str = ""
@@ -368,6 +381,8 @@ class Question(Node):
     distinct_turn: Expr | None = None
     distinct_kinds: bool = False
     texts: tuple[TextTemplate, ...] = ()
+    film_text: tuple[str | Interpolation, ...] = ()
+    action_text: tuple[str | Interpolation, ...] = ()
     place: Location
 
     def alternatives(self, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:
@@ -420,6 +435,7 @@ class TaskSpec(Node):
     horizon: Expr
     observations: tuple[Observation, ...]
     questions: tuple[Question, ...]
+    film: Film | None = None
 
     def factor(self, name: str) -> Factor:
         """Return the factor or nuisance of that name."""

@@ -27,7 +27,7 @@ from wmspec.lang.check.tables.vocabulary import FACTOR_DIMENSIONS, JOINTS, TOLER
 #: Location of nodes without source text.
 PYTHON_LOCATION = Location(file="<python>", line=1, column=1, start=0, end=0)
 
-Part = ir.Factor | ir.Let | ir.Require | ir.Entity | ir.Observation | ir.Question
+Part = ir.Factor | ir.Let | ir.Require | ir.Entity | ir.Observation | ir.Film | ir.Question
 _NODES = (ir.Value, ir.Ref, ir.Property, ir.Operation, ir.Call, ir.Items, ir.WhatIf, ir.Cause)
 
 
@@ -135,6 +135,12 @@ def observe(camera: str, times: Sequence[Any], channels: tuple[ir.Channel, ...] 
     return ir.Observation(camera=camera, times=expression(list(times)), channels=channels, place=PYTHON_LOCATION)
 
 
+def film(camera: str, start: Any = None, end: Any = None) -> ir.Film:
+    """Return the film of a task: a camera, first and last time (s), by default from 0 to the last picture."""
+    times = (None if time is None else expression(time) for time in (start, end))
+    return ir.Film(camera=camera, start=next(times), end=next(times), place=PYTHON_LOCATION)
+
+
 def task(
     name: str,
     *parts: Part,
@@ -170,6 +176,7 @@ def task(
         things=tuple(sorted(by_type.get(ir.Entity, ()), key=lambda t: t.kind == "action")),
         observations=tuple(by_type.get(ir.Observation, ())),
         questions=tuple(by_type.get(ir.Question, ())),
+        film=next(iter(by_type.get(ir.Film, ())), None),
         horizon=expression(horizon)
         if horizon is not None
         else ir.time_of_last_picture(by_type.get(ir.Observation, [])),

@@ -1,4 +1,4 @@
-"""Checks observations: cameras, times and recorded channels."""
+"""Checks observations: cameras, times and recorded channels, and the film of a task."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import cast
 
 from wmspec.core.places import Location
 from wmspec.lang.check.expressions.expressions import Expressions
+from wmspec.lang.check.expressions.typed import constant
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.types.types import A_TIME, CAMERA, CHANNEL, List
 from wmspec.lang.parse import syntax as s
@@ -29,6 +30,21 @@ class Observations:
         channels = self._channels(observe.channels) if observe.channels else ("rgb",)
         place = Location.of(observe.span)
         return ir.Observation(camera=str(camera.value), times=expr, channels=channels, place=place)
+
+    def film(self, film: s.Film) -> ir.Film:
+        """Return the film of a camera between two times."""
+        camera = self.check.value(film.camera, (CAMERA,), "`film`").expr
+        assert isinstance(camera, ir.Value)
+        start, end = (
+            None if e is None else self.check.value(e, (A_TIME,), "`film`").expr for e in (film.start, film.end)
+        )
+        if film.start is not None and film.end is not None:
+            first, last = (None if e is None else constant(e) for e in (start, end))
+            if first is not None and first < 0:
+                self.check.fail("WMS304", "a film begins at 0 s or later", film.start.span, "write `0 s`")
+            if first is not None and last is not None and last <= first:
+                self.check.fail("WMS304", "this film ends before it begins", film.end.span, "write a later time")
+        return ir.Film(camera=str(camera.value), start=start, end=end, place=Location.of(film.span))
 
     def _channels(self, e: s.Expr) -> tuple[ir.Channel, ...]:
         expr = self.check.value(e, (List(CHANNEL), CHANNEL), "`as`").expr

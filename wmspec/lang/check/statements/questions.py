@@ -146,6 +146,8 @@ class Questions:
             stable=next(iter(stable), None),
             legible=self._legible(question.legibility),
             visibility=visibility(self.check, [*clauses.get("hide", []), *clauses.get("seen", [])]),
+            film_text=self._model_text("film_text", question),
+            action_text=self._model_text("action_text", question),
             counterfactuals=(*changes, *siblings),
             place=Location.of(question.text.span),
         )
@@ -169,6 +171,23 @@ class Questions:
             except Failed:
                 continue
         return results
+
+    def _model_text(self, kind: str, question: s.Question) -> tuple[str | ir.Interpolation, ...]:
+        """Check a text for video models, at most one of a kind, for a picture as the answer."""
+        written = [each for each in question.model_texts if each.kind == kind]
+        for other in written[1:]:
+            notes = (Note("first set here", written[0].span),)
+            self.report.add("WMS202", f"`{kind}` is set twice", other.span, "remove one", notes)
+        for one in written[:1]:
+            if not any(clause.kind == ORBIT for clause in question.clauses):
+                message = f"`{kind}` describes a film, and this question has no closed set of films"
+                self.report.add("WMS502", message, one.span, "add `options orbit of ...`, or remove it")
+            texts = self._check_each(self.pieces, [one.text])
+            if texts and "?" in "".join(part for part in texts[0] if isinstance(part, str)):
+                what = f"`{kind}` has a question in it; a video model continues a film and answers nothing"
+                self.report.add("WMS304", what, one.text.span, "describe the scene in statements")
+            return next(iter(texts), ())
+        return ()
 
     def _legible(self, written: tuple[s.Legibility, ...]) -> bool:
         """Check `legibility off`, at most once."""

@@ -23,6 +23,7 @@ from wmspec.lang.check.library.worlds import merged_worlds
 from wmspec.lang.check.statements.balance import balance
 from wmspec.lang.check.statements.dimensions import warn_near_known
 from wmspec.lang.check.statements.factors import Factors
+from wmspec.lang.check.statements.films import check_film
 from wmspec.lang.check.statements.objects import Entities
 from wmspec.lang.check.statements.observations import Observations
 from wmspec.lang.check.statements.orbits import Orbits
@@ -178,6 +179,7 @@ class _Task:
         self.blocks()
         self.each(s.Action, self.things.action)
         self.each(s.Observe, self.observations.observe)
+        self.each(s.Film, self.observations.film)
         self.tolerances()
 
     def tolerances(self) -> dict[str, float]:
@@ -201,6 +203,7 @@ class _Task:
         requires = self.each(s.Require, self.factors.require)
         things = [*self.blocks(), *self.each(s.Action, self.things.action)]
         observations = self.each(s.Observe, self.observations.observe)
+        film = self.film()
         settings = self.settings()
         repeat, plan, limits = self.repeat(), self.factors.plan(), self.tolerances()
         horizon = self.horizon(observations)
@@ -229,9 +232,19 @@ class _Task:
             horizon=horizon,
             observations=tuple(observations),
             questions=tuple(questions),
+            film=film,
         )
         balance(self.check, spec)
+        check_film(self.check, spec, self.statements)
         return None if self.report.failed else spec
+
+    def film(self) -> ir.Film | None:
+        """Return the film; a task has at most one."""
+        written = [x for x in self.statements if isinstance(x, s.Film)]
+        for other in written[1:]:
+            notes = (Note("first set here", written[0].span),)
+            self.report.add("WMS202", "a task has one film", other.span, "remove one", notes)
+        return next(iter(self.each(s.Film, self.observations.film)), None)
 
     def _questions(self) -> list[ir.Question]:
         """Return the questions, those of the task's own text first, then those of its libraries."""

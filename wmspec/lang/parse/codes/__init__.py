@@ -42,6 +42,7 @@ CODES: dict[str, str] = {
     "WMS509": "condition that never holds",
     "WMS510": "answer given away",
     "WMS511": "options that overlap",
+    "WMS512": "film without a text",
     "WMS601": "objects inside one another",
     "WMS602": "camera that misses the matter",
     "WMS603": "camera that looks another way",

@@ -1,0 +1,1 @@
+"""Films of closed sets: their times, drawings, lossless files, and distances."""

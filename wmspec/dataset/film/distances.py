@@ -1,0 +1,88 @@
+"""Distances of films: where each object is seen, in every frame, and how far two films are apart.
+
+An object is located by three points of its mask: the centroid and the corners of its 5 % and 95 % quantiles. Centroids
+alone hardly distinguish falling from sliding. Distances are in widths of the object, the square root of its area.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Masks = NDArray[np.bool_]
+
+#: The area (px) of the pictures in which films are compared: their size keeps its aspect.
+WORKING_AREA = 256 * 256
+#: Masks with fewer pixels count as absent.
+MIN_PIXELS = 12
+#: Largest distance of two points, and the distance of present and absent (widths).
+CAP, ABSENT = 4.0, 2.0
+#: Number of last frames that the distance of the end covers.
+END_FRAMES = 3
+
+
+def working_size(width: int, height: int) -> tuple[int, int]:
+    """Return the width and height (px) in which films of this size are compared."""
+    scale = min(1.0, (WORKING_AREA / (width * height)) ** 0.5)
+    return max(16, round(width * scale)), max(16, round(height * scale))
+
+
+def shrunk_ids(ids: NDArray[np.int16], size: tuple[int, int]) -> NDArray[np.int16]:
+    """Return maps of bodies (T, h, w) at another size, each pixel that of the nearest one."""
+    rows = ((np.arange(size[1]) + 0.5) * ids.shape[1] / size[1]).astype(int)
+    columns = ((np.arange(size[0]) + 0.5) * ids.shape[2] / size[0]).astype(int)
+    return ids[:, rows[:, None], columns[None]]
+
+
+def mask_points(mask: Masks) -> Array:
+    """Return the three points (3, 2) of a mask (h, w), x and y in px; NaN if it is absent."""
+    ys, xs = np.nonzero(mask)
+    if len(xs) < MIN_PIXELS:
+        return np.full((3, 2), np.nan)
+    low, high = np.percentile((xs, ys), (5, 95), axis=1)
+    return np.array([(xs.mean(), ys.mean()), low, high])
+
+
+def object_points(ids: NDArray[np.int16], bodies: list[int]) -> tuple[Array, Array]:
+    """Return the points (n, T, 3, 2) and the areas (n, T) in px of bodies, by their numbers in `ids` (T, h, w)."""
+    points = np.full((len(bodies), len(ids), 3, 2), np.nan)
+    areas = np.zeros((len(bodies), len(ids)))
+    for k, body in enumerate(bodies):
+        for t, frame in enumerate(ids):
+            mask = frame == body
+            points[k, t], areas[k, t] = mask_points(mask), mask.sum()
+    return points, areas
+
+
+def point_distance(a: Array, b: Array, widths: Array) -> Array:
+    """Return the distance (n, T) of objects in two films, in widths (n): the mean of the three points."""
+    gone = np.isnan(a[..., 0, 0]), np.isnan(b[..., 0, 0])
+    gaps: Array = np.minimum(np.linalg.norm(a - b, axis=-1) / widths[:, None, None], CAP).mean(axis=-1)
+    return np.asarray(np.where(gone[0] & gone[1], 0.0, np.where(gone[0] | gone[1], ABSENT, gaps)))
+
+
+def way_distance(a: Array, b: Array, widths: Array) -> float:
+    """Return the mean distance of two films over all objects and frames, in widths."""
+    return float(point_distance(a, b, widths).mean())
+
+
+def end_distance(a: Array, b: Array, widths: Array) -> float:
+    """Return the mean distance of two films over all objects and the last frames, in widths."""
+    return float(point_distance(a, b, widths)[:, -END_FRAMES:].mean())
+
+
+def film_distance(a: Array, b: Array, widths: Array) -> float:
+    """Return the distance of two films: the mean of that over the whole way and that of the end, in widths."""
+    return (way_distance(a, b, widths) + end_distance(a, b, widths)) / 2
+
+
+def widths_of(areas: list[Array]) -> Array:
+    """Return the width (n) of each object (px) from its areas (n, T) in several films."""
+    largest = np.stack([area.max(axis=1) for area in areas])
+    return np.asarray(np.sqrt(np.maximum(np.median(largest, axis=0), 1.0)))
+
+
+def pairwise(points: list[Array], widths: Array) -> Array:
+    """Return the distances (k, k) of k films."""
+    return np.array([[film_distance(a, b, widths) for b in points] for a in points])

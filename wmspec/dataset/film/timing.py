@@ -1,0 +1,72 @@
+"""The frames of a film: a grid of times through the last frame of the context."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from wmspec.core.diagnostics import WmsError
+
+#: Permitted frame rates (Hz): common rates that divide the 240 samples of a second.
+RATES = (8, 12, 16, 24, 30, 60)
+#: Default width and height (px).
+DEFAULT_SIZE = (832, 480)
+#: Longest film (frames).
+MAX_FRAMES = 1200
+_EPSILON = 1e-6
+
+
+@dataclass(frozen=True)
+class FilmSettings:
+    """The rate (Hz) and the size (px) of the films of a dataset. Raises WmsError for a size or rate that is invalid."""
+
+    rate: int
+    size: tuple[int, int] = DEFAULT_SIZE
+
+    def __post_init__(self) -> None:
+        if self.rate not in RATES:
+            raise WmsError(f"{self.rate} frames per second", help=f"choose one of {', '.join(map(str, RATES))}")
+        if any(side % 2 for side in self.size):
+            raise WmsError(
+                f"film size {self.size[0]}x{self.size[1]}: video codecs need even sides", help="such as 832x480"
+            )
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """The settings as JSON values."""
+        return {"rate": self.rate, "size": list(self.size)}
+
+    @classmethod
+    def of(cls, record: dict[str, Any] | None) -> FilmSettings | None:
+        """Return the settings of JSON values; None for None."""
+        return None if record is None else cls(record["rate"], (record["size"][0], record["size"][1]))
+
+
+@dataclass(frozen=True)
+class FilmTimes:
+    """The times (s) of all frames.
+
+    The first `context` of them are shown. Frame `answer_frame` is nearest to the answer, `offset` (s) later.
+    """
+
+    times: tuple[float, ...]
+    context: int
+    answer_frame: int
+    offset: float
+
+
+def film_times(start: float, last: float, answer: float, rate: int) -> FilmTimes:
+    """Return the frames from `start` to the `answer` (s), one of them exactly at `last`, the end of the context.
+
+    Raises WmsError for a film that is empty, too long, or ends at or after the answer.
+    """
+    if not 0 <= start <= last + _EPSILON:
+        raise WmsError(f"the film ends at {last:g} s, before it begins at {start:g} s")
+    before = int((last - start) * rate + _EPSILON)
+    after = int((answer - last) * rate + _EPSILON)
+    if after < 1:
+        raise WmsError(f"the film ends at {last:g} s; the answer at {answer:g} s is less than one frame later")
+    if before + after >= MAX_FRAMES:
+        raise WmsError(f"the film has {before + after + 1:,} frames; at most {MAX_FRAMES:,}")
+    times = tuple(max(last + k / rate, 0.0) for k in range(-before, after + 1))
+    return FilmTimes(times, before + 1, len(times) - 1, times[-1] - answer)

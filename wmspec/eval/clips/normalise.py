@@ -1,0 +1,221 @@
+"""Brings a clip into the frame of the films: size, time, colours, and a camera at rest.
+
+Models crop, stretch or add bars, have their own rate, drift in colour and move the camera. None of this is motion of
+objects, so it is undone as far as the background allows, and recorded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmspec.dataset.film.codec import Frames
+from wmspec.eval.clips.packages import opencv
+
+Mask = NDArray[np.bool_]
+Begins = Literal["context", "first", "after"]
+Fit = Literal["stretch", "bars", "crop"]
+
+#: Aspects within this ratio are equal.
+SAME_ASPECT = 1.02
+#: Limits of a camera that can be followed: the zoom, and the share of background points that move alike.
+MAX_ZOOM, MIN_INLIERS = 1.35, 0.4
+#: Number of background points that the camera and the colours are measured at.
+CORNERS, SAMPLES = 200, 2500
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A clip in the size of the films: frames (n, h, w, 3), the pixels that it shows (h, w), and how it was fitted."""
+
+    frames: Frames
+    valid: Mask
+    fit: Fit
+
+
+def fit_size(frames: Frames, picture: NDArray[np.uint8]) -> Fitted:
+    """Return a clip in the size of a known `picture` (h, w, 3): the fit whose first frame is most like it."""
+    choices = _fits(frames.shape[2], frames.shape[1], picture.shape[1], picture.shape[0])
+    best = max(choices, key=lambda name: _likeness(*choices[name](frames[0]), picture))
+    fitted = [choices[best](frame) for frame in frames]
+    return Fitted(np.stack([frame for frame, _ in fitted]), fitted[0][1], best)
+
+
+def _fits(
+    width: int, height: int, w: int, h: int
+) -> dict[Fit, Callable[[NDArray[np.uint8]], tuple[NDArray[np.uint8], Mask]]]:
+    """Return the possible fits of frames (width, height) into (w, h), each with the pixels that it covers."""
+    cv2 = opencv()
+    whole = np.ones((h, w), bool)
+
+    def stretch(frame: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], Mask]:
+        return cv2.resize(frame, (w, h), interpolation=cv2.INTER_AREA), whole
+
+    ratio = (width / height) / (w / h)
+    if 1 / SAME_ASPECT < ratio < SAME_ASPECT:
+        return {"stretch": stretch}
+
+    def bars(frame: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], Mask]:
+        scale = min(width / w, height / h)
+        across, down = round(w * scale), round(h * scale)
+        left, top = (width - across) // 2, (height - down) // 2
+        inner = np.ascontiguousarray(frame[top : top + down, left : left + across])
+        return cv2.resize(inner, (w, h), interpolation=cv2.INTER_AREA), whole
+
+    def crop(frame: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], Mask]:
+        scale = max(width / w, height / h)
+        across, down = min(w, round(width / scale)), min(h, round(height / scale))
+        left, top = (w - across) // 2, (h - down) // 2
+        canvas, valid = np.zeros((h, w, 3), np.uint8), np.zeros((h, w), bool)
+        canvas[top : top + down, left : left + across] = cv2.resize(frame, (across, down), interpolation=cv2.INTER_AREA)
+        valid[top : top + down, left : left + across] = True
+        return canvas, valid
+
+    return {"stretch": stretch, "bars": bars, "crop": crop}
+
+
+def _likeness(frame: NDArray[np.uint8], valid: Mask, picture: NDArray[np.uint8]) -> float:
+    """Return the correlation of two pictures, blurred, over the valid pixels."""
+    cv2 = opencv()
+    a, b = (cv2.GaussianBlur(x, (7, 7), 0).astype(np.float64)[valid] for x in (frame, picture))
+    a, b = a - a.mean(axis=0), b - b.mean(axis=0)
+    return float((a * b).sum() / np.sqrt((a**2).sum() * (b**2).sum() + 1e-9))
+
+
+# ---------------------------------------------------------------- time
+
+
+def begins_with(
+    frames: Frames, times: NDArray[np.float64], context: Frames, nexts: list[NDArray[np.uint8]], rate: int
+) -> Begins:
+    """Return what a clip begins with: the whole `context`, its last picture, or the frame after it.
+
+    `nexts` are the first frames of the futures. Pictures are compared where the context, or the first step, moves.
+    """
+    grids = {n: [_grey(frame) for frame in group] for n, group in (("context", context), ("next", nexts))}
+    first, last = _grey(frames[0]), grids["context"][-1]
+    length = (len(context) - 1) / rate
+    moved = np.abs(np.stack(grids["context"]) - last).max(axis=0) > _MOVED
+    if len(context) > 1 and moved.any() and times[-1] >= length - 0.5 / rate:
+        picked = [_grey(frames[nearest(times, k / rate)]) for k in range(len(context))]
+        along = np.mean([_gap(a, b, moved) for a, b in zip(picked, grids["context"], strict=True)])
+        if along < 0.7 * _gap(first, last, moved):
+            return "context"
+    stepped = np.abs(np.stack(grids["next"]) - last).max(axis=0) > _MOVED
+    if stepped.any():
+        after = min(_gap(first, one, stepped) for one in grids["next"])
+        if after < 0.8 * _gap(first, last, stepped):
+            return "after"
+    return "first"
+
+
+#: Difference of grey levels (0 to 255) that counts as motion.
+_MOVED = 12.0
+
+
+def _grey(frame: NDArray[np.uint8]) -> NDArray[np.float64]:
+    cv2 = opencv()
+    return np.asarray(cv2.GaussianBlur(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), (3, 3), 0), np.float64)
+
+
+def _gap(a: NDArray[np.float64], b: NDArray[np.float64], where: Mask) -> float:
+    return float(np.abs(a - b)[where].mean())
+
+
+def nearest(times: NDArray[np.float64], time: float) -> int:
+    """Return the frame nearest to a time (s)."""
+    return int(np.abs(times - time).argmin())
+
+
+# ---------------------------------------------------------------- colours and camera
+
+
+def match_colours(frames: Frames, plate: NDArray[np.uint8], background: Mask) -> Frames:
+    """Return frames whose background has the colours of the `plate`: one robust line for each channel and frame."""
+    ys, xs = np.nonzero(background)
+    if len(ys) < 50:
+        return frames
+    chosen = np.random.default_rng(1).choice(len(ys), min(SAMPLES, len(ys)), replace=False)
+    where = ys[chosen], xs[chosen]
+    known = plate[where].astype(np.float32)
+    made = np.empty(frames.shape, np.uint8)
+    for t, frame in enumerate(frames):
+        for channel in range(3):
+            slope, offset = _line(frame[..., channel][where].astype(np.float32), known[:, channel])
+            levels = np.clip(np.arange(256, dtype=np.float32) * slope + offset, 0, 255).astype(np.uint8)
+            made[t, ..., channel] = levels[frame[..., channel]]
+    return made
+
+
+def _line(a: NDArray[np.float32], b: NDArray[np.float32]) -> tuple[float, float]:
+    """Return slope and offset that map `a` to `b`; the fifth that fits worst is left out."""
+    slope = offset = 0.0
+    keep = np.ones(len(a), bool)
+    for _ in range(2):
+        x, y = a[keep], b[keep]
+        variance = float(x.var())
+        slope = float(((x - x.mean()) * (y - y.mean())).mean()) / variance if variance > 1 else 1.0
+        slope = min(max(slope, 0.4), 2.5)
+        offset = float(np.median(y - slope * x))
+        gaps = np.abs(b - (slope * a + offset))
+        keep = gaps <= np.quantile(gaps, 0.8)
+    return slope, offset
+
+
+@dataclass(frozen=True)
+class Steadied:
+    """Frames with the camera at rest, the largest zoom, and the least share of background points that moved alike."""
+
+    frames: Frames
+    zoom: float
+    inliers: float
+
+    @property
+    def lost(self) -> bool:
+        """Whether the camera could not be followed."""
+        return self.zoom > MAX_ZOOM or self.inliers < MIN_INLIERS
+
+
+def steady(frames: Frames, plate: NDArray[np.uint8], background: Mask) -> Steadied:
+    """Return frames whose background lies where it lies in the `plate`: a similarity, from points that are tracked."""
+    cv2 = opencv()
+    still = cv2.cvtColor(plate, cv2.COLOR_RGB2GRAY)
+    inner = cv2.erode(background.astype(np.uint8), np.ones((5, 5), np.uint8)) * 255
+    points = cv2.goodFeaturesToTrack(still, CORNERS, 0.01, 5, mask=inner)
+    if points is None or len(points) < 12:
+        return Steadied(frames, 1.0, 1.0)
+    points = points.astype(np.float32)
+    made, zooms, shares = [], [1.0], list[float]()
+    transform = np.eye(2, 3)
+    for frame in frames:
+        grey = cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY)
+        guess = cv2.transform(points, transform).astype(np.float32)
+        flow = {"winSize": (21, 21), "maxLevel": 3, "flags": cv2.OPTFLOW_USE_INITIAL_FLOW}
+        found, ok, _ = cv2.calcOpticalFlowPyrLK(still, grey, points, guess, **flow)
+        ok = ok[:, 0] > 0
+        share = 0.0
+        if ok.sum() >= 12:
+            estimate, inliers = cv2.estimateAffinePartial2D(points[ok], found[ok], ransacReprojThreshold=1.0)
+            share = 0.0 if inliers is None else float(inliers.sum()) / len(points)
+            if estimate is not None and share >= MIN_INLIERS:
+                transform = estimate
+                zooms.append(float(np.hypot(estimate[0, 0], estimate[0, 1])))
+        shares.append(share)
+        made.append(frame if _at_rest(transform) else _undone(frame, transform))
+    largest = max(max(zoom, 1 / max(zoom, 1e-6)) for zoom in zooms)
+    return Steadied(np.stack(made), largest, float(np.median(shares)))
+
+
+def _at_rest(transform: NDArray[np.float64]) -> bool:
+    return bool(np.abs(transform[:, :2] - np.eye(2)).max() < 0.002 and np.abs(transform[:, 2]).max() < 0.4)
+
+
+def _undone(frame: NDArray[np.uint8], transform: NDArray[np.float64]) -> NDArray[np.uint8]:
+    cv2 = opencv()
+    size = frame.shape[1], frame.shape[0]
+    how = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    return np.asarray(cv2.warpAffine(frame, transform, size, flags=how, borderMode=cv2.BORDER_REPLICATE))

@@ -1,0 +1,171 @@
+"""Questions with films, and the films of their options."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import is_within
+from wmspec.dataset.build.reader import REPAIR_HINT, DatasetReader
+from wmspec.dataset.film.codec import Frames, Ids, pyav
+from wmspec.dataset.film.distances import shrunk_ids, working_size
+from wmspec.eval.clips.reference import Reference, WholeFilm
+from wmspec.eval.models.question import Selection
+
+_COLUMNS = (
+    "id", "task", "dimension", "question_name", "engine", "index", "block", "option_name", "answer", "film",
+    "film_rate", "film_context", "film_answer", "film_moving", "film_text", "action_text", "film_bodies",
+    "film_objects", "film_engines", "option_film",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class FilmQuestion:
+    """A question with a closed set of films.
+
+    `context` is the number of frames shown, `answer_frame` that of the answer. `films` are the paths of the options'
+    films, `objects` the names of the objects that tell them apart, `engines` the other engines with films.
+    """
+
+    id: str
+    task: str
+    dimension: str
+    name: str
+    engine: str
+    index: int
+    block: int
+    options: tuple[str, ...]
+    answer: int
+    film: str
+    rate: int
+    context: int
+    answer_frame: int
+    moving: int
+    text: str
+    action_text: str
+    bodies: tuple[str, ...]
+    objects: tuple[str, ...]
+    engines: tuple[str, ...]
+    films: tuple[str, ...]
+
+    @property
+    def group(self) -> str:
+        """The control group."""
+        return f"{self.task}/{self.block}"
+
+    @property
+    def file_name(self) -> str:
+        """The name of the question's files, without a suffix."""
+        return self.id.replace("/", "-")
+
+    @property
+    def own(self) -> int:
+        """The option whose film the question shows the beginning of."""
+        return self.films.index(self.film)
+
+    def film_of(self, option: int, engine: str) -> str:
+        """Return the path of an option's film in another engine."""
+        folder, _, name = self.films[option].rpartition("/")
+        return f"{folder.removesuffix(f'_{self.engine}')}_{engine}/{name}"
+
+
+def film_questions(dataset: DatasetReader, ids: Collection[str]) -> Iterator[FilmQuestion]:
+    """Yield the questions with films among these ids, in dataset order. Raises WmsError for a dataset without films."""
+    if dataset.film is None:
+        raise WmsError(f"{dataset.folder} has no films", help="make it with `wmspec generate ... --film 24`")
+    expected = set(ids)
+    tasks = {id.partition("/")[0] for id in expected}
+    for task in dataset.tasks:
+        if task in tasks and dataset.columns(task):
+            for row in dataset.rows(task, _COLUMNS):
+                if row["id"] in expected and row["film"]:
+                    yield _question(row)
+
+
+def selected(dataset: DatasetReader, selection: Selection) -> list[FilmQuestion]:
+    """Return the selected questions that have films; a limit counts these. Raises WmsError if there are none."""
+    whole = Selection(selection.tasks, selection.engines)
+    every = list(film_questions(dataset, whole.ids(dataset)))
+    if not every:
+        raise WmsError("none of the questions has films: they need a closed set of pictures (`options orbit of ...`)")
+    if selection.limit is None:
+        return every
+    order = {id: place for place, id in enumerate(Selection(selection.tasks, selection.engines).ids(dataset))}
+    spread = sorted(every, key=lambda q: (q.block, q.task, order[q.id]))[: selection.limit]
+    return sorted(spread, key=lambda q: order[q.id])
+
+
+def _question(row: dict[str, object]) -> FilmQuestion:
+    def texts(name: str) -> tuple[str, ...]:
+        return tuple(row[name])  # type: ignore[arg-type]
+
+    return FilmQuestion(
+        **{name: row[name] for name in ("id", "task", "dimension", "engine", "index", "block", "answer", "film")},  # type: ignore[arg-type]
+        name=str(row["question_name"] or ""),
+        **{name: row[f"film_{name}"] for name in ("rate", "context", "moving", "text")},  # type: ignore[arg-type]
+        answer_frame=row["film_answer"],  # type: ignore[arg-type]
+        action_text=str(row["action_text"] or ""),
+        options=texts("option_name"),
+        bodies=texts("film_bodies"),
+        objects=texts("film_objects"),
+        engines=texts("film_engines"),
+        films=texts("option_film"),
+    )
+
+
+# ---------------------------------------------------------------- films
+
+
+def reference_of(dataset: DatasetReader, question: FilmQuestion) -> Reference:
+    """Return the films of a question's options in working size. Raises WmsError if a film is damaged."""
+    assert dataset.film is not None
+    size = working_size(*dataset.film.size)
+    films = tuple(read_film(dataset, path, size, question.context) for path in question.films)
+    bodies = tuple(question.bodies.index(name) for name in question.objects)
+    return Reference(question.rate, films, bodies)
+
+
+def read_film(dataset: DatasetReader, path: str, size: tuple[int, int], context: int) -> WholeFilm:
+    """Return a film of the dataset in a size (px)."""
+    frames = read_frames(dataset, path, size)
+    ids = shrunk_ids(_read_ids(dataset, f"{path.removesuffix('.mkv')}.ids.mkv"), size)
+    return WholeFilm(frames, ids, context)
+
+
+def read_frames(dataset: DatasetReader, path: str, size: tuple[int, int] | None = None) -> Frames:
+    """Return the frames (n, h, w, 3) of a film, in its own size or scaled to `size` (px). Raises WmsError."""
+    av = pyav()
+    try:
+        with av.open(io.BytesIO(_content(dataset, path))) as container:
+            stream = container.streams.video[0]
+            stream.thread_count = 1
+            frames = [_scaled(frame, size) for frame in container.decode(stream)]
+        return np.stack(frames)
+    except (av.FFmpegError, IndexError, ValueError) as error:
+        raise WmsError(f"a damaged film ({error})", FilePlace(str(dataset.folder / path)), REPAIR_HINT) from None
+
+
+def _scaled(frame: object, size: tuple[int, int] | None) -> NDArray[np.uint8]:
+    if size is None:
+        return frame.to_ndarray(format="rgb24")  # type: ignore[attr-defined,no-any-return]
+    made = frame.reformat(width=size[0], height=size[1], format="rgb24", interpolation="AREA")  # type: ignore[attr-defined]
+    return made.to_ndarray()  # type: ignore[no-any-return]
+
+
+def _read_ids(dataset: DatasetReader, path: str) -> Ids:
+    frames = read_frames(dataset, path).astype(np.int16)
+    return frames[..., 0] + 256 * frames[..., 1] - np.int16(1)
+
+
+def _content(dataset: DatasetReader, path: str) -> bytes:
+    """Return the content of a film. Raises WmsError if it is missing, or lies outside the dataset."""
+    file = dataset.folder / path
+    if not is_within(dataset.folder, file):
+        raise WmsError("this film is missing", FilePlace(str(file)), REPAIR_HINT)
+    return file.read_bytes()

@@ -1,0 +1,258 @@
+"""Evaluates the clips of a video model: reads, measures and scores them, and writes results."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+import platform
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from wmspec import __version__
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import read_bytes, regular_file
+from wmspec.dataset.build import files
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.film.distances import object_points, working_size
+from wmspec.eval.clips import results as clip_results
+from wmspec.eval.clips import sources, strips
+from wmspec.eval.clips.decide import track_error
+from wmspec.eval.clips.measure import Measurement, align, measure
+from wmspec.eval.clips.normalise import Begins
+from wmspec.eval.clips.packages import opencv
+from wmspec.eval.clips.questions import FilmQuestion, read_film, reference_of, selected
+from wmspec.eval.clips.read import BadClip, clip_reader
+from wmspec.eval.clips.reference import Reference
+from wmspec.eval.models import results
+from wmspec.eval.models.question import Selection
+from wmspec.eval.models.results import Counts
+
+Row = dict[str, Any]
+#: Called after every clip with the number of right ones and the number of clips.
+Progress = Callable[[int, int], None]
+#: Number of closed sets whose films are in memory.
+OPEN_SETS = 2
+#: The name of clips among models.
+PREFIX = "clips:"
+#: Prompts that a model was given, if they were rewritten.
+PROMPTS_FILE = "prompts_used.csv"
+
+
+@dataclass(frozen=True)
+class ClipRun:
+    """The clips of a folder, or `@NAME` for a baseline, and the questions they answer."""
+
+    dataset: DatasetReader
+    place: str
+    selection: Selection
+    begins: Begins | None = None
+    model: str = ""
+
+    @property
+    def name(self) -> str:
+        """The name of the model: that of the folder or baseline."""
+        return self.model or (
+            f"{PREFIX}{self.place}" if self.is_baseline else f"{PREFIX}{Path(self.place).resolve().name}"
+        )
+
+    @property
+    def is_baseline(self) -> bool:
+        """Whether the clips are computed."""
+        return self.place.startswith("@")
+
+
+@dataclass(frozen=True)
+class ClipResult:
+    """The end of a run: counts, the first error, and clips that belong to no question."""
+
+    counts: Counts
+    error: str
+    unknown: tuple[str, ...]
+
+
+def evaluate_clips(run: ClipRun, output: Path, progress: Progress) -> ClipResult:
+    """Score every clip and write results and measurements. A clip that cannot be read costs its own row alone.
+
+    Raises WmsError if the dataset has no films, if there are no clips, or if results cannot be written.
+    """
+    results.check_free(output)
+    opencv()
+    questions = selected(run.dataset, run.selection)
+    rows, measured = list[Row](), dict[tuple[str, int], Measurement]()
+    with _source(run, questions) as source:
+        prompt, prompt_hash = _prompts(run)
+        model_version = source.version
+        references = lru_cache(OPEN_SETS)(_References(run.dataset).of)
+        for question in _by_set(questions):
+            for sample in source.samples(question):
+                row = clip_results.common(question, sample, run.name, model_version, prompt, prompt_hash)
+                try:
+                    reference, floors = references(_SetKey(question))
+                    clip, begins = source.clip(question, sample, reference)
+                    one = measure(clip, reference, question.own, begins)
+                except BadClip as reason:
+                    rows.append(clip_results.failed(row, str(reason)))
+                else:
+                    measured[question.id, sample] = one
+                    rows.append(clip_results.scored(row, one, question.rate, floors[question.answer]))
+                progress(sum(row["right"] for row in rows), len(rows))
+        unknown = tuple(source.unknown(questions)) if isinstance(source, sources.ClipFolder) else ()
+        _write_strips(output, rows, {question.id: question for question in questions}, source, references)
+    order = {question.id: place for place, question in enumerate(questions)}
+    rows.sort(key=lambda row: (order[row["id"]], row["sample"]))
+    clip_results.write_tracks(output, measured)
+    results.write(output, rows, _about(run, rows, model_version, prompt_hash), clip_results.SCHEMA)
+    error = next((row["error"] for row in rows if row["status"] == "error"), "")
+    return ClipResult(results.counts(rows), error, unknown)
+
+
+@contextmanager
+def _source(run: ClipRun, questions: list[FilmQuestion]) -> Iterator[sources.Source]:
+    if run.is_baseline:
+        yield sources.open_baseline(run.place[1:], run.dataset, questions)
+        return
+    with clip_reader() as reader:
+        source = sources.open_folder(Path(run.place), reader, run.begins)
+        if len(list(sources.missing_clips(source, questions))) == len(questions):
+            example = f"{questions[0].file_name}.mp4"
+            raise WmsError(f"{run.place} has no clip of any question", help=f"name them like `{example}`")
+        yield source
+
+
+def _by_set(questions: list[FilmQuestion]) -> list[FilmQuestion]:
+    """Return the questions ordered by closed set, so that its films are decoded once."""
+    return sorted(questions, key=lambda q: (q.task, q.block, q.engine, sorted(q.films), q.index))
+
+
+def _write_strips(
+    output: Path,
+    rows: list[Row],
+    questions: dict[str, FilmQuestion],
+    source: sources.Source,
+    references: Callable[[_SetKey], tuple[Reference, object]],
+) -> None:
+    """Write a picture of the median and the worst clip of each task beside the results."""
+    made = []
+    for which, row in strips.representative(rows):
+        question = questions[row["id"]]
+        reference, _ = references(_SetKey(question))
+        clip, begins = source.clip(question, row["sample"], reference)
+        frames = align(clip, reference, question.own, begins).frames
+        made.append(strips.Strip(strips.caption(which, row), frames, reference.futures[question.own]))
+    if made:
+        content = io.BytesIO()
+        strips.sheet(made).save(content, "PNG")
+        results.write_atomically(strips_path(output), content.getvalue())
+
+
+def strips_path(output: Path) -> Path:
+    """Return the path of the film strips of results."""
+    return output.with_suffix(".strips.png")
+
+
+class _SetKey:
+    """A question that equals the others of its closed set, whose options have the same order."""
+
+    def __init__(self, question: FilmQuestion) -> None:
+        self.question = question
+        self._key = question.films, question.context, question.answer_frame, question.objects
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _SetKey) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+
+class _References:
+    """The films of closed sets, and the distances of the true futures of two engines."""
+
+    def __init__(self, dataset: DatasetReader) -> None:
+        self._dataset = dataset
+
+    def of(self, key: _SetKey) -> tuple[Reference, tuple[tuple[float, float] | None, ...]]:
+        """Return the films, and for each option the distances of its futures in two engines (None without films)."""
+        question = key.question
+        reference = reference_of(self._dataset, question)
+        return reference, tuple(self._floor(question, option, reference) for option in range(len(question.films)))
+
+    def _floor(self, question: FilmQuestion, option: int, reference: Reference) -> tuple[float, float] | None:
+        if not question.engines or self._dataset.film is None:
+            return None
+        size = working_size(*self._dataset.film.size)
+        ids = read_film(self._dataset, question.film_of(option, question.engines[0]), size, 1).ids[1:]
+        points, _ = object_points(ids[: reference.count], list(reference.objects))
+        return track_error(points, reference.points[option], reference.widths)
+
+
+# ---------------------------------------------------------------- settings
+
+
+def _prompts(run: ClipRun) -> tuple[str, str]:
+    """Return the name and the hash of the prompts that the model was given; the default if the folder has none."""
+    if run.is_baseline:
+        return "film", ""
+    path = Path(run.place) / PROMPTS_FILE
+    if not path.is_file():
+        return "film", ""
+    try:
+        rows = list(csv.DictReader(read_bytes(path).decode("utf-8").splitlines()))
+        given = sorted((row["id"], row["text"]) for row in rows)
+    except (OSError, UnicodeDecodeError, csv.Error, KeyError, TypeError):
+        raise WmsError("expected a table with the columns `id` and `text`", FilePlace(str(path))) from None
+    return "rewritten", hashlib.sha256(repr(given).encode()).hexdigest()[:12]
+
+
+def _about(run: ClipRun, rows: list[Row], model_version: str, prompt_hash: str) -> dict[str, Any]:
+    """Return the content of the settings file."""
+    about = results_about(run.dataset, run.name, rows)
+    about["asked"] |= {"prompt_hash": prompt_hash, "begins": run.begins}
+    about["clips"] = {"rules": clip_results.RULES_VERSION, "film": run.dataset.manifest["film"]}
+    return about | {"model_versions": [model_version] if model_version else []}
+
+
+def results_about(dataset: DatasetReader, model: str, rows: list[Row]) -> dict[str, Any]:
+    """Return the settings of results of a model on films, with the digest of the dataset and the counts."""
+    counted, manifest = results.counts(rows), dataset.manifest
+    return {
+        "format": 1,
+        "asked": {"dataset": files.digest(dataset.folder / files.MANIFEST), "model": model},
+        "dataset": {key: manifest[key] for key in ("rows", "engines", "seed", "size", "consensus", "versions")},
+        "model_versions": [],
+        "versions": {"wmspec": __version__, "python": platform.python_version()}
+        | {name: version(name) for name in ("av", "numpy")},
+        "replies": counted.replies,
+        "right": counted.right,
+        "status": counted.status,
+        "missing": 0,
+        "questions": hashlib.sha256("\n".join(row["id"] for row in rows).encode()).hexdigest()[:12],
+    }
+
+
+def rescore_clips(path: Path) -> tuple[Counts, int] | None:
+    """Decide the clips of results again, from their measurements; None if the results are not of clips.
+
+    Returns the counts and the number of changed scores. Raises WmsError if the measurements are missing.
+    """
+    rows, about = results.read(path)
+    if "clips" not in about:
+        return None
+    try:
+        rows = pq.read_table(regular_file(path)).cast(clip_results.SCHEMA).to_pylist()
+    except (OSError, pa.ArrowException, ValueError):
+        raise WmsError("results of another version of wmspec", FilePlace(str(path)), "evaluate again") from None
+    again = clip_results.rescore(path, rows)
+    about["clips"]["rules"] = clip_results.RULES_VERSION
+    about |= {"right": sum(row["right"] for row in again), "status": results.counts(again).status}
+    results.write(path, again, about, clip_results.SCHEMA)
+    return results.counts(again), sum(a["right"] != b["right"] for a, b in zip(rows, again, strict=True))

@@ -1,0 +1,212 @@
+"""Where clips come from: a folder of a model's files, or a baseline that needs none."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import is_within, read_bytes
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.film.codec import Frames
+from wmspec.eval.clips.normalise import Begins
+from wmspec.eval.clips.questions import FilmQuestion, read_frames
+from wmspec.eval.clips.read import BadClip, Clip, ClipReader
+from wmspec.eval.clips.reference import Reference
+
+#: Suffixes of clips, in the order in which they are searched.
+SUFFIXES = (".mp4", ".mkv", ".webm", ".mov", ".avi")
+#: The file of a model's own description.
+MODEL_FILE = "model.json"
+_MOST_SAMPLES = 1000
+
+
+class Source(Protocol):
+    """A source of clips."""
+
+    @property
+    def version(self) -> str:
+        """The name and version that the model gives itself; empty without one."""
+
+    def samples(self, question: FilmQuestion) -> list[int]:
+        """Return the numbers of the samples of a question."""
+
+    def clip(self, question: FilmQuestion, sample: int, reference: Reference) -> tuple[Clip, Begins | None]:
+        """Return a clip, and what it begins with, if that is known. Raises BadClip."""
+
+
+@dataclass(frozen=True)
+class ClipFolder:
+    """A folder of clips: `TASK-HASH.mp4`, or `TASK-HASH.0.mp4`, `TASK-HASH.1.mp4` for several samples."""
+
+    folder: Path
+    reader: ClipReader
+    begins: Begins | None = None
+
+    @property
+    def version(self) -> str:
+        """The name and version in `model.json`; empty without one. Raises WmsError if it is no JSON object."""
+        path = self.folder / MODEL_FILE
+        try:
+            about = json.loads(read_bytes(path))
+            return " ".join(str(about[key])[:100] for key in ("name", "version") if about.get(key))
+        except FileNotFoundError:
+            return ""
+        except (OSError, ValueError, TypeError, AttributeError, RecursionError):
+            raise WmsError(
+                "not a JSON object", FilePlace(str(path)), 'write {"name": "...", "version": "..."}'
+            ) from None
+
+    def samples(self, question: FilmQuestion) -> list[int]:
+        """Return the numbers of the samples of a question; one for a question without files."""
+        found = re.compile(rf"{re.escape(question.file_name)}\.(\d{{1,3}})\.\w+")
+        numbered = (found.fullmatch(name) for name in self._names)
+        numbers = sorted({int(match[1]) for match in numbered if match and int(match[1]) < _MOST_SAMPLES})
+        return [0] if self._plain(question) or not numbers else numbers
+
+    def clip(self, question: FilmQuestion, sample: int, reference: Reference) -> tuple[Clip, Begins | None]:
+        """Return a clip. Raises BadClip if there is none, or if it cannot be read."""
+        name = self._plain(question) or self._numbered(question, sample)
+        if not name:
+            raise BadClip("there is no clip of this question")
+        seconds = (reference.films[0].context + reference.count) / reference.rate + 1.0
+        return self.reader.read(self.folder, self.folder / name, seconds), self.begins
+
+    def unknown(self, questions: list[FilmQuestion]) -> list[str]:
+        """Return the clips that belong to none of the questions."""
+        known = {question.file_name for question in questions}
+        clips = (name for name in self._names if Path(name).suffix.lower() in SUFFIXES)
+        return sorted(name for name in clips if re.sub(r"(\.\d{1,3})?\.\w+$", "", name) not in known)
+
+    @property
+    def _names(self) -> list[str]:
+        return sorted(path.name for path in self.folder.iterdir())
+
+    def _plain(self, question: FilmQuestion) -> str:
+        return self._existing(question.file_name)
+
+    def _numbered(self, question: FilmQuestion, sample: int) -> str:
+        return self._existing(f"{question.file_name}.{sample}")
+
+    def _existing(self, stem: str) -> str:
+        names = (f"{stem}{suffix}" for suffix in SUFFIXES)
+        return next((n for n in names if (self.folder / n).is_symlink() or (self.folder / n).exists()), "")
+
+
+def open_folder(folder: Path, reader: ClipReader, begins: Begins | None) -> ClipFolder:
+    """Return the clips of a folder. Raises WmsError if there is no such folder."""
+    if not folder.is_dir():
+        raise WmsError(f"there is no folder {folder}", help="give the folder of the model's clips: -m clips:FOLDER")
+    return ClipFolder(folder, reader, begins)
+
+
+# ---------------------------------------------------------------- baselines
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """Clips that are computed from the dataset."""
+
+    name: str
+    dataset: DatasetReader
+    questions: tuple[FilmQuestion, ...]
+    version: str = "1"
+
+    def samples(self, question: FilmQuestion) -> list[int]:  # noqa: ARG002
+        """Return the only sample."""
+        return [0]
+
+    def clip(self, question: FilmQuestion, sample: int, reference: Reference) -> tuple[Clip, Begins | None]:  # noqa: ARG002
+        """Return the clip of a baseline, which begins after the last picture. Raises BadClip if it has none."""
+        frames = BASELINES[self.name](self, question, reference)
+        return Clip(frames, np.arange(len(frames)) / reference.rate, (frames.shape[2], frames.shape[1])), "after"
+
+
+def _oracle(source: Baseline, question: FilmQuestion, reference: Reference) -> Frames:  # noqa: ARG001
+    return reference.futures[question.own]
+
+
+def _engine(source: Baseline, question: FilmQuestion, reference: Reference) -> Frames:
+    """The true future in another engine."""
+    if not question.engines:
+        raise BadClip("no other engine has films of this question")
+    path = question.film_of(question.own, question.engines[0])
+    return read_frames(source.dataset, path)[1 : 1 + reference.count]
+
+
+def _frozen(source: Baseline, question: FilmQuestion, reference: Reference) -> Frames:  # noqa: ARG001
+    film = reference.films[question.own]
+    return np.repeat(film.frames[film.context - 1 : film.context], reference.count, axis=0)
+
+
+def _linear(source: Baseline, question: FilmQuestion, reference: Reference) -> Frames:  # noqa: ARG001
+    """Every object keeps the velocity that it has in the last two pictures."""
+    film = reference.films[question.own]
+    frame, ids = film.frames[film.context - 1], film.ids[film.context - 1]
+    before = film.ids[max(film.context - 2, 0)]
+    made = np.repeat(
+        np.where(np.isin(ids, reference.objects)[..., None], reference.plate, frame)[None], reference.count, 0
+    )
+    for body in reference.objects:
+        here, there = np.argwhere(ids == body), np.argwhere(before == body)
+        if not len(here):
+            continue
+        step = here.mean(axis=0) - there.mean(axis=0) if len(there) else np.zeros(2)
+        for t in range(reference.count):
+            moved = here + np.rint(step * (t + 1)).astype(int)
+            inside = ((moved >= 0) & (moved < ids.shape)).all(axis=1)
+            made[t][tuple(moved[inside].T)] = frame[tuple(here[inside].T)]
+    return made
+
+
+def _blend(source: Baseline, question: FilmQuestion, reference: Reference) -> Frames:  # noqa: ARG001
+    return np.asarray(np.mean(np.stack(reference.futures), axis=0), np.uint8)
+
+
+def _swap(source: Baseline, question: FilmQuestion, reference: Reference) -> Frames:
+    """The film of another group, of another task if there is one."""
+    others = [q for q in source.questions if q.task != question.task] or [
+        q for q in source.questions if q.block != question.block
+    ]
+    if not others:
+        raise BadClip("the dataset has no other group")
+    other = others[question.index % len(others)]
+    frames = read_frames(source.dataset, other.film)[other.context :]
+    return frames[np.minimum(np.arange(reference.count), len(frames) - 1)]
+
+
+BASELINES: dict[str, Callable[[Baseline, FilmQuestion, Reference], Frames]] = {
+    "oracle": _oracle,
+    "engine": _engine,
+    "frozen": _frozen,
+    "linear": _linear,
+    "blend": _blend,
+    "swap": _swap,
+}
+
+
+def open_baseline(name: str, dataset: DatasetReader, questions: list[FilmQuestion]) -> Baseline:
+    """Return a baseline. Raises WmsError for an unknown one."""
+    if name not in BASELINES:
+        raise WmsError(f"there is no baseline `@{name}`; {suggestion(name, BASELINES)}".rstrip("; "))
+    return Baseline(name, dataset, tuple(questions))
+
+
+def missing_clips(source: ClipFolder, questions: list[FilmQuestion]) -> Iterator[FilmQuestion]:
+    """Yield the questions without a clip."""
+    for question in questions:
+        numbered = any(source._numbered(question, sample) for sample in source.samples(question))
+        if not source._plain(question) and not numbered:
+            yield question
+
+
+def inside(folder: Path, name: str) -> bool:
+    """Whether a file lies in the folder after links are resolved."""
+    return is_within(folder, folder / name)
