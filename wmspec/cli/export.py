@@ -16,20 +16,14 @@ if TYPE_CHECKING:
     from wmspec.eval.models.question import Selection
 
 _PATH = click.Path(path_type=Path)
+TOOLS = ("inspect", "lmms-eval", "vlmevalkit", "hf", "chat", "questions", "video")
 
 
 @click.command("export")
 @click.argument("dataset", type=_PATH)
-@click.option(
-    "--to",
-    "tool",
-    required=True,
-    type=click.Choice(["inspect", "lmms-eval", "vlmevalkit", "hf", "chat", "questions", "video"]),
-)
+@click.option("--to", "tool", required=True, type=click.Choice(TOOLS))
 @click.option("--output", "-o", type=_PATH, required=True, metavar="FOLDER", help="Output folder.")
-@click.option(
-    "--prompt", default="default", show_default=True, help="default, paper, numbers, montage, film, or a file."
-)
+@click.option("--prompt", default="default", show_default=True, help="default, paper, numbers, montage, or a file.")
 @click.option("--secret", type=_PATH, metavar="FILE", help="For questions: secret that hides ids and signs receipts.")
 @split_options
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
@@ -58,8 +52,8 @@ def export_command(
 
     `chat` is training data in splits by control groups (--shares, --holdout), with answers. `questions` are published
     in place of a private dataset: without answers, under ids hidden by --secret, a file that is made if it is not
-    there. `wmspec submit`, `score` and `leaderboard` do the rest. `video` has the inputs of video models: films that are
-    shown and prompts, and nothing of the answers.
+    there. `wmspec submit`, `score` and `leaderboard` do the rest. `video` has the inputs of video models: the
+    films that are shown and prompts, and nothing of the answers.
 
     Other folders have requests equal to those of `wmspec evaluate`, the parser of replies, and a README.
 

@@ -74,13 +74,12 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
 def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
     """Return tables as in a paper, by name, each with its caption; numbers are formatted in percent."""
     made = {t.kind: (f"Accuracy (%) in tasks of {t.kind}.", accuracy_table(t)) for t in report.tables}
+    made |= _film_tables(report)
     if report.pairs:
         made["pairs"] = (
             "Pair accuracy (%): of two instances that differ in one factor and in their answers, both are right.",
             _pivot(((p.task, p.system, format_percent(p.both.value)) for p in report.pairs), report.systems),
         )
-    if report.films:
-        made["films"] = ("Clips of video models: what they show. Errors are in object widths.", film_table(report))
     if report.whole_groups:
         made["whole_groups"] = (
             "Accuracy (%) on whole groups of possible and impossible episodes: all members are right.",
@@ -138,6 +137,11 @@ def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
     if any(cell for *_, cell in thresholds):
         made["thresholds"] = ("Thresholds, with 95 % intervals.", _pivot(thresholds, report.systems))
     return made
+
+
+def _film_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
+    caption = "Clips of video models: what they show. Errors are in object widths."
+    return {"films": (caption, film_table(report))} if report.films else {}
 
 
 #: The rows of the table of clips: name, field, and whether it is a share.
