@@ -45,7 +45,7 @@ def _task(finding: Record) -> str:
 def measured(reports: Sequence[Record], today: dt.date) -> Iterator[str]:
     """Yield the lines of the section."""
     found = results(reports)
-    seeds, tasks = (sorted({key[n] for key in found}) for n in (1, 0))
+    seeds, tasks = sorted({seed for _, seed in found}), sorted({task for task, _ in found})
     of_task = {task: [found[task, seed] for seed in seeds if (task, seed) in found] for task in tasks}
     passed = sum(all(summary["verdict"] == "holds" for summary, _ in each) for each in of_task.values())
     about = reports[0]["about"]

@@ -33,7 +33,7 @@ task felled : custom {
 }"""
 
 
-def asked(question: str, engine: str = "mujoco") -> dict[str, QuestionRow | Rejected]:
+def first_questions(question: str, engine: str = "mujoco") -> dict[str, QuestionRow | Rejected]:
     """The only question of every instance, by the level of its factor."""
     design = Design(task_from(FELLED.replace("QUESTIONS", f'question "?" {{ {question} }}')))
     return {str(design[i].factors["heavy"]): ask(design, i, pair(engine))[0] for i in range(len(design))}
@@ -48,35 +48,37 @@ def values(rows: dict[str, QuestionRow | Rejected]) -> dict[str, tuple[str, Any]
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_the_answer_is_that_of_the_changed_episode(engine: str) -> None:
-    found = values(asked("answer toppled(tower) without ball_a  legibility off", engine))
+    found = values(first_questions("answer toppled(tower) without ball_a  legibility off", engine))
     assert found["red"] == ("no", "yes")
     assert found["blue"] == ("yes", "yes")
     assert found["none"] == ("no", "no")
 
 
 def test_an_action_that_is_left_out_stays_in_the_picture() -> None:
-    found = values(asked("answer toppled(tower) without roll_a"))
+    found = values(first_questions("answer toppled(tower) without roll_a"))
     assert found["red"] == ("no", "yes")
 
 
 def test_a_level_and_an_argument() -> None:
-    assert values(asked("answer toppled(tower) under action roll_a.speed: 0.2 m/s"))["red"] == ("no", "yes")
-    found = values(asked('answer toppled(tower) under heavy: "none"'))
+    assert values(first_questions("answer toppled(tower) under action roll_a.speed: 0.2 m/s"))["red"] == ("no", "yes")
+    found = values(first_questions('answer toppled(tower) under heavy: "none"'))
     assert found["red"] == ("no", "yes")
     assert found["none"] == ("unchanged", None)
 
 
 def test_numbers_and_what_they_would_actually_be() -> None:
-    row = asked("answer displacement(ball_b) without ball_a  within 5 cm  legibility off")["red"]
+    row = first_questions("answer displacement(ball_b) without ball_a  within 5 cm  legibility off")["red"]
     assert isinstance(row, QuestionRow)
     assert row.number is not None
     assert row.actual is not None
     assert row.actual != row.value
-    assert [(change.kind, change.target) for change in row.what_ifs] == [("without", "ball_a")]
+    assert [(change.kind, change.target) for change in row.what_ifs or ()] == [("without", "ball_a")]
 
 
 def test_the_picture_of_a_what_if_stands_beside_what_happens() -> None:
-    row = asked("answer frame(front, end) without ball_a  counterfactual still { without roll_b }  distinct by 3 cm")
+    row = first_questions(
+        "answer frame(front, end) without ball_a  counterfactual still { without roll_b }  distinct by 3 cm"
+    )
     kept = row["red"]
     assert isinstance(kept, QuestionRow)
     assert sorted((option.kind, option.name) for option in kept.options) == [
@@ -85,14 +87,18 @@ def test_the_picture_of_a_what_if_stands_beside_what_happens() -> None:
 
 
 def test_one_cause_is_the_answer_and_none_or_several_are_a_reason() -> None:
-    found = asked("options [ball_a, ball_b]  answer cause of toppled(tower) among [ball_a, ball_b]  legibility off")
+    found = first_questions(
+        "options [ball_a, ball_b]  answer cause of toppled(tower) among [ball_a, ball_b]  legibility off"
+    )
     kept = found["red"]
     assert isinstance(kept, QuestionRow)
     assert kept.value == "the red sphere"
     none = found["none"]
     assert isinstance(none, Rejected)
     assert (none.reason, none.detail) == ("cause", "it does not happen, so nothing is its cause")
-    spared = asked("options [ball_b, tower]  answer cause of toppled(tower) among [ball_b]  legibility off")["red"]
+    spared = first_questions("options [ball_b, tower]  answer cause of toppled(tower) among [ball_b]  legibility off")[
+        "red"
+    ]
     assert isinstance(spared, Rejected)
     assert spared.detail == "it happens without any of ball_b, so no single one is its cause"
 
@@ -100,7 +106,9 @@ def test_one_cause_is_the_answer_and_none_or_several_are_a_reason() -> None:
 def test_a_condition_that_needs_two_actions_has_no_single_cause() -> None:
     moved = "displacement(ball_a) > 10 cm and displacement(ball_b) > 10 cm"
     cause = f"(cause of {moved} among [roll_a, roll_b]) == roll_a"
-    both = asked(f'options ["one", "other"]  answer if {cause} then "one" else "other"  legibility off')["red"]
+    both = first_questions(f'options ["one", "other"]  answer if {cause} then "one" else "other"  legibility off')[
+        "red"
+    ]
     assert isinstance(both, Rejected)
     assert (both.reason, both.detail) == ("cause", "it needs roll_a and roll_b, so no single one is its cause")
 

@@ -1,4 +1,4 @@
-"""MuJoCo's warnings are told in words."""
+"""MuJoCo's warnings are reported in words."""
 
 import pytest
 
