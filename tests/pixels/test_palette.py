@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from wmspec.lang.check.tables.colors import rgb
+from wmspec.lang.check.tables.color_math import rgb
 from wmspec.lang.check.tables.vocabulary import COLORS, WORDS
 from wmspec.lang.parse.files import library_folder
 from wmspec.runtime.questions.difference import ciede2000, lab

@@ -15,7 +15,7 @@ from wmspec.core.places import Location
 from wmspec.core.space import Pose, Vector
 from wmspec.lang.check.ir.evaluate import NoValue, Unchanged, evaluate
 from wmspec.lang.check.ir.ir import Counterfactual, Entity, Expr, TaskSpec, Value
-from wmspec.lang.check.tables import colors
+from wmspec.lang.check.tables import color_math
 from wmspec.lang.check.tables.verbs import VERBS
 from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MAX_LENGTH, PROPERTIES, PropertySpec
 from wmspec.lang.check.types.types import A_LENGTH, A_TIME, POINT2, POINT3
@@ -334,7 +334,7 @@ class Evaluator:
         """Return a property derived from an object's material; an image keeps its own colours."""
         if name != "color":
             return getattr(MATERIALS[self.text(owner, "material")], name)
-        return colors.color_word(
+        return color_math.color_word(
             (1.0, 1.0, 1.0) if self.has(owner, "image") else MATERIALS[self.text(owner, "material")].color
         )
 

@@ -12,7 +12,7 @@ from wmspec.compile.layout.motion import heading_of
 from wmspec.compile.layout.surfaces import WORLD
 from wmspec.compile.layout.view import gaze_direction, view_coordinates
 from wmspec.lang.check.ir.evaluate import NoValue
-from wmspec.lang.check.tables import colors
+from wmspec.lang.check.tables import color_math
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.evaluator import Evaluator
@@ -99,7 +99,7 @@ def _rgb(_values: Evaluator, red: float, green: float, blue: float) -> str:
     for part in (red, green, blue):
         if not -_ROUNDING <= part <= 1 + _ROUNDING:
             raise NoValue(f"`rgb` takes parts from 0 to 1, not {part:g} (of 255, write `120 / 255`)")
-    return colors.color_word((red, green, blue))
+    return color_math.color_word((red, green, blue))
 
 
 # ---------------------------------------------------------------- what is there
@@ -142,7 +142,7 @@ def _pick(size: Callable[[Evaluator, str], float], most: bool) -> Callable[..., 
 
 
 def _luminance(values: Evaluator, owner: str) -> float:
-    return colors.luminance(values.text(owner, "color"))
+    return color_math.luminance(values.text(owner, "color"))
 
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {
@@ -155,7 +155,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "polar": _polar,
     "between": _between,
     "rgb": _rgb,
-    "shade": lambda _, color, share: colors.shade(color, share),
+    "shade": lambda _, color, share: color_math.shade(color, share),
     "min": _extreme(min),
     "max": _extreme(max),
     "sum": lambda _, *given: math.fsum(_numbers(given)),

@@ -15,7 +15,7 @@ from wmspec.compile.stage.objects import object_path
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import UP, Vector, dot, from_ypr, heading_vector, multiply, rotate, scale
 from wmspec.lang.check.ir.ir import Entity
-from wmspec.lang.check.tables.colors import rgb
+from wmspec.lang.check.tables.color_math import rgb
 from wmspec.lang.check.tables.verbs import VERBS
 
 #: Upper bounds on the cosine of a round object's axis with the vertical (lying), and with its path (rolling).

@@ -9,7 +9,7 @@ from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.objects import object_path
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import Vector
-from wmspec.lang.check.tables.colors import linear, rgb
+from wmspec.lang.check.tables.color_math import linear, rgb
 
 #: Aperture and near and far planes (m) for scenes on a table or in a room.
 APERTURE, NEAR, FAR = 24.0, 0.05, 50.0

@@ -7,7 +7,7 @@ from pathlib import Path
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document, Prim
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.lang.check.tables.colors import linear, rgb
+from wmspec.lang.check.tables.color_math import linear, rgb
 from wmspec.lang.parse.files import resolve_display_path
 from wmspec.sim.materials import MATERIALS
 

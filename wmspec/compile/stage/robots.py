@@ -15,7 +15,7 @@ from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.objects import geometry, object_path
 from wmspec.core.resources import resource
 from wmspec.lang.check.ir.ir import Entity
-from wmspec.lang.check.tables.colors import rgb
+from wmspec.lang.check.tables.color_math import rgb
 
 #: Mass and moments of walkers and cars (kg, kg m²); without effect, but some importers require a mass.
 WEIGHT, MOMENTS = 70.0, (16.0, 16.0, 1.0)

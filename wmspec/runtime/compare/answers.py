@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.runtime.questions.gates import smallest_margin
+from wmspec.runtime.questions.ensure_and_margin import smallest_margin
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import Answer, Reject
 from wmspec.runtime.questions.question_context import QuestionContext, rejection_of

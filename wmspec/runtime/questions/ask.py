@@ -17,7 +17,7 @@ from wmspec.lang.check.ir.ir import Channel, Level, TaskSpec
 from wmspec.runtime.questions.answer_label import answer_label, member_label
 from wmspec.runtime.questions.changes import change_of
 from wmspec.runtime.questions.declared_visibility import visible_parts
-from wmspec.runtime.questions.gates import smallest_margin
+from wmspec.runtime.questions.ensure_and_margin import smallest_margin
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.legibility import legibility, require_legible
 from wmspec.runtime.questions.model import (

@@ -9,7 +9,7 @@ from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import volume
 from wmspec.compile.layout.view import common_direction, view_coordinates
 from wmspec.core.diagnostics import WmsError
-from wmspec.lang.check.tables.colors import rgb
+from wmspec.lang.check.tables.color_math import rgb
 from wmspec.lang.check.tables.vocabulary import COLORS
 from wmspec.runtime.questions.difference import ciede2000, lab
 from wmspec.sim.materials import SHADES
