@@ -1,7 +1,8 @@
 """Imports URDF (https://wiki.ros.org/urdf/XML): passive mechanisms.
 
-Ignored, since other programs use them: `gazebo`, `transmission`, `safety_controller`, `calibration`, prefixed elements,
-and the motor limits `effort` and `velocity`. Unknown elements are ignored with a warning.
+Elements for other programs are ignored silently: prefixed ones, those in `_IGNORED` here and in `urdf_joints`, those in
+`_OTHERS` and `_SOLVER` in `urdf_links`, and the motor limits of `limit`. Other unknown elements and attributes are
+ignored with a warning.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 from wmspec.lang.importers.markup import Element, Reader
 from wmspec.lang.importers.model import MAX_LINKS, MAX_SHAPES, Asset, Faults, Joint, Link
 from wmspec.lang.importers.urdf_joints import Joints
-from wmspec.lang.importers.urdf_links import Links, MeshResolver, named_materials
+from wmspec.lang.importers.urdf_links import Links, MeshResolver, check_material, named_materials
 
 #: Elements for other programs.
 _IGNORED = (
@@ -37,6 +38,8 @@ def urdf(robot: Element, find: MeshResolver, faults: Faults) -> Asset:
 def _asset(robot: Element, read: Reader, find: MeshResolver) -> Asset:
     """Return the links and joints; of duplicates the first."""
     read.known(robot, ("name", "version"), ("link", "joint", "material", *_IGNORED))
+    for material in robot.all("material"):
+        check_material(read, material)
     elements = robot.all("link")
     shapes = sum(len(e.all("visual")) + len(e.all("collision")) for e in elements)
     if len(elements) > MAX_LINKS or shapes > MAX_SHAPES:

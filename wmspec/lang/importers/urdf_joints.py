@@ -27,6 +27,8 @@ _KINDS: dict[str, Literal["hinge", "slider", "ball", "fixed", "free"]] = {
 _UNLIMITED = "it has no limits"
 #: Elements for other programs.
 _IGNORED = ("safety_controller", "calibration", "hardwareInterface", "limit_properties", "motor")
+#: Limits of motors (https://docs.ros.org/en/rolling/p/urdf), which passive joints lack.
+_MOTOR_LIMITS = ("effort", "velocity", "acceleration", "deceleration", "jerk")
 
 
 class Joints:
@@ -63,7 +65,11 @@ class Joints:
         for mimic in e.all("mimic"):
             what = "a joint that mimics another is not supported in a spec"
             self.read.faults.approximate(mimic.where, what, "it does not follow", "let the spec drive it")
+            self.read.known(mimic, ("joint", "multiplier", "offset"))
         ends = [self.read.only(e, end) for end in ("parent", "child")]
+        for end in ends:
+            if end is not None:
+                self.read.known(end, ("link",))
         kind = _KINDS.get(self.read.text(e, "type"))
         if kind is None:
             known = ", ".join(_KINDS)
@@ -88,6 +94,8 @@ class Joints:
 
     def _axis(self, joint: Element) -> Array:
         e = next(iter(joint.all("axis")), None)
+        if e is not None:
+            self.read.known(e, ("xyz",))
         axis = np.array(self.read.numbers(e, "xyz", 3, (1.0, 0.0, 0.0)) if e is not None else (1.0, 0.0, 0.0))
         size = float(np.linalg.norm(axis))
         if size < 1e-6 and joint.attributes.get("type") in ("fixed", "floating", "spherical"):
@@ -100,6 +108,8 @@ class Joints:
     def _limits(self, joint: Element) -> tuple[float | None, float | None]:
         """Return the limits of a `revolute` or `prismatic` joint; Bullet ignores those without a range."""
         e = self.read.only(joint, "limit")
+        if e is not None:
+            self.read.known(e, ("lower", "upper", *_MOTOR_LIMITS))
         if joint.attributes.get("type") not in ("revolute", "prismatic"):
             return None, None
         if e is None or not ("lower" in e.attributes or "upper" in e.attributes):

@@ -32,6 +32,8 @@ MeshResolver = Callable[[Element, str], str]
 _CONTACT = {"lateral_friction": "friction", "restitution": "restitution"}
 #: Children of `contact` that only concern how Bullet computes.
 _SOLVER = ("friction_anchor", "contact_erp", "contact_cfm", "inertia_scaling")
+#: The moments and products of inertia.
+_INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 #: Highest friction of a spec.
 _MAX_FRICTION = 5.0
 #: Children for other programs.
@@ -75,6 +77,7 @@ class Links:
         return given
 
     def _coefficient(self, e: Element, highest: float) -> float:
+        self.read.known(e, ("value",))
         value = self.read.number(e, "value")
         if value < 0 or (value > highest and e.tag == "restitution"):
             bounds = f"from 0 to {highest:g}" if e.tag == "restitution" else "0 or more"
@@ -93,13 +96,15 @@ class Links:
         if mass is None:
             self.read.faults.approximate(e.where, "an `inertial` without a `mass`", "that of the density", "add it")
             return None, False
-        names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+        self.read.known(mass, ("value",))
+        if inertia is not None:
+            self.read.known(inertia, _INERTIA)
         kg = self.read.number(mass, "value")
         if kg < 0:
             self.read.faults.add(mass.where, f"a mass of {kg:g} kg", "make it 0 or more")
         if kg <= 0:
             return None, True
-        values = [0.0] * 6 if inertia is None else [self.read.number(inertia, name, 0.0) for name in names]
+        values = [0.0] * 6 if inertia is None else [self.read.number(inertia, name, 0.0) for name in _INERTIA]
         xx, yy, zz, xy, xz, yz = values
         here, tensor = origin(self.read, e), np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
         axes, moments = principal(tensor)
@@ -122,10 +127,13 @@ class Links:
         """Return a `visual` or `collision`."""
         drawn = e.tag == "visual"
         self.read.known(e, ("name", "group", "concave"), ("origin", "geometry", "material", *_OTHERS))
+        for material in e.all("material"):
+            check_material(self.read, material)
         geometry = self.read.only(e, "geometry")
         if geometry is None or len(geometry.children) != 1:
             self.read.faults.add(e.where, "it needs one `geometry` with one shape in it", "add it")
             return None
+        self.read.known(geometry, (), [geometry.children[0].tag])  # `_form` reports an unknown shape
         here = origin(self.read, e)
         form = self._form(geometry.children[0])
         if form is None:
@@ -206,6 +214,15 @@ def named_materials(robot: Element) -> dict[str, Element]:
         if material.children:
             made.setdefault(material.attributes.get("name", ""), material)
     return made
+
+
+def check_material(read: Reader, material: Element) -> None:
+    """Report the unknown attributes and children of a material."""
+    read.known(material, ("name",), ("color", "texture"))
+    for color in material.all("color"):
+        read.known(color, ("rgba",))
+    for texture in material.all("texture"):
+        read.known(texture, ("filename",))
 
 
 def origin(read: Reader, e: Element) -> Pose:
