@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from xml.etree import ElementTree
+from xml.etree import ElementTree as ET
 
 import pytest
 
@@ -30,26 +30,26 @@ ROBOT = """<robot name="r">
   </joint>
 </robot>"""
 #: Each element by its place in the file.
-ELEMENTS = list(enumerate(element.tag for element in ElementTree.fromstring(ROBOT).iter()))
+ELEMENTS = list(enumerate(element.tag for element in ET.fromstring(ROBOT).iter()))
 
 
-def reported(robot: ElementTree.Element, folder: Path) -> list[str]:
+def reported(robot: ET.Element, folder: Path) -> list[str]:
     """Return what a spec with this file reports."""
-    (folder / "a.urdf").write_bytes(ElementTree.tostring(robot))
+    (folder / "a.urdf").write_bytes(ET.tostring(robot))
     (folder / "spec.wms").write_text('task t : custom {\n  object it { file: "a.urdf"  at: (0, 0, 1 m) }\n}\n')
     return [d.message for d in checked(folder / "spec.wms")[1].diagnostics if d.code in ("WMS210", "WMS211")]
 
 
 def test_the_robot_itself_has_nothing_unknown(tmp_path: Path) -> None:
-    (mimic,) = reported(ElementTree.fromstring(ROBOT), tmp_path)
+    (mimic,) = reported(ET.fromstring(ROBOT), tmp_path)
     assert "mimics another" in mimic
 
 
 @pytest.mark.parametrize(("place", "tag"), ELEMENTS)
 def test_an_unknown_child_or_attribute_is_reported(place: int, tag: str, tmp_path: Path) -> None:
-    robot = ElementTree.fromstring(ROBOT)
+    robot = ET.fromstring(ROBOT)
     element = list(robot.iter())[place]
-    element.append(ElementTree.Element("oddity"))
+    element.append(ET.Element("oddity"))
     element.set("peculiar", "1")
     (child,) = (m for m in reported(robot, tmp_path) if "`oddity`" in m or "one shape" in m)
     assert tag == "geometry" or f"`oddity` in `{tag}` is not supported: ignored" in child
@@ -60,6 +60,6 @@ def test_an_unknown_child_or_attribute_is_reported(place: int, tag: str, tmp_pat
 
 @pytest.mark.parametrize(("place", "tag"), ELEMENTS)
 def test_what_has_a_prefix_belongs_to_another_program(place: int, tag: str, tmp_path: Path) -> None:
-    robot = ElementTree.fromstring(ROBOT)
+    robot = ET.fromstring(ROBOT)
     list(robot.iter())[place].set("other:peculiar", "1")
     assert len(reported(robot, tmp_path)) == 1

@@ -133,7 +133,7 @@ class Links:
         if geometry is None or len(geometry.children) != 1:
             self.read.faults.add(e.where, "it needs one `geometry` with one shape in it", "add it")
             return None
-        self.read.known(geometry, (), [geometry.children[0].tag])  # `_form` reports an unknown shape
+        self.read.known(geometry, ("name",), [geometry.children[0].tag])  # `_form` reports an unknown shape
         here = origin(self.read, e)
         form = self._form(geometry.children[0])
         if form is None:
