@@ -44,7 +44,7 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "prompt": (pa.string(), "the prompt's name"),
     "prompt_hash": (pa.string(), "depends on everything in the template"),
     "ablation": (pa.string(), "what was left out: pictures or question; null: nothing"),
-    "permutation": (pa.int64(), "by how many places the options were moved on"),
+    "permutation": (pa.int64(), "the circular shift of the options, in positions"),
     "sample": (pa.int64(), "which of several replies to the same request"),
     "order": (pa.list_(pa.int64()), "the places of the options in the dataset, as they were shown"),
     "labels": (pa.string(), "what the options were called by: letters or numbers"),
@@ -68,7 +68,7 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "tokens_out": (pa.int64(), "tokens received"),
     "tokens_reasoning": (pa.int64(), "tokens of reasoning among those received"),
     "cost": (pa.float64(), "what it cost, in the currency of the prices"),
-    "seconds": (pa.float64(), "from the request to the reply, with what was tried again"),
+    "seconds": (pa.float64(), "from first request to reply, retries included"),
 }
 SCHEMA = pa.schema([pa.field(name, kind) for name, (kind, _) in COLUMNS.items()])
 _ABOUT = b"wmspec"

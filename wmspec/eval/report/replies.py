@@ -236,7 +236,7 @@ def _checked_names(models: pd.Series[str], names: Mapping[str, str]) -> dict[str
 
 
 def _clusters(table: pd.DataFrame) -> pd.Series[str]:
-    """Return the control group; the instance in tasks with fewer than LEAST_GROUPS (see `Replies.narrow`)."""
+    """Return the control group; the instance in tasks with fewer than MIN_GROUPS (see `Replies.narrow`)."""
     instance = table["task"] + "/" + table["index"].astype(str)
     return table["group"].where(~table["task"].isin(_narrow_tasks(table)), instance)
 

@@ -42,7 +42,7 @@ def parting(comparison: Comparison) -> str:
 
 def cause(why: Cause) -> str:
     """Return where a divergence began and its cause."""
-    where = f"`{why.body}` parts at {why.began:.3f} s" + ("" if why.run == "truth" else f" in `{why.run}`")
+    where = f"`{why.body}` diverges at {why.began:.3f} s" + ("" if why.run == "truth" else f" in `{why.run}`")
     if why.mass is None or why.touched is None:
         return f"{where}: {why.hint}"
     masses = " and ".join(f"{m * 1000:.4g} g" if m else "fixed" for m in why.mass)

@@ -36,15 +36,15 @@ _GLANCE = (
 #: All measures by name.
 BOUNDS: dict[str, Bound] = {
     "step": Bound(
-        "px", 12, "the longest way of a mover between two successive pictures of a camera",
+        "px", 12, "the longest path of a mover between two successive pictures of a camera",
         f"{_ACUITY}; 12 px are 19 arc minutes",
     ),
     "step_in_widths": Bound(
-        "", 0.25, "the same, in widths of the mover along its way",
+        "", 0.25, "the same, in widths of the mover along its path",
         "a choice: pictures are compared by eye, and less of a shift is lost in the outline of the mover",
     ),
     "path": Bound(
-        "px", 30, "the way of a mover over all shown pictures of a camera",
+        "px", 30, "the path of a mover over all shown pictures of a camera",
         "a choice: two and a half steps show direction and speed",
     ),
     "lead": Bound(
