@@ -36,10 +36,14 @@ def test_every_file_that_is_named_exists(page: Path) -> None:
 
 
 @pytest.mark.parametrize("recipe", re.findall(r"^### (.*)$", CONTRIBUTING, re.MULTILINE))
-def test_every_recipe_has_a_test_that_carries_it_out(recipe: str) -> None:
+def test_every_recipe_names_its_test_and_what_is_there(recipe: str) -> None:
+    """Tables and constants are in a file that the recipe names."""
     section = CONTRIBUTING.partition(f"### {recipe}\n")[2].partition("\n### ")[0]
-    (test,) = re.findall(r"Test: `(tests/recipes/test_\w+\.py)`", section)
+    (test,) = re.findall(r"Test: `(tests/\w+/test_\w+\.py)`", section)
     assert (ROOT / test).is_file()
+    code = "\n".join((ROOT / name).read_text() for name in set(NAMED.findall(section)) - MADE if name.endswith(".py"))
+    constants = re.findall(r"`(_?[A-Z][A-Z_]+)`", section)
+    assert not [name for name in constants if not re.search(rf"^{name}\b", code, re.MULTILINE)]
 
 
 def test_every_test_of_a_recipe_has_its_recipe() -> None:
