@@ -20,7 +20,7 @@ import wmspec
 from tools import cards
 from wmspec.api.task import Task
 from wmspec.cli import main
-from wmspec.dataset.build import rows
+from wmspec.dataset.build.columns import COLUMNS, FACTOR_COLUMNS, OPTIONAL
 from wmspec.lang.parse.codes import CODES
 from wmspec.lang.parse.pages import page as diagnostic_page
 from wmspec.runtime.engines.registry import info, names
@@ -57,7 +57,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     made["commands/index"] = "\n".join(_command_index())
     made |= {f"tasks/{task.name}": "\n".join(cards.card(task)) for task in _tasks()}
     made["tasks/index"] = "\n".join(cards.index(_tasks()))
-    made["reference/columns"] = "\n".join(_columns())
+    made["reference/columns"] = columns()
     made["reference/capabilities"] = "\n".join(_capabilities())
     made |= {f"diagnostics/{code}": diagnostic_page(code).markdown for code in CODES}
     made["changelog"] = CHANGELOG.read_text(encoding="utf-8")
@@ -99,26 +99,20 @@ def _command_index() -> Iterator[str]:
         yield f"| [`wmspec {name}`]({name}.md) | {command.get_short_help_str(limit=120)} |"
 
 
+def columns() -> str:
+    """Return the page of the columns of a dataset."""
+    return "\n".join(_columns())
+
+
 def _columns() -> Iterator[str]:
-    """Yield the page of the columns of a dataset."""
     yield "# Columns of a dataset\n\nEvery row is a question. Columns with `list` hold several values.\n"
-    yield from _column_table(rows.COLUMNS)
-    yield "\n## Questions with named outcomes\n"
-    yield from _column_table(rows.OUTCOMES)
-    yield "\n## Objects that may be hidden\n"
-    yield from _column_table(rows.HIDDEN)
-    yield "\n## Balanced answers\n"
-    yield from _column_table(rows.REDRAWN)
-    yield "\n## Films\n"
-    yield from _column_table(rows.FILMS)
-    for channel, columns in rows.CHANNELS.items():
-        yield f"\n## Channel `{channel}`\n"
-        yield from _column_table(columns)
-    yield "\n## Factors\n\nFor every factor `f` of the task:\n\n| column | holds |\n|---|---|"
-    yield "| `factor.f` | its value, in the SI unit that the column's metadata name |"
-    yield "| `level.f` | the name of the value, if its values have names |"
-    yield "| `group.f` | a key that instances share if they differ in `f` alone |"
-    yield "| `nuisance.f` | the value of a nuisance |"
+    yield from _column_table(COLUMNS)
+    for group in OPTIONAL:
+        yield f"\n## {group.heading}\n"
+        yield from _column_table(group.columns)
+    yield "\n## Factors\n\nFor every factor and nuisance `f` of the task:\n\n| column | holds |\n|---|---|"
+    for prefix, meaning in FACTOR_COLUMNS.items():
+        yield f"| `{prefix}.f` | {meaning} |"
 
 
 def _capabilities() -> Iterator[str]:

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from tests.ask.asking import ask_all, one, refused, spec_of
 from wmspec.core.diagnostics import SpecError
-from wmspec.dataset.build.rows import encode, hidden_columns
+from wmspec.dataset.build.columns import optional_columns
+from wmspec.dataset.build.rows import encode
 from wmspec.editor.complete import complete
 from wmspec.editor.document import Document
 from wmspec.runtime.questions.model import QuestionRow
@@ -103,8 +104,8 @@ def test_hidden_and_vanished_are_treated_alike(clause: str, question: str, time:
 
 def test_the_row_has_a_column_only_where_something_may_hide() -> None:
     clause = "may hide ball"
-    assert list(hidden_columns(spec_of(body(HIDDEN, clause)))) == ["context_visible"]
-    assert hidden_columns(spec_of(body("", ""))) == {}
+    assert list(optional_columns(spec_of(body(HIDDEN, clause)))) == ["context_visible"]
+    assert optional_columns(spec_of(body("", ""))) == {}
     made = encode(one(body(HIDDEN, clause)), "questions")
     assert [part["name"] for part in made["context_visible"]] == ["ball"] * 3
     assert "context_visible" not in encode(one(body("", "")), "questions")

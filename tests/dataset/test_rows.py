@@ -16,9 +16,10 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.dataset.made import ENGINES, make, plan, question_row, spec
+from wmspec.dataset.build.columns import COLUMNS
 from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.images import as_png, decode_image, encode_webp, image_format
-from wmspec.dataset.build.rows import COLUMNS, encode, schema, table
+from wmspec.dataset.build.rows import encode, schema, table
 
 SHARDS = "data/{}/test-*.parquet"
 

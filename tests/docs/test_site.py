@@ -13,7 +13,7 @@ import pytest
 import wmspec
 from wmspec.api import HOMES
 from wmspec.cli import COMMANDS
-from wmspec.dataset.build.rows import COLUMNS
+from wmspec.dataset.build.columns import COLUMNS
 from wmspec.runtime.engines.registry import info, names
 from wmspec.sim.scene.capability import capability_table
 

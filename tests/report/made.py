@@ -15,12 +15,13 @@ import pyarrow.parquet as pq
 
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
+from wmspec.dataset.build.columns import COLUMNS
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.dataset.build.rows import COLUMNS, Row, schema
+from wmspec.dataset.build.rows import Row, schema
 from wmspec.eval.report.intervals import seeded_generator
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.statements.task import check

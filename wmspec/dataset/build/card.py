@@ -7,10 +7,11 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from wmspec.compile.design.levels import Level
 from wmspec.dataset.build.baselines import Baselines
+from wmspec.dataset.build.columns import COLUMNS, FACTOR_COLUMNS, description
 from wmspec.dataset.build.files import EXAMPLES
 from wmspec.dataset.build.manifest import Summary, TaskSummary
 from wmspec.dataset.build.plan import Plan, Task, row_names
-from wmspec.dataset.build.rows import COLUMNS, FILMS, channel_columns
+from wmspec.dataset.build.rows import schema
 from wmspec.lang.check.ir.ir import Choices, Factor, Interval, Normal
 
 #: The configuration that holds the questions of all tasks, with the columns that all tasks share.
@@ -263,16 +264,11 @@ def _reasons(rejected: dict[str, int]) -> str:
 
 
 def _columns(plan: Plan) -> str:
-    columns = COLUMNS.copy()
-    for task in plan.tasks:
-        columns |= channel_columns(task.spec)
-    columns |= FILMS if plan.film else {}
-    rows = [[f"`{name}`", meaning] for name, (_, meaning) in columns.items()]
-    rows += [
-        ["`factor.*`", "the value of each factor, in SI units"],
-        ["`group.*`", "the key that the instances differing in that factor alone share: group by it"],
-        ["`nuisance.*`", "the value of each nuisance, in SI units"],
-    ]
+    """Return the columns of all tasks; those of factors by prefix, such as `factor.*`."""
+    names = dict.fromkeys(n for task in plan.tasks for n in schema(task.spec, plan.film is not None).names)
+    factors = [p for p in FACTOR_COLUMNS if any(n.startswith(f"{p}.") for n in names)]
+    rows = [[f"`{n}`", description(n)] for n in names if "." not in n]
+    rows += [[f"`{prefix}.*`", FACTOR_COLUMNS[prefix]] for prefix in factors]
     return "## Columns\n\n" + _table(["column", "what it holds"], rows)
 
 

@@ -8,8 +8,9 @@ from typing import Any
 
 import pyarrow as pa
 
+from wmspec.dataset.build.columns import description
 from wmspec.dataset.build.plan import Plan
-from wmspec.dataset.build.rows import CHANNELS, COLUMNS, FILMS, schema
+from wmspec.dataset.build.rows import schema
 from wmspec.dataset.build.shards import Record
 
 #: The JSON-LD context of the specification, restricted to the terms used here.
@@ -51,11 +52,6 @@ CONTEXT: dict[str, Any] = {
     "source": "cr:source",
     "subField": "cr:subField",
     "transform": "cr:transform",
-}
-
-#: Description of every column by name.
-_DESCRIPTIONS = {
-    name: meaning for columns in (COLUMNS, FILMS, *CHANNELS.values()) for name, (_, meaning) in columns.items()
 }
 
 _TYPES = {pa.bool_(): "sc:Boolean", pa.int64(): "sc:Integer", pa.float64(): "sc:Float", pa.string(): "sc:Text"}
@@ -146,8 +142,7 @@ def _one(task: str, column: pa.Field, kind: str, part: str = "", named: str = ""
     """Return the Croissant field of a column, or of one member of its structs."""
     name = f"{task}/{column.name}{named}"
     field: dict[str, Any] = {"@type": "cr:Field", "@id": name, "name": name, "dataType": kind}
-    if column.name in _DESCRIPTIONS:
-        field["description"] = _DESCRIPTIONS[column.name]
+    field["description"] = description(column.name)
     if pa.types.is_list(column.type):
         field["repeated"] = True
     transform = {"transform": {"jsonPath": part}} if part else {}

@@ -12,189 +12,25 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from wmspec.compile.design.dimension import dimension
-from wmspec.compile.design.what_ifs import imagines
+from wmspec.dataset.build.columns import COLUMNS, FILMS, IMAGES, OBJECT_SCALARS, optional_columns
 from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.images import encode_png, encode_webp
 from wmspec.lang.check.ir.ir import Choices, Factor, TaskSpec
 from wmspec.runtime.questions.consensus import RowsOf
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import Change, Picture, QuestionRow, Strength, VisibleObject, Vote
-from wmspec.runtime.questions.views import channels_of
 
 Row = dict[str, Any]
 
-_IMAGES = pa.list_(pa.struct([("bytes", pa.binary()), ("path", pa.string())]))
-_TEXTS = pa.list_(pa.string())
-_READINGS = pa.list_(pa.struct([("name", pa.string()), ("value", pa.float64())]))
-_VOTE = [("engine", pa.string()), ("answer", pa.int64()), ("value", pa.string()), ("rejected", pa.string())]
-_EARLIER_VOTES = pa.list_(pa.struct(_VOTE))
-_VOTES = pa.list_(pa.struct([*_VOTE, ("apart", pa.float64())]))
-_STRENGTH = pa.struct([("name", pa.string()), ("unit", pa.string()), ("value", pa.float64())])
-_LEGIBILITY = pa.list_(
-    pa.struct([("name", pa.string()), ("unit", pa.string()), ("value", pa.float64()), ("bound", pa.float64())])
-)
-_SCALARS = ("x", "y", "z", "qw", "qx", "qy", "qz", "share", "across", "down", "red", "green", "blue")
-_OBJECTS = pa.list_(
-    pa.struct(
-        [("picture", pa.int64()), ("name", pa.string()), ("look", pa.string()), ("asked", pa.bool_())]
-        + [(name, pa.float64()) for name in _SCALARS]
-    )
-)
-
-#: The columns that every task has: type and description.
-COLUMNS: dict[str, tuple[pa.DataType, str]] = {
-    "id": (
-        pa.string(),
-        "the task, and a hash of seed, instance and question, and of the engine if there is one row for each",
-    ),
-    "task": (pa.string(), "the task"),
-    "dimension": (pa.string(), "what is tested, from broad to narrow"),
-    "index": (pa.int64(), "which instance of the task's design"),
-    "block": (pa.int64(), "which repetition of the design; instances of a block share their nuisances"),
-    "crossed": (_TEXTS, "the factors that vary within the block"),
-    "question": (pa.int64(), "which of the task's questions"),
-    "question_name": (pa.string(), "the question's name; empty if it has none"),
-    "engine": (
-        pa.string(),
-        (
-            "the reference engine, which executed the episode that is shown: the first of the engines, for which "
-            "`all` lists MuJoCo first, because it is the quickest; the others confirm its answer (`agreement`)"
-        ),
-    ),
-    "renderer": (pa.string(), "the engine that drew the pictures"),
-    "text": (pa.string(), "the question"),
-    "context": (_IMAGES, "the pictures shown with the question"),
-    "context_camera": (_TEXTS, "the camera of each picture shown"),
-    "context_time": (pa.list_(pa.float64()), "the time (s) of each picture shown"),
-    "context_objects": (
-        _OBJECTS,
-        (
-            "of each picture shown (from 0): the objects that can move or are asked about, by name, the words for "
-            "their looks, their middles (m) and turns (a quaternion), the share of the picture that shows them, where "
-            "(0 to 1, from the left and from the top) and in what mean colour (sRGB, 0 to 1)"
-        ),
-    ),
-    "option_text": (_TEXTS, "the options, if they are words; null if they are pictures, empty for an open question"),
-    "option_image": (_IMAGES, "the options, if they are pictures; empty if they are words"),
-    "option_kind": (_TEXTS, "what each option is: truth, label, counterfactual; of a closed set state, action, both"),
-    "option_name": (_TEXTS, "the name of each option: of the label's value or of the counterfactual"),
-    "option_change": (_TEXTS, "what each counterfactual changed: its kind, what, from what, to what"),
-    "option_objects": (_OBJECTS, "the same of each option that is a picture"),
-    "answer": (pa.int64(), "the place (from 0) of the true option; null for an open question"),
-    "answer_value": (pa.string(), "the answer, measured on the executed episode, in words"),
-    "answer_number": (pa.float64(), "the answer, if it is a number"),
-    "answer_unit": (pa.string(), "the SI unit of that number; empty for plain numbers"),
-    "answer_within": (pa.float64(), "for an open question: how far off a number is still right"),
-    "answer_standing": (pa.bool_(), "whether the answer holds from the start, whatever happens"),
-    "answer_moments": (
-        pa.int64(),
-        "how many moments it takes to see the answer: 1 if any shows it, 2 for a change, 3 for its course",
-    ),
-    "difference": (_STRENGTH, "how strong the stimulus is: the quantity, its SI unit, its value"),
-    "margin": (pa.float64(), "how far the answer is from turning, in multiples of the required margin"),
-    "legibility": (
-        _LEGIBILITY,
-        "how clearly the pictures show what decides the answer: each measure, its unit, its value, and its bound",
-    ),
-    "measured": (_READINGS, "quantities measured, in SI units"),
-    "agreement": (
-        _VOTES,
-        (
-            "of each engine: the option that its outcome picks, its answer, or why it rejects, and the largest "
-            "distance (m) of a body from its place in the engine of the row, at the same time"
-        ),
-    ),
-    "seed": (pa.int64(), "the seed of the design"),
-}
-
-#: The types that columns had in earlier formats.
-EARLIER_TYPES: dict[str, tuple[pa.DataType, ...]] = {"agreement": (_EARLIER_VOTES,)}
-
-#: Additional columns for questions with named outcomes.
-OUTCOMES: dict[str, tuple[pa.DataType, str]] = {
-    "option_outcome": (_TEXTS, "of what kind each option is as an outcome; null where the question names none")
-}
-
-#: Additional columns for questions about what would have been.
-WHAT_IFS: dict[str, tuple[pa.DataType, str]] = {
-    "what_if": (_TEXTS, "the changes that the question imagines: the kind of each, what, from what, to what"),
-    "actual_value": (pa.string(), "what the answer would be in the episode as it is, in words; null if it has none"),
-}
-
-#: Additional columns for questions with balanced answers.
-REDRAWN: dict[str, tuple[pa.DataType, str]] = {
-    "redrawn": (pa.int64(), "how often the nuisances of the block were drawn before these, for the balance of answers")
-}
-
-#: Additional columns for questions with objects that may be hidden.
-HIDDEN: dict[str, tuple[pa.DataType, str]] = {
-    "context_visible": (
-        pa.list_(pa.struct([("picture", pa.int64()), ("name", pa.string()), ("share", pa.float64())])),
-        (
-            "of each picture shown (from 0), for every object that the question allows to be hidden: the share of it "
-            "that is visible, 0 if it is behind something, outside the picture, or has vanished"
-        ),
-    )
-}
-
-_TRACK = pa.list_(
-    pa.struct(
-        [("name", pa.string()), ("frame", pa.int64())]
-        + [(name, pa.float64()) for name in ("x", "y", "z", "across", "down", "share")]
-    )
-)
-
-#: Additional columns of datasets with films; null or empty for questions without a closed set of films.
-FILMS: dict[str, tuple[pa.DataType, str]] = {
-    "film": (pa.string(), "the path of the film: the context, and then what happens"),
-    "film_rate": (pa.int64(), "its frames per second"),
-    "film_start": (pa.float64(), "the time (s) of its first frame"),
-    "film_context": (pa.int64(), "how many of its frames are shown"),
-    "film_answer": (pa.int64(), "which frame (from 0) is nearest to the time of the answer"),
-    "film_offset": (pa.float64(), "how much later (s) that frame is than the answer"),
-    "film_moving": (pa.int64(), "in how many frames of the context something moves"),
-    "film_text": (pa.string(), "the scene in words, for video models"),
-    "action_text": (pa.string(), "the action in words, for models that receive the last picture of the context only"),
-    "film_bodies": (_TEXTS, "the names of all bodies; the films of ids have their places here, plus 1"),
-    "film_objects": (_TEXTS, "the objects whose places tell the films of the options apart"),
-    "film_engines": (_TEXTS, "the other engines that have films of the futures, in half the size"),
-    "option_film": (_TEXTS, "the path of the film of each option"),
-    "film_apart": (
-        pa.list_(pa.float64()),
-        (
-            "how far the futures of each two options are apart, row by row (object widths: the mean of that over the "
-            "whole way and that of the last three frames)"
-        ),
-    ),
-    "film_track": (
-        _TRACK,
-        "where each of the objects is in each frame: its middle (m), and its place and share in the picture (0 to 1)",
-    ),
-}
 #: The film columns of a row without a film.
 NO_FILM: Row = {name: [] if pa.types.is_list(kind) else None for name, (kind, _) in FILMS.items()}
-
-#: Additional columns for picture channels other than colour.
-CHANNELS: dict[str, dict[str, tuple[pa.DataType, str]]] = {
-    "depth": {
-        "context_depth": (_IMAGES, "of each picture shown: distance along the view axis in mm, 16 bits, 0 for none")
-    },
-    "ids": {
-        "context_ids": (
-            _IMAGES,
-            "of each picture shown: the place (from 1) in `context_names` of what is seen, 16 bits",
-        ),
-        "context_names": (_TEXTS, "the names of all objects"),
-    },
-}
 
 #: `"Sequence"`, because versions of `datasets` before 4 do not know `"List"`, and later ones read both.
 _FEATURE = {"_type": "Sequence", "feature": {"_type": "Image"}}
 
 
 def schema(spec: TaskSpec, films: bool = False) -> pa.Schema:
-    """Return the columns of a task: common ones, balance, outcomes, channels, films, then `factor.*`, `level.*`,
-    `group.*`, `nuisance.*`.
+    """Return the columns of a task: common ones, optional ones, then `factor.*`, `level.*`, `group.*`, `nuisance.*`.
 
     A factor's column is boolean, float64, string, or a list of float64 for points; its metadata hold the SI `unit` and
     the dimension that it is `about`.
@@ -202,18 +38,7 @@ def schema(spec: TaskSpec, films: bool = False) -> pa.Schema:
     is the name of a value of a factor or nuisance with named values.
     """
     varied, drawn = _split_nuisances(spec.factors)
-    fields = [
-        pa.field(name, kind)
-        for columns in (
-            redraw_columns(spec),
-            outcome_columns(spec),
-            hidden_columns(spec),
-            what_if_columns(spec),
-            channel_columns(spec),
-            FILMS if films else {},
-        )
-        for name, (kind, _) in columns.items()
-    ]
+    fields = [pa.field(name, kind) for name, (kind, _) in optional_columns(spec, films).items()]
     fields += [_column(spec, "factor", f) for f in varied]
     fields += [pa.field(f"level.{f.name}", pa.string()) for f in (*varied, *drawn) if _has_named_values(f)]
     fields += [pa.field(f"group.{f.name}", pa.string()) for f in varied]
@@ -224,39 +49,13 @@ def schema(spec: TaskSpec, films: bool = False) -> pa.Schema:
 def table_schema(more: Iterable[pa.Field]) -> pa.Schema:
     """Return the columns that every dataset has and the given ones, with the metadata of Hugging Face `datasets`."""
     fields = [*(pa.field(name, kind) for name, (kind, _) in COLUMNS.items()), *more]
-    features = {f.name: _FEATURE for f in fields if f.type == _IMAGES}
+    features = {f.name: _FEATURE for f in fields if f.type == IMAGES}
     return pa.schema(fields, metadata={"huggingface": json.dumps({"info": {"features": features}})})
-
-
-def redraw_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
-    """Return the columns for balanced answers, if a question has them."""
-    return REDRAWN if spec.plan.balance else {}
-
-
-def outcome_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
-    """Return the columns for outcomes, if a question names some."""
-    return OUTCOMES if any(question.kinds for question in spec.questions) else {}
-
-
-def hidden_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
-    """Return the columns for objects that may be hidden, if a question has some."""
-    return HIDDEN if any(question.visibility for question in spec.questions) else {}
-
-
-def what_if_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
-    """Return the columns for what-ifs, if a question has some."""
-    return WHAT_IFS if any(imagines(question) for question in spec.questions) else {}
 
 
 def _has_named_values(factor: Factor) -> bool:
     """Whether a factor has named values."""
     return isinstance(factor.domain, Choices) and factor.domain.names is not None
-
-
-def channel_columns(spec: TaskSpec) -> dict[str, tuple[pa.DataType, str]]:
-    """Return the columns of a task's picture channels other than colour."""
-    keys = channels_of(spec)
-    return {name: column for channel in CHANNELS if channel in keys for name, column in CHANNELS[channel].items()}
 
 
 def _split_nuisances(factors: Iterable[Factor]) -> tuple[list[Factor], list[Factor]]:
@@ -356,7 +155,7 @@ def _objects(pictures: Iterable[Iterable[VisibleObject]]) -> list[Row]:
 def _object(picture: int, seen: VisibleObject) -> Row:
     numbers = (*seen.position, *seen.orientation, seen.share, seen.across, seen.down, *(seen.color or (None,) * 3))
     known = {"picture": picture, "name": seen.name, "look": " ".join(seen.words), "asked": seen.queried}
-    return known | dict(zip(_SCALARS, numbers, strict=True))
+    return known | dict(zip(OBJECT_SCALARS, numbers, strict=True))
 
 
 def _change(change: Change | None) -> str | None:

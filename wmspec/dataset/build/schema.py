@@ -11,10 +11,11 @@ import pyarrow as pa
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
 from wmspec.core.safe_io import is_file_name
+from wmspec.dataset.build.columns import COLUMNS, EARLIER_TYPES
 from wmspec.dataset.build.film_files import FILM
 from wmspec.dataset.build.images import image_format
 from wmspec.dataset.build.plan import row_names
-from wmspec.dataset.build.rows import COLUMNS, EARLIER_TYPES, Row
+from wmspec.dataset.build.rows import Row
 from wmspec.runtime.questions.consensus import Consensus, RowsOf
 
 #: The path of a shard, which contains the name of its task.

@@ -10,8 +10,9 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from wmspec.dataset.build.columns import COLUMNS
 from wmspec.dataset.build.identity import identity
-from wmspec.dataset.build.rows import COLUMNS, Row, encode_picture, table_schema
+from wmspec.dataset.build.rows import Row, encode_picture, table_schema
 from wmspec.eval.image_import.table import Entry
 
 
