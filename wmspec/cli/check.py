@@ -69,7 +69,6 @@ def check_command(
     Text is coloured on a terminal unless NO_COLOR is set. Code hosts display SARIF next to the lines.
     """
     from wmspec.api.checking import check_files, check_text
-    from wmspec.api.loading import without_approximations
     from wmspec.core.disk_cache import disabled
 
     if count and (form not in ("text", "json") or specs == (Path("-"),)):
@@ -78,7 +77,7 @@ def check_command(
         raise WmsError("--backend selects the engine of --try", help="add --try")
     with time_limit(timeout), disabled() if no_cache else nullcontext():
         checked = check_text(read_stdin()) if specs == (Path("-"),) else check_files(specs)
-        checked = replace(checked, diagnostics=without_approximations(checked.diagnostics)) if strict else checked
+        checked = _strict(checked) if strict else checked
         trials = _tried(specs, count, backend) if count and checked.passed and checked.tasks else ()
     if form == "json":
         records = [d.record() for d in checked.diagnostics]
@@ -100,6 +99,13 @@ def check_command(
         print_trials(trials)
     if not checked.passed or not all(trial.passed for trial in trials):
         raise SystemExit(2)
+
+
+def _strict(checked: Checked) -> Checked:
+    """Return the result with approximations of asset files as errors."""
+    from wmspec.api.loading import without_approximations  # imports the checker, which a cached result does not need
+
+    return replace(checked, diagnostics=without_approximations(checked.diagnostics))
 
 
 def _tried(specs: tuple[Path, ...], count: int, backend: str) -> tuple[TriedTask, ...]:
