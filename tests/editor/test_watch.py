@@ -156,9 +156,9 @@ def test_the_page_shows_it(served: Page, browser: Any) -> None:
     assert "<b>" in page.inner_text("pre.error >> nth=0")
     assert page.locator("#rows.stale article").count() == 2
     served.path.write_text(good.replace("in [red, orange, yellow]", "in [purple]"))
-    page.wait_for_selector("pre", state="detached")
+    page.wait_for_selector("#diagnostics pre", state="detached")
     page.wait_for_selector("#phase.good")
     page.wait_for_selector("#rows:not(.stale) article")
-    assert page.locator("pre").count() == 0
+    assert page.locator("#diagnostics pre").count() == 0
     assert not complaints
     context.close()
