@@ -95,7 +95,7 @@ class Dataset:
         """Write films that the folder lacks, by path. Raises WmsError if one cannot be written."""
         for path, content in films:
             there = self.folder / path
-            if not there.is_file() or there.read_bytes() != content:
+            if not there.is_file() or read_bytes(there) != content:
                 files.write(self.folder, path, content, synced=False)
 
     def write(

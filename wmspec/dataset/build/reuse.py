@@ -68,7 +68,7 @@ class PriorInstances:
             if file := self._files.get((shard.task.spec.name, index)):
                 for path in file.record.films.keys() - given:
                     given.add(path)
-                    yield path, (file.folder / path).read_bytes()
+                    yield path, read_bytes(file.folder / path)
 
     def missing(self, shard: Shard) -> tuple[int, ...]:
         """Return the instances of a shard that are still to be made."""

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import decode
 from wmspec.dataset.verify.compare import NEAR_PIXELS
@@ -20,7 +21,7 @@ def film_differences(dataset: DatasetReader, films: Mapping[str, bytes]) -> Iter
         if path not in known:
             yield Difference(path, "", "the film is not in the dataset")
             continue
-        there = (dataset.folder / path).read_bytes()
+        there = read_bytes(dataset.folder / path)
         if there == films[path]:
             continue
         try:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import is_within
+from wmspec.core.safe_io import is_within, read_bytes
 from wmspec.dataset.build.reader import REPAIR_HINT, DatasetReader
 from wmspec.dataset.film.codec import Frames, Ids, pyav
 from wmspec.dataset.film.distances import shrunk_ids, working_size
@@ -168,4 +168,4 @@ def _content(dataset: DatasetReader, path: str) -> bytes:
     file = dataset.folder / path
     if not is_within(dataset.folder, file):
         raise WmsError("this film is missing", FilePlace(str(file)), REPAIR_HINT)
-    return file.read_bytes()
+    return read_bytes(file)

@@ -14,6 +14,7 @@ import pyarrow as pa
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import regular_file
 from wmspec.dataset.build.files import with_remedies
 from wmspec.eval.clips.decide import Decision, decide, track_error
 from wmspec.eval.clips.measure import Measurement
@@ -170,7 +171,7 @@ def read_tracks(path: Path) -> dict[tuple[str, int], Measurement]:
     """Return the measurements beside results. Raises WmsError if they are missing or damaged."""
     place = tracks_path(path)
     try:
-        with with_remedies(place), np.load(place, allow_pickle=False) as file:
+        with with_remedies(place), np.load(regular_file(place), allow_pickle=False) as file:
             keys = json.loads(str(file["keys"]))
             names = [name.partition("/") for name in file.files]
             return {

@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.resources import resource
+from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
 from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.reader import DatasetReader
@@ -68,7 +69,7 @@ def load_prompt(name: str) -> FilmPrompt:
     if not file.is_file():
         raise WmsError(f"there is no prompt `{name}`: film, or the path of a .toml file")
     try:
-        return FilmPrompt.model_validate(tomllib.loads(file.read_text(encoding="utf-8")))
+        return FilmPrompt.model_validate(tomllib.loads(read_bytes(file).decode()))
     except ValidationError as error:
         first = error.errors()[0]
         message = first["msg"].removeprefix("Value error, ")

@@ -185,7 +185,7 @@ def read_strips(paths: Sequence[Path]) -> dict[str, bytes]:
         except OSError:
             continue
         if image_format(content) == "PNG":
-            model = pq.read_table(path, columns=["model"])["model"]
+            model = pq.read_table(regular_file(path), columns=["model"])["model"]
             found[str(model[0]) if len(model) else path.stem] = content
     return found
 
