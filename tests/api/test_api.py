@@ -215,7 +215,7 @@ def test_a_counterfactual_is_run_as_an_instance_is() -> None:
     installed("mujoco")
     one = next(i for i in wmspec.load(COLLIDE) if (i.factors["fill"], i.factors["pace"]) == (0.15, -1))
     pushed, harder = one.run("mujoco"), one.run("mujoco", "light_fast")
-    shown, ratio = int(1.1 * 240), float(one.nuisances["ratio"])  # both have been pushed by then, and have met nothing
+    shown, ratio = int(1.6 * 240), float(one.nuisances["ratio"])  # both have been pushed by then, and have met nothing
     slow, fast = (np.linalg.norm(run["ball"].linear_velocity[:shown], axis=1).max() for run in (pushed, harder))
     assert fast - slow == pytest.approx(float(one.nuisances["middle"]) * (ratio**0.5 - ratio**-0.5), rel=0.02)
 
