@@ -193,7 +193,7 @@ def _film(rate: int | None, size: tuple[int, int] | None, tasks: Sequence[Task],
         return None
     if look != "parity":
         raise WmsError(f"films are drawn in the look `parity`, and the pictures in `{look}`", help="remove one of them")
-    if not any(question.orbit and question.kind == "pictures" for task in tasks for question in task.spec.questions):
+    if not any(question.has_closed_pictures for task in tasks for question in task.spec.questions):
         raise WmsError("no task has a question with a closed set of pictures (`options orbit of ...`), so no films")
     pyav()
     return FilmSettings(rate, pixels(size or DEFAULT_FILM_SIZE))

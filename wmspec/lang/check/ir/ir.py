@@ -385,6 +385,11 @@ class Question(Node):
     action_text: tuple[str | Interpolation, ...] = ()
     place: Location
 
+    @property
+    def has_closed_pictures(self) -> bool:
+        """Whether the options are a closed set of pictures, each of which can have a film."""
+        return bool(self.orbit) and self.kind == "pictures"
+
     def alternatives(self, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:
         """Return the counterfactuals of an instance with these levels, without those that equal the instance."""
         return tuple(

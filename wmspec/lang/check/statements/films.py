@@ -17,7 +17,7 @@ def check_film(check: Expressions, spec: ir.TaskSpec, statements: Iterable[s.Sta
     film = next((x for x in written if isinstance(x, s.Film)), None)
     if film is None or spec.film is None:
         return
-    closed = [question for question in spec.questions if question.orbit and question.kind == "pictures"]
+    closed = [question for question in spec.questions if question.has_closed_pictures]
     if not closed:
         message = "no question has a closed set of pictures, so there are no films to tell apart"
         check.report.add("WMS502", message, film.span, "add `options orbit of ...`, or remove the film")
