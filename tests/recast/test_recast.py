@@ -84,7 +84,7 @@ def test_the_commands_of_the_docs_work(tmp_path: Path) -> None:
     """As they stand in docs/recast.md, one after the other."""
     pytest.importorskip("skimage")
     pytest.importorskip("statsmodels")
-    (block,) = re.findall(r"```sh\n(.*?)```", (DOCS.parent / "recast.md").read_text(), re.DOTALL)
+    block, *_ = re.findall(r"```sh\n(.*?)```", (DOCS.parent / "recast.md").read_text(), re.DOTALL)
     python = shlex.quote(sys.executable)
     here = f'set -e\npython() {{ {python} "$@"; }}\nwmspec() {{ {python} -m wmspec "$@"; }}\n'
     (tmp_path / "docs").symlink_to(DOCS.parent)

@@ -136,7 +136,7 @@ class ServerModel:
         if isinstance(error, (openai.AuthenticationError, openai.PermissionDeniedError, openai.NotFoundError)):
             raise FatalModelError(f"{self._server.address} refuses `{self._name}`: {message}")
         if _EXHAUSTED.search(message):
-            raise FatalModelError(f"{self._server.address}: the quota is used up: {message}")
+            raise FatalModelError(f"the quota is used up at {self._server.address}: {message}")
         return Reply(error=message)
 
     def _read(self, done: Any) -> Reply:
