@@ -83,8 +83,9 @@ def _command(name: str, whole: click.Context) -> Iterator[str]:
     assert command is not None
     context = click.Context(command, whole, name, max_content_width=WIDTH, terminal_width=WIDTH)
     yield f"# wmspec {name}\n\n```text\n{command.get_help(context)}\n```"
-    for sub in command.list_commands(context) if isinstance(command, click.Group) else ():
-        part = command.get_command(context, sub)
+    parts = command if isinstance(command, click.Group) else click.Group()
+    for sub in parts.list_commands(context):
+        part = parts.get_command(context, sub)
         assert part is not None
         inner = click.Context(part, context, sub, max_content_width=WIDTH, terminal_width=WIDTH)
         yield f"\n## wmspec {name} {sub}\n\n```text\n{part.get_help(inner)}\n```"

@@ -88,7 +88,7 @@ def test_what_no_text_names_must_be_seen_if_the_question_says_so() -> None:
     st.sampled_from(["", "may hide screen"]),
 )
 def test_hidden_and_vanished_are_treated_alike(clause: str, question: str, time: float, more: str) -> None:
-    """By every gate: the same outcome and the same columns, whenever it happens and whatever is asked."""
+    """By every gate: the same outcome and the same columns, at any time and for any question."""
     clause = clause if clause == "seen none" else f"{clause} {more}"
     outcomes: list[tuple[object, ...]] = []
     for event in (HIDDEN, GONE):

@@ -129,19 +129,25 @@ class _Handler(BaseHTTPRequestHandler):
 
 
 @contextmanager
+def serving(server: ThreadingHTTPServer) -> Iterator[str]:
+    """Serve until the block ends; the address of its API."""
+    thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True)
+    thread.start()
+    try:
+        yield f"http://127.0.0.1:{server.server_address[1]}/v1"
+    finally:
+        server.shutdown()
+        server.server_close()
+
+
+@contextmanager
 def loopback(right: Answer | None = None) -> Iterator[Loopback]:
     """A server on a free port, until the block ends."""
     said = Loopback("", right)
     server = _Server(("127.0.0.1", 0), _Handler)
     server.said = said
-    said.address = f"http://127.0.0.1:{server.server_address[1]}/v1"
-    thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True)
-    thread.start()
-    try:
+    with serving(server) as said.address:
         yield said
-    finally:
-        server.shutdown()
-        server.server_close()
 
 
 if __name__ == "__main__":

@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
+from tests.evaluate.loopback import serving
+
 #: What a response is made of: status, body. A body of bytes is sent as it is; a status of 0 drops the connection.
 Response = tuple[int, dict[str, Any] | bytes]
 
@@ -221,14 +223,8 @@ def server(takes: Callable[[list[Any]], str]) -> Iterator[Server]:
     """A server on a free port, until the block ends."""
     mine, http = Server(takes), _Http(("127.0.0.1", 0), _Handler)
     http.mine = mine  # type: ignore[attr-defined]
-    mine.address = f"http://127.0.0.1:{http.server_address[1]}/v1"
-    thread = threading.Thread(target=http.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True)
-    thread.start()
-    try:
+    with serving(http) as mine.address:
         yield mine
-    finally:
-        http.shutdown()
-        http.server_close()
 
 
 def first_words(parts: list[Any]) -> str:

@@ -44,7 +44,7 @@ def test_the_look_is_that_of_the_object_that_is_true_or_asked_about() -> None:
         "answer": 1,
     }
     assert look_of(row) == {"color": "purple", "shape": "cylinder", "material": "wood"}
-    assert look_of(row | {"answer": 2}) == {}, "two objects are asked about"
+    assert look_of(row | {"answer": 2}) == {}, "the question is about two objects"
     one = [SCENE[0], *SCENE[2:]]
     assert look_of({"context_objects": one, "option_text": None, "answer": 0})["color"] == "blue"
 

@@ -50,7 +50,7 @@ ORDER: tuple[ItemKind, ...] = (
 )
 
 
-#: An open `{` in a text: what stands before a dot, and the word at its end.
+#: An open `{` in a text: the text before a dot, and the word at its end.
 _HOLE = re.compile(r"(?<!\\)\{[^{}\n\"]*?(?:(?P<owner>[A-Za-z_][\w.]*(?:\[\d+\])?)\.)?(?P<word>[A-Za-z_]?\w*)\Z")
 
 

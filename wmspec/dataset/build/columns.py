@@ -61,7 +61,7 @@ COLUMNS: Columns = {
     "context_objects": (
         _OBJECTS,
         (
-            "of each picture shown (from 0): the objects that can move or are asked about, by name, the words for "
+            "of each picture shown (from 0): the objects that can move or are in the question, by name, the words for "
             "their looks, their middles (m) and turns (a quaternion), the share of the picture that shows them, where "
             "(0 to 1, from the left and from the top) and in what mean colour (sRGB, 0 to 1)"
         ),

@@ -56,7 +56,7 @@ class Plan:
     and `samples` determine the rendering. `renderer` is the engine that renders all episodes; if empty, each engine
     renders its own. `consensus` says how many engines must agree. A row is one of `rows_of`: a question that the
     reference engine executed and the others confirm, or a question in each of the engines. `profile` names the
-    benchmark whose tasks are asked as it asks them. `part` is (i, n) for share i of n of the instances. `shard` is the
+    benchmark whose questions have its format. `part` is (i, n) for share i of n of the instances. `shard` is the
     number of instances in a shard, `versions` those of wmspec and the engines. `film` are the settings of
     films, None for a dataset without. `licence` is stated in the card and has no other effect.
 

@@ -26,7 +26,7 @@ from wmspec.runtime.questions.views import views_of
 #: Films that are closer (widths, see `film_distance`) cannot be distinguished.
 MIN_APART = 0.4
 #: Objects whose films differ less (widths) do not distinguish the films.
-MIN_TELLING = 0.25
+MIN_DIFFERENCE = 0.25
 #: An object moves in a frame if it is this far (px of the working size) from where it was in the frame before.
 MIN_STEP = 0.5
 
@@ -69,7 +69,7 @@ class GroupFilms:
 
     def has_films(self, row: QuestionRow) -> bool:
         """Whether a row has a closed set of pictures, and so of films."""
-        return bool(self._design.spec.questions[row.question].orbit) and isinstance(row.evidence, PictureAnswer)
+        return self._design.spec.questions[row.question].has_closed_pictures
 
     def of(self, row: QuestionRow) -> FilmSet:
         """Return the films of a row. Raises Reject if two cannot be distinguished, or if they have no common times."""
@@ -86,7 +86,7 @@ class GroupFilms:
         films = [self._film(design, index, row.engine, answer) for index in members]
         own = films[members.index(row.index)]
         _require_equal_times(films)
-        objects = _telling_objects(films)
+        objects = _distinguishing_objects(films)
         points = [_futures(film, objects) for film in films]
         apart = pairwise(points, widths_of([_areas(film, objects) for film in films])) if objects else None
         _require_apart(row, apart)
@@ -205,7 +205,7 @@ def _areas(film: DrawnFilm, objects: list[str]) -> Array:
     return film.areas[[film.objects.index(name) for name in objects]]
 
 
-def _telling_objects(films: list[DrawnFilm]) -> list[str]:
+def _distinguishing_objects(films: list[DrawnFilm]) -> list[str]:
     """Return the objects whose places differ between two of the films."""
     names = [name for name in films[0].objects if all(name in film.objects for film in films)]
     if not names:
@@ -213,14 +213,14 @@ def _telling_objects(films: list[DrawnFilm]) -> list[str]:
     widths = widths_of([_areas(film, names) for film in films])
     places = [_futures(film, names) for film in films]
     gaps = [point_distance(a, b, widths).mean(axis=1) for a, b in combinations(places, 2)]
-    far = np.max(gaps, axis=0) >= MIN_TELLING
-    return [name for name, tells in zip(names, far, strict=True) if tells]
+    far = np.max(gaps, axis=0) >= MIN_DIFFERENCE
+    return [name for name, differs in zip(names, far, strict=True) if differs]
 
 
 def _require_apart(row: QuestionRow, apart: Array | None) -> None:
     """Raise Reject if two films are closer than `MIN_APART`."""
     if apart is None:
-        raise Reject("alike", "no object tells the films apart")
+        raise Reject("alike", "no object differs between the films")
     names = [option.name for option in row.options]
     for i, j in combinations(range(len(names)), 2):
         if apart[i, j] < MIN_APART:

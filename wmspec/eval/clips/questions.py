@@ -16,7 +16,7 @@ from wmspec.dataset.build.reader import REPAIR_HINT, DatasetReader
 from wmspec.dataset.film.codec import Frames, Ids, pyav
 from wmspec.dataset.film.distances import shrunk_ids, working_size
 from wmspec.eval.clips.reference import Reference, WholeFilm
-from wmspec.eval.models.question import Selection
+from wmspec.eval.models.question import QuestionIdentity, Selection
 
 _COLUMNS = (
     "id", "task", "dimension", "question_name", "engine", "index", "block", "option_name", "answer", "film",
@@ -26,20 +26,13 @@ _COLUMNS = (
 
 
 @dataclass(frozen=True)
-class FilmQuestion:
+class FilmQuestion(QuestionIdentity):
     """A question with a closed set of films.
 
     `context` is the number of frames shown, `answer_frame` that of the answer. `films` are the paths of the options'
-    films, `objects` the names of the objects that tell them apart, `engines` the other engines with films.
+    films, `objects` the names of the objects by which they differ, `engines` the other engines with films.
     """
 
-    id: str
-    task: str
-    dimension: str
-    name: str
-    engine: str
-    index: int
-    block: int
     options: tuple[str, ...]
     answer: int
     film: str
@@ -53,11 +46,6 @@ class FilmQuestion:
     objects: tuple[str, ...]
     engines: tuple[str, ...]
     films: tuple[str, ...]
-
-    @property
-    def group(self) -> str:
-        """The control group."""
-        return f"{self.task}/{self.block}"
 
     @property
     def file_name(self) -> str:

@@ -62,28 +62,24 @@ def common(question: FilmQuestion, sample: int, model: str, version: str, prompt
     """Return the columns that do not depend on the clip."""
     known = dict.fromkeys(SCHEMA.names)
     count = len(question.options)
-    return known | {
-        "id": question.id,
-        "task": question.task,
-        "dimension": question.dimension,
-        "question_name": question.name,
-        "engine": question.engine,
-        "index": question.index,
-        "block": question.block,
-        "group": question.group,
-        "model": model,
-        "model_version": version or None,
-        "prompt": prompt,
-        "prompt_hash": prompt_hash,
-        "permutation": 0,
-        "sample": sample,
-        "order": list(range(count)),
-        "labels": "numbers",
-        "options": [None] * count,
-        "answer": question.answer,
-        "rate": question.rate,
-        "text": "",
-    }
+    return (
+        known
+        | question.columns
+        | {
+            "model": model,
+            "model_version": version or None,
+            "prompt": prompt,
+            "prompt_hash": prompt_hash,
+            "permutation": 0,
+            "sample": sample,
+            "order": list(range(count)),
+            "labels": "numbers",
+            "options": [None] * count,
+            "answer": question.answer,
+            "rate": question.rate,
+            "text": "",
+        }
+    )
 
 
 def failed(row: Row, reason: str) -> Row:

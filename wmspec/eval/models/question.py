@@ -19,13 +19,8 @@ _COLUMNS = (
 
 
 @dataclass(frozen=True)
-class Question:
-    """A question: pictures (PNG), options and truth.
-
-    `options` are the words of each option, None for a picture, which is then in `pictures`; `names` identify their
-    meaning. `answer` is the position of the true option. For an open question, without options, it is None, and a reply
-    is right `within` of `number` (SI `unit`).
-    """
+class QuestionIdentity:
+    """The names and numbers of a question in its dataset."""
 
     id: str
     task: str
@@ -34,6 +29,36 @@ class Question:
     engine: str
     index: int
     block: int
+
+    @property
+    def group(self) -> str:
+        """The control group: questions that share nuisances and so are statistically dependent."""
+        return f"{self.task}/{self.block}"
+
+    @property
+    def columns(self) -> dict[str, str | int]:
+        """The columns of results that identify the question."""
+        return {
+            "id": self.id,
+            "task": self.task,
+            "dimension": self.dimension,
+            "question_name": self.name,
+            "engine": self.engine,
+            "index": self.index,
+            "block": self.block,
+            "group": self.group,
+        }
+
+
+@dataclass(frozen=True)
+class Question(QuestionIdentity):
+    """A question: pictures (PNG), options and truth.
+
+    `options` are the words of each option, None for a picture, which is then in `pictures`; `names` identify their
+    meaning. `answer` is the position of the true option. For an open question, without options, it is None, and a reply
+    is right `within` of `number` (SI `unit`).
+    """
+
     text: str
     context: tuple[bytes, ...]
     options: tuple[str | None, ...]
@@ -48,11 +73,6 @@ class Question:
     def in_words(self) -> bool:
         """Whether the options are words."""
         return None not in self.options
-
-    @property
-    def group(self) -> str:
-        """The control group: questions that share nuisances and so are statistically dependent."""
-        return f"{self.task}/{self.block}"
 
 
 @dataclass(frozen=True)

@@ -93,14 +93,7 @@ def row(ask: Ask, reply: Reply, model: str, prompt: str) -> Row:
     is_open = not question.options
     return score(
         {
-            "id": question.id,
-            "task": question.task,
-            "dimension": question.dimension,
-            "question_name": question.name,
-            "engine": question.engine,
-            "index": question.index,
-            "block": question.block,
-            "group": question.group,
+            **question.columns,
             "model": model,
             "model_version": reply.model_version,
             "prompt": prompt,

@@ -1,4 +1,4 @@
-"""Objects and properties that the options of a question name: which object is meant, of which colour, shape or side."""
+"""The objects and properties that the options of a question name: object, colour, shape or side."""
 
 from __future__ import annotations
 

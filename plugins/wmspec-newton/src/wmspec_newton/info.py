@@ -1,7 +1,8 @@
-"""Metadata of Newton, readable without importing it."""
+"""Metadata of Newton, readable without importing it. Step rate and contacts are those of the MuJoCo backend."""
 
 from __future__ import annotations
 
+from wmspec.backends.mujoco.info import CONTACT_YIELD, STEPS_PER_SECOND
 from wmspec.sim.scene.backend import Info
 from wmspec.sim.scene.capability import (
     BALL_LIMITS,
@@ -15,9 +16,6 @@ from wmspec.sim.scene.capability import (
     stiff_drives,
 )
 from wmspec.sim.scene.regime_thresholds import MAX_STEP_MULTIPLIER
-
-STEPS_PER_SECOND = 3840
-CONTACT_YIELD = 2.2e-3  # s: penetration per m/s of impact speed at this rate
 
 INFO = Info(
     name="newton",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from wmspec.backends.mujoco.info import CONTACT_YIELD, STEPS_PER_SECOND
 from wmspec.core.diagnostics import EngineError
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.capability import require
@@ -19,7 +20,7 @@ from wmspec.sim.scene.regime_thresholds import MAX_STEP_MULTIPLIER
 from wmspec.sim.scene.validate import validate
 
 from .contacts import constraint_solref, contacts, limit_gains
-from .info import CONTACT_YIELD, INFO, STEPS_PER_SECOND
+from .info import INFO
 from .world import World
 
 with silence():
