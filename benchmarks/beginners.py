@@ -109,6 +109,7 @@ MISTAKES = tuple(
         ("an index of a list", _CRATE, "color: [red, green][0]", 10, "pick("),
         ("an index of a named list", "-44 cm", "-44 cm\n  let ways = [1 m, 2 m]\n  let way = ways[0]", 10, "pick("),
         ("a member beyond the set", _ANSWER, "answer contact(ball, dots[7])", 16, "0 to 2"),
+        ("an index by another name", "20 cm * index", "20 cm * idx", 11, "`index`"),
         ("a length by len", "ensure n < 4", "ensure len(dots) < 4", 17, "count"),
         ("a list in braces", "[red, blue]", "{red, blue}", 4, "[red, blue]"),
         ("a range of Python", "factor n in [2, 3]", "factor n in range(2, 3)", 6, ".."),
