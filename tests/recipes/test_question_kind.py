@@ -22,7 +22,7 @@ def test_adding_a_question_kind(tmp_path: Path) -> None:
     for part in ("wmspec", "backends", "grammar", "specs"):
         shutil.copytree(ROOT / part, tmp_path / part, ignore=shutil.ignore_patterns("__pycache__"))
 
-    _replace(tmp_path / "wmspec/lang/check/ir/ir.py", '"numbers", "pictures"]', '"numbers", "pictures", "names"]')
+    _replace(tmp_path / "wmspec/lang/check/ir/ir.py", '"pictures", "possible"]', '"pictures", "possible", "names"]')
     rules = tmp_path / "wmspec/lang/check/statements/question_kinds.py"
     _replace(rules, '    "labels": QuestionRules(', RULES + '    "labels": QuestionRules(')
     _replace(rules, "import PICTURE,", "import OBJECT, PICTURE,")

@@ -56,11 +56,11 @@ def _process() -> _Process:
     known = _processes.get(os.getpid())
     if known is None or not known.alive:
         _processes.clear()
+        atexit.register(_stop)
         known = _processes[os.getpid()] = _Process()
     return known
 
 
-@atexit.register
 def _stop() -> None:
     if known := _processes.get(os.getpid()):
         known.stop()

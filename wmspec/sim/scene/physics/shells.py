@@ -51,16 +51,20 @@ def _shells(points: Array, faces: Faces) -> list[NDArray[np.intp]] | None:
     groups = np.split(order, np.cumsum(counts)[:-1])
     simple = counts == 2
     pairs = np.array([group for group, two in zip(groups, simple, strict=True) if two]).reshape(-1, 2) // 3
-    crowded = [_paired(points, faces, group, forward) for group, two in zip(groups, simple, strict=True) if not two]
+    patch = trimesh.graph.connected_component_labels(pairs, node_count=len(faces))
+    crowded = [_paired(points, faces, g, forward, patch) for g, two in zip(groups, simple, strict=True) if not two]
     pairs = np.concatenate([pairs, *crowded])
     labels = trimesh.graph.connected_component_labels(pairs, node_count=len(faces))
     return [np.flatnonzero(labels == label) for label in range(labels.max() + 1)]
 
 
-def _paired(points: Array, faces: Faces, sides: NDArray[np.intp], forward: NDArray[np.bool_]) -> NDArray[np.intp]:
+def _paired(
+    points: Array, faces: Faces, sides: NDArray[np.intp], forward: NDArray[np.bool_], patch: NDArray[np.intp]
+) -> NDArray[np.intp]:
     """Return pairs of faces (n, 2) around an edge of more than two: each with the next across its interior.
 
-    `sides` index the edges of the faces in order (face * 3 + corner).
+    `sides` index the edges of the faces in order (face * 3 + corner). Of faces that coincide, the one of the same
+    `patch` is next: else two shells with a corner in common would count as one that overlaps itself.
     """
     face, corner = sides // 3, sides % 3
     a, b = (points[faces[face, (corner + k) % 3]] for k in (0, 1))
@@ -75,7 +79,9 @@ def _paired(points: Array, faces: Faces, sides: NDArray[np.intp], forward: NDArr
     for i in np.flatnonzero(forward[sides]):  # its interior lies clockwise about the edge
         turn = [(angle[i] - angle[j]) % (2 * np.pi) or 2 * np.pi for j in backward]
         turn = [2 * np.pi if t < 1e-9 else t for t in turn]
-        partner = backward.pop(int(np.argmin(turn)))
+        other_patch = [patch[face[i]] != patch[face[j]] for j in backward]
+        nearest = np.isclose(turn, min(turn), rtol=0, atol=1e-9)
+        partner = backward.pop(min(np.flatnonzero(nearest), key=lambda k: other_patch[k]))
         pairs.append((face[i], face[partner]))
     return np.array(pairs)
 
