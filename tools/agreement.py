@@ -1,12 +1,15 @@
 """Write the table of docs/benchmarks/agreement.md from the files of `wmspec crosscheck --json FILE`.
 
-python -m tools.agreement FILE...
+python -m tools.agreement [--engine ENGINE] FILE...
+
+With an engine: only its pairs with the others, into docs/benchmarks/ENGINE.md.
 """
 
 from __future__ import annotations
 
 import json
 import sys
+from argparse import ArgumentParser
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 from pathlib import Path
@@ -18,15 +21,18 @@ from wmspec.runtime.compare.verbalize import dispute
 
 PAGE = Path(__file__).parent.parent / "docs/benchmarks/agreement.md"
 MARK = "<!-- measured -->\n"
-USAGE = "python -m tools.agreement FILE...: give the files that `wmspec crosscheck --json FILE` wrote"
 
 Record = dict[str, Any]
 
 
-def measured(records: Sequence[Record]) -> Iterator[str]:
-    """Yield the lines of the section; all records have the same engines and seed."""
+def measured(records: Sequence[Record], engine: str | None = None) -> Iterator[str]:
+    """Yield the lines of the section, of the pairs with `engine` if given.
+
+    All records have the same engines and seed.
+    """
     engines = ", ".join(f"{name} {version}" for name, version in records[0]["engines"].items())
     lines = sorted((line for record in records for line in record["summary"]), key=lambda line: line["task"])
+    lines = [line for line in lines if engine is None or engine in line["engines"]]
     rows = {task: list(of_task) for task, of_task in groupby(lines, key=lambda line: line["task"])}
     instances = [instance for record in records for instance in record["instances"]]
     good, total = total_of(lines, "before_gates")
@@ -72,13 +78,17 @@ def verdict_of(record: Record) -> Verdict:
 
 def main() -> None:
     """Rewrite the section."""
-    records = [json.loads(Path(name).read_text(encoding="utf-8")) for name in sys.argv[1:]]
-    if not records:
-        sys.exit(USAGE)
+    parser = ArgumentParser(description="Write a table of agreement.")
+    parser.add_argument("--engine", help="only its pairs, into docs/benchmarks/ENGINE.md")
+    parser.add_argument("files", nargs="+", help="what `wmspec crosscheck --json FILE` wrote")
+    given = parser.parse_args()
+    records = [json.loads(Path(name).read_text(encoding="utf-8")) for name in given.files]
     if any((r["engines"], r["seed"]) != (records[0]["engines"], records[0]["seed"]) for r in records):
         sys.exit("these files are of different engines or seeds: crosscheck all specs with the same")
-    head, mark, _ = PAGE.read_text(encoding="utf-8").partition(MARK)
-    PAGE.write_text(head + mark + "\n" + "\n".join(measured(records)).rstrip() + "\n", encoding="utf-8")
+    page = PAGE.with_name(f"{given.engine}.md") if given.engine else PAGE
+    head, mark, _ = page.read_text(encoding="utf-8").partition(MARK)
+    lines = "\n".join(measured(records, given.engine)).rstrip()
+    page.write_text(head + mark + "\n" + lines + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
