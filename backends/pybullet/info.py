@@ -18,9 +18,9 @@ from wmspec.sim.scene.capability import (
     pieces_above,
     stiff_drives,
 )
-from wmspec.sim.scene.regime_thresholds import MAX_STEP_MULTIPLIER
+from wmspec.sim.scene.regime_thresholds import COARSEST_STEP_RATE, MAX_STEP_MULTIPLIER
 
-STEPS_PER_SECOND = 1920
+STEPS_PER_SECOND = COARSEST_STEP_RATE
 MAX_FRICTION = 10.0  # per pair: Bullet's limit
 MAX_PIECES = 16  # per moving body: PyBullet's limit; all hulls count as one
 

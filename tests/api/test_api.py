@@ -297,3 +297,14 @@ def test_a_seed_that_its_tasks_were_not_loaded_with_is_refused(tmp_path: Path) -
         wmspec.generate(task, tmp_path / "out", backend="mujoco", per_task=4, seed=4)
     with pytest.raises(wmspec.WmsError, match=reported):
         wmspec.crosscheck(task, seed=4)
+
+
+def test_generate_tells_that_control_groups_are_whole(tmp_path: Path) -> None:
+    messages: list[str] = []
+    spec = Path("specs/gallery/constancy.wms")
+    for count in (1, 4):
+        wmspec.generate(
+            spec, tmp_path / str(count), per_task=count, backend="mujoco", size=48, workers=0, tell=messages.append
+        )
+    notices = [line for line in messages if "groups are whole" in line]
+    assert notices == ["`constancy`: 4 instances instead of 1, as control groups are whole"]

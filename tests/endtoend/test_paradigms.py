@@ -21,6 +21,12 @@ def test_each_is_sound_names_its_source_and_is_on_the_page(path: Path) -> None:
     assert task.name == path.stem
     assert "\nSource: " in path.read_text()
     assert f"`specs/paradigms/{path.name}`" in PAGE
+    assert f"images/paradigms/{path.stem}.jpg" in PAGE
+
+
+def test_each_has_a_picture() -> None:
+    pictures = {path.stem for path in (ROOT / "docs/images/paradigms").glob("*.jpg")}
+    assert pictures == {path.stem for path in PARADIGMS}
 
 
 def test_they_are_apart_from_the_catalogue() -> None:

@@ -34,6 +34,7 @@ def body(
     restitution: float = 0.0,
     velocity: Vector = (0, 0, 0),
     spin: Vector = (0, 0, 0),
+    belt: tuple[float, float, float] = (0, 0, 0),
     **damping: float,
 ) -> Body:
     """A body of one shape."""
@@ -47,6 +48,7 @@ def body(
         inertia=inertia([(shape, identity(), mass)]) if motion == "dynamic" else None,
         linear_velocity=np.array(velocity, float),
         angular_velocity=np.array(spin, float),
+        surface_velocity=belt,
         **damping,
     )
 

@@ -249,3 +249,24 @@ def test_a_glide_goes_on_from_where_a_teleport_puts_the_body(execute: Execute) -
     after = trace.position[t > 0.5, 0]
     assert np.abs(after[:, 0] - (2.0 + np.clip(t[t > 0.5] - 0.5, 0, 0.4))).max() < 1e-9
     assert np.allclose(after[:, 1:], 1.0)
+
+
+@pytest.mark.parametrize("way", [0.0, 0.7])
+def test_a_belt_carries_what_lies_on_it_and_stays(execute: Execute, way: float) -> None:
+    """It drags the load along by friction until the load is as fast as its surface, which runs along its own x axis."""
+    v, mu = 0.5, 0.4
+    belt = body(
+        "belt", Box((2.0, 0.5, 0.05)), motion="kinematic", friction=mu, orientation=turn((0, 0, 1), way), belt=(v, 0, 0)
+    )
+    load = body("load", CUBE, (0, 0, 0.1), friction=mu, orientation=turn((0, 0, 1), way))
+    other = body("other", Box((2.0, 0.5, 0.05)), (0, 2, 0), motion="kinematic", friction=mu)
+    left = body("left", CUBE, (0, 2, 0.1), friction=mu)
+    trace = execute(scene(belt, load, other, left, duration=1))
+    begun = v / (mu * G)
+    t = trace.time
+    carried = np.where(t < begun, mu * G * t**2 / 2, v * (t - begun / 2))
+    along = np.array([cos(way), sin(way), 0])
+    assert np.abs(trace.position[:, 1] @ along - carried).max() < 4e-3
+    assert trace.linear_velocity[-1, 1] == pytest.approx(v * along, abs=5e-3)
+    assert np.abs(trace.position[:, 0] - trace.position[0, 0]).max() < 1e-9, "the belt stays"
+    assert np.abs(trace.position[:, 3] - trace.position[0, 3]).max() < 1e-3, "one whose surface rests moves nothing"

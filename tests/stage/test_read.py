@@ -679,3 +679,38 @@ def test_a_stage_error_survives_a_process_border() -> None:
     again = pickle.loads(pickle.dumps(caught.value))
     assert (str(again), again.diagnostics) == (str(caught.value), caught.value.diagnostics)
     assert str(again).startswith("/World/j: distance joints are not supported; ")
+
+
+# ---------------------------------------------------------------- belts
+
+BELT = """
+def Cube "belt" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI", "PhysxSurfaceVelocityAPI"]) {
+    double size = 0.1
+    double3 xformOp:rotateXYZ = (0, 0, 90)
+    uniform token[] xformOpOrder = ["xformOp:rotateXYZ"]
+    bool physics:kinematicEnabled = %s
+    vector3f physxSurfaceVelocity:surfaceVelocity = (0.2, 0, 0)
+    %s
+}"""
+
+
+@pytest.mark.parametrize(
+    ("more", "expected"),
+    [
+        ("", (0.2, 0, 0)),
+        ("bool physxSurfaceVelocity:surfaceVelocityLocalSpace = false", (0, -0.2, 0)),
+        ("bool physxSurfaceVelocity:surfaceVelocityEnabled = false", (0, 0, 0)),
+    ],
+)
+def test_the_surface_velocity_of_a_belt_is_along_its_own_axes_or_those_of_the_world(
+    more: str, expected: tuple[float, ...]
+) -> None:
+    assert_allclose(only(BELT % ("true", more)).surface_velocity, expected, atol=1e-6)
+    slower = only(BELT % ("true", more), meters=0.01).surface_velocity
+    assert_allclose(slower, np.array(expected) / 100, atol=1e-8)
+
+
+def test_other_surfaces_that_move_are_refused() -> None:
+    assert problems(BELT % ("false", "")) == {"/World/belt": "a surface velocity of a dynamic body is not supported"}
+    turning = "vector3f physxSurfaceVelocity:surfaceAngularVelocity = (0, 0, 30)"
+    assert problems(BELT % ("true", turning)) == {"/World/belt": "a surface that turns is not supported"}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from os import PathLike
@@ -106,8 +106,8 @@ def generate(
         executor: "local" processes or a "ray" cluster. The dataset is the same.
         address: of the Ray cluster, such as "auto" or "10.0.0.5:6379"; this machine only by default.
         progress: shows the progress, such as `wmspec.progress_bar`.
-        tell: receives warnings, notices of damaged files that are generated again, and questions for which gates change
-            the balance of answers.
+        tell: receives warnings, notices of damaged files that are generated again and of groups that require more
+            instances than `per_task`, and questions for which gates change the balance of answers.
         **options: see `DatasetOptions`.
 
     Returns:
@@ -118,6 +118,8 @@ def generate(
             cannot be used.
     """
     plan = plan_dataset(tasks, tell, **options)
+    for notice in _larger_samples(plan, options.get("per_task")):
+        tell(notice)
     before = PriorInstances([Path(folder) for folder in reuse], plan)
     with Dataset.open(Path(output), plan, force) as dataset:
         for notice in dataset.notices:
@@ -183,6 +185,13 @@ def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptio
         licence=_licence(chosen_tasks, options.get("licence", "")),
         versions=versions({*engines, *drawers}, look),
     )
+
+
+def _larger_samples(plan: Plan, requested: int | None) -> Iterator[str]:
+    """Yield a notice for each task of which control groups require more instances than requested."""
+    for task in plan.tasks:
+        if requested and task.selected and task.selected > requested:
+            yield f"`{task.spec.name}`: {task.selected} instances instead of {requested}, as control groups are whole"
 
 
 def _film(rate: int | None, size: tuple[int, int] | None, tasks: Sequence[Task], look: Look) -> FilmSettings | None:

@@ -12,6 +12,7 @@ from wmspec.compile.lint import (
     action_rules,
     change_rules,
     design_rules,
+    drive_rules,
     giveaway_rules,
     hidden_rules,
     option_rules,
@@ -76,6 +77,7 @@ def _lint_scene(scene: LintScene, linter: Linter, *, changed: bool) -> None:
     linter.check(scene, action_rules.RULES)
     linter.check(scene, hidden_rules.RULES)
     linter.check(scene, regime_rules.RULES)
+    linter.check(scene, drive_rules.RULES)
     linter.check(scene, giveaway_rules.SCENE_RULES)
     things = {t.name for t in spec.things}
     for question in spec.questions if changed else ():

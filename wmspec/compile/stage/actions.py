@@ -43,11 +43,10 @@ def _require_able(action: Entity, target: str, values: Evaluator, carried: dict[
     if values.flag(target, "fixed") and action.verb != "paint":
         raise ImpossibleValue(f"`{target}` is fixed, so nothing can {action.verb} it", action.place)
     if action.verb not in motion.CARRYING and target in carried and not VERBS[action.verb].allows_carried:
-        raise ImpossibleValue(
-            f"`{target}` is carried by `{carried[target]}`, so `{action.verb}` cannot move it",
-            action.place,
-            "use verbs that carry it, or none of them",
-        )
+        jumps = values.spec.thing(carried[target]).verb == "teleport"
+        instead = "move it with `glide`, which goes on after a teleport" if jumps else "use verbs that carry it"
+        what = f"`{target}` is carried by `{carried[target]}`, so `{action.verb}` cannot move it"
+        raise ImpossibleValue(what, action.place, f"{instead}, or none of them")
     if {"launch", "vanish"} & {action.verb, VERBS[action.verb].staged} and has_joint(values, target):
         remedy = "use `impulse`" if action.verb == "launch" else "leave out the joint, or this"
         raise ImpossibleValue(f"a joint holds `{target}`, so it cannot {action.verb}", action.place, remedy)

@@ -37,7 +37,10 @@ def add_object(doc: Document, name: str, values: Evaluator, carriers: frozenset[
     weighed = () if fixed or not solid or not masses.has_own_mass(name, values) else ("PhysicsMassAPI",)
     passed = _pass_through_objects(name, values)
     filters = ("PhysicsFilteredPairsAPI",) if passed else ()
-    schemas = filters if fixed else ("PhysicsRigidBodyAPI", *weighed, *filters)
+    belt = values.has(name, "surface_velocity")
+    schemas = filters if fixed and not belt else ("PhysicsRigidBodyAPI", *weighed, *filters)
+    if belt:
+        schemas = (*schemas, "PhysxSurfaceVelocityAPI")
     body = doc.add(object_path(name), "Xform", schemas, (f"{name}.fixed", f"{name}.present"))
     pose = values.pose(name)
     body.set("xformOp:translate", "double3", pose.position, f"{name}.pose")
@@ -45,6 +48,8 @@ def add_object(doc: Document, name: str, values: Evaluator, carriers: frozenset[
     body.set("xformOpOrder", "token[]", ("xformOp:translate", "xformOp:orient"), uniform=True)
     if carriers and not fixed:
         body.set("physics:kinematicEnabled", "bool", carried, f"{name}.fixed", *carriers)
+    if belt:
+        _set_surface_velocity(body, name, values)
     if values.has(name, "damping"):
         spun = "spin_damping" if values.has(name, "spin_damping") else "damping"
         for kind, word in (("linear", "damping"), ("angular", spun)):
@@ -70,6 +75,19 @@ def _set_velocities(body: Prim, name: str, values: Evaluator) -> None:
             raise ImpossibleValue(f"`{name}` is fixed, so it has no `{word}`", place)
         way = scale(unit, rotate(turned, values.vector(name, word)))
         body.set(f"physics:{attribute}", "vector3f", way, f"{name}.{word}", *((f"{base}.pose",) if base else ()))
+
+
+def _set_surface_velocity(body: Prim, name: str, values: Evaluator) -> None:
+    """Set the velocity of the surface of a belt, along its own axes: it is kinematic and stays where it is."""
+    place = values.source_location(name, "surface_velocity")
+    if not values.flag(name, "fixed"):
+        what = f"`{name}` has a `surface_velocity` and is not fixed"
+        raise ImpossibleValue(what, place, "make it `fixed: true`: a belt stays, and carries what touches it")
+    if not values.flag(name, "solid"):
+        raise ImpossibleValue(f"`{name}` cannot be touched, so its surface carries nothing", place)
+    body.set("physics:kinematicEnabled", "bool", True, f"{name}.fixed")
+    way = values.vector(name, "surface_velocity")
+    body.set("physxSurfaceVelocity:surfaceVelocity", "vector3f", way, f"{name}.surface_velocity")
 
 
 def _pass_through_objects(name: str, values: Evaluator) -> tuple[str, ...]:

@@ -21,7 +21,7 @@ from wmspec.sim.shapes import shape_word
 #: Properties of links, and of joints, that a spec may override.
 OF_LINK = (
     *APPEARANCE, "mass", "density", "friction", "restitution", "damping", "spin_damping", "collision", "fixed",
-    "velocity", "spin", "passes",
+    "velocity", "spin", "surface_velocity", "passes",
 )  # fmt: skip
 OF_JOINT = ("low", "high", "start", "target", "stiffness", "damping", "pace", "strength", "touching")
 #: Properties of the whole asset that apply to every link, beyond its appearance.
@@ -118,6 +118,8 @@ class Blocks:
             values["velocity"] = self.write.numbers(without_rounding(link.velocity), "m/s")
         if link.spin is not None:
             values["spin"] = self.write.numbers(without_rounding(link.spin), "rad/s")
+        if link.surface_velocity is not None:
+            values["surface_velocity"] = self.write.numbers(link.surface_velocity, "m/s")
         if link.passes:
             values["passes"] = self.write.names(self.name(other) for other in link.passes)
         return {n: made for n, made in values.items() if n not in whole}

@@ -160,7 +160,8 @@ class Link:
     `own_inertia` is that of the file if `mass` is a plausible one instead.
 
     `given` are scalars from the file: `density`, `friction`, `restitution`, `damping`. The initial `velocity` (3,) m/s
-    and `spin` (3,) rad/s are in the asset's frame. It does not collide with the links that it `passes`.
+    and `spin` (3,) rad/s are in the asset's frame, the `surface_velocity` (3,) m/s of a belt is in its own. It does not
+    collide with the links that it `passes`.
     """
 
     name: str
@@ -174,6 +175,7 @@ class Link:
     passes: tuple[str, ...] = ()
     massless: bool = False
     own_inertia: Inertia | None = None
+    surface_velocity: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True)

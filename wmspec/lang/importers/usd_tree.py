@@ -67,7 +67,8 @@ class Stage:
             shapes = (Shape(Sphere(_PLACEHOLDER_RADIUS), middle, solid=False, drawn=False),)
         velocity, spin = (v if v.any() else None for v in (body.linear_velocity, body.angular_velocity))
         where = FilePlace(self._shown, element=f"`{body.path}`")
-        return Link(name, where, shapes, body.inertia, properties, body.motion != "dynamic", velocity, spin, passes)
+        made = Link(name, where, shapes, body.inertia, properties, body.motion != "dynamic", velocity, spin, passes)
+        return replace(made, surface_velocity=body.surface_velocity if any(body.surface_velocity) else None)
 
     def asset(self, held: Sequence[model.Joint], faults: Faults) -> Asset:
         """Return all links and joints; unsupported ones are added to the faults."""

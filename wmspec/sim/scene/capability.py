@@ -103,6 +103,10 @@ def _filtered(scene: Scene) -> Occurrences:
     yield from ((paths[first], f"{second} that does not collide with it") for first, second in scene.filtered)
 
 
+def _belts(scene: Scene) -> Occurrences:
+    yield from ((body.path, "a belt") for body in scene.bodies if any(body.surface_velocity))
+
+
 def _passages(scene: Scene) -> Occurrences:
     paths = {body.name: body.path for body in scene.bodies}
     for action in scene.actions:
@@ -219,6 +223,7 @@ MESHES = Capability(
     _meshes,
 )
 MOTIONS = Capability("static, dynamic and kinematic bodies, all actions on them")
+BELTS = Capability("belts: surfaces that move while their bodies stay", _belts)
 PASSAGES = Capability("bodies that go through others for a time", _passages)
 FILTERS = Capability("filtered pairs and collision groups", _filtered)
 JOINTS = Capability("fixed joints, hinges, sliders, ball joints; trees of them, held by the world or free", _jointed)
@@ -233,11 +238,12 @@ COMMON = (
         MESHES,
         SLIDING_MESHES,
         MOTIONS,
+        BELTS,
         HEAVY_LANDINGS,
         PASSAGES,
         FILTERS,
     ),
-    *(PASSAGES, JOINTS, DOUBLE_PENDULUMS, FAST_SPINS, DRIVES, LOOPS, MIMICS),
+    *(JOINTS, DOUBLE_PENDULUMS, FAST_SPINS, DRIVES, LOOPS, MIMICS),
 )
 
 TWO_FRICTIONS = Capability("static friction other than the dynamic one", _sticking)

@@ -71,6 +71,8 @@ def _body(body: Body) -> Iterator[Diagnostic]:
         yield Diagnostic(f"its orientation {body.pose.orientation} is not a unit quaternion")
     if body.motion != "dynamic" and any(np.any(v) for v in numbers[1:]):
         yield Diagnostic(f"it is {body.motion} but has a velocity", help="make it dynamic or move it with an action")
+    if any(body.surface_velocity) and (body.motion != "kinematic" or not np.isfinite(body.surface_velocity).all()):
+        yield Diagnostic("the velocity of its surface is not finite, or it is not kinematic")
     if min(body.linear_damping, body.angular_damping) < 0:
         yield Diagnostic("its damping is negative")
     if body.motion == "dynamic":

@@ -14,10 +14,12 @@ from wmspec.sim.usd.colliders import DOWN, collision_shapes
 from wmspec.sim.usd.frames import StageFrame, split_transform, vector
 from wmspec.sim.usd.geoms import MaterialTable, geoms
 from wmspec.sim.usd.masses import body_inertia
-from wmspec.sim.usd.prims import Names, refuse, value
+from wmspec.sim.usd.prims import Names, applied_schemas, refuse, value
 from wmspec.sim.usd.shapes import PlacedShape, placed_shape
 from wmspec.sim.usd.stage_index import BodyPrim
 from wmspec.sim.usd.substitutions import STRICT, Substitutions
+
+_BELT_SCHEMA, _BELT = "PhysxSurfaceVelocityAPI", "physxSurfaceVelocity:surface"
 
 
 def bodies(
@@ -58,10 +60,14 @@ def _body(owner: BodyPrim, name: str, world: StageFrame, materials: MaterialTabl
 def body(
     owner: BodyPrim, name: str, pose: Pose, geoms: tuple[Geom, ...], inertia: Inertia | None, world: StageFrame
 ) -> Body:
-    """Return a body with its velocities and damping. Raises StageError if it is kinematic with a velocity."""
-    damping = (float(value(owner.prim, f"physxRigidBody:{kind}Damping", 0.0)) for kind in ("linear", "angular"))
+    """Return a body with its velocities and damping.
+
+    Raises: StageError: if it is kinematic with a velocity, or if its surface moves and it is not kinematic.
+    """
+    linear, angular = (float(value(owner.prim, f"physxRigidBody:{kind}Damping", 0.0)) for kind in ("linear", "angular"))
     path = str(owner.prim.GetPath())
-    return Body(name, path, owner.motion, pose, geoms, inertia, *_velocities(owner, world), *damping)
+    surface = _surface_velocity(owner, pose, world)
+    return Body(name, path, owner.motion, pose, geoms, inertia, *_velocities(owner, world), linear, angular, surface)
 
 
 def _velocities(owner: BodyPrim, world: StageFrame) -> tuple[Array, Array]:
@@ -77,3 +83,21 @@ def _velocities(owner: BodyPrim, world: StageFrame) -> tuple[Array, Array]:
     parent = world.parent(owner.prim)
     turn = split_transform(parent, owner.prim).rigid
     return vector(parent.TransformDir(linear)), np.radians(vector(turn.TransformDir(angular)))
+
+
+def _surface_velocity(owner: BodyPrim, pose: Pose, world: StageFrame) -> tuple[float, float, float]:
+    """Return the velocity of the surface of a belt (m/s, axes of the body), as PhysxSurfaceVelocityAPI states it."""
+    prim = owner.prim
+    if _BELT_SCHEMA not in applied_schemas(prim) or not value(prim, f"{_BELT}VelocityEnabled", True):
+        return (0.0, 0.0, 0.0)
+    if any(value(prim, f"{_BELT}AngularVelocity", Gf.Vec3f(0))):
+        refuse(prim, "a surface that turns is not supported", "author surfaceVelocity alone, or turn the body itself")
+    given = Gf.Vec3d(value(prim, f"{_BELT}Velocity", Gf.Vec3f(0)))
+    if any(given) and owner.motion != "kinematic":
+        reason = f"a surface velocity of a {owner.motion} body is not supported"
+        refuse(prim, reason, "author physics:kinematicEnabled = true")
+    if value(prim, f"{_BELT}VelocityLocalSpace", True):
+        x, y, z = vector(given) * world.meters
+    else:
+        x, y, z = rotate(conjugate(pose.orientation), world.direction(given) * world.meters)
+    return float(x), float(y), float(z)

@@ -29,7 +29,7 @@ _FOREIGN_PREFIXES = ("physx", "mjc:", "newton:", "state:")
 
 _READ_FOREIGN = re.compile(
     r"physxRigidBody:(linear|angular)Damping|physxArticulation:enabledSelfCollisions|physxMimicJoint:.*"
-    r"|newton:(mimic.*|selfCollisionEnabled)|mjc:(coef\d|target)"
+    r"|physxSurfaceVelocity:.*|newton:(mimic.*|selfCollisionEnabled)|mjc:(coef\d|target)"
 )
 _HARMLESS = re.compile(
     r"physx(Scene|ContactReport|CookedData|ConvexHullCollision|ConvexDecompositionCollision|ResidualReporting):.*"

@@ -41,7 +41,6 @@ APIS = {
     "PhysxSDFMeshCollisionAPI": ("colliders made of signed distance fields are not supported", "use convexHull"),
     "PhysxTriggerAPI": ("trigger volumes are not supported", "remove PhysxTriggerAPI"),
     "PhysxForceAPI": ("force fields are not supported", "remove PhysxForceAPI"),
-    "PhysxSurfaceVelocityAPI": ("conveyors are not supported", "remove PhysxSurfaceVelocityAPI"),
     "PhysxParticle": _SOFT,
     "PhysxDeformable": _SOFT,
     "PhysxAutoParticle": _SOFT,

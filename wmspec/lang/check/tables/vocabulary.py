@@ -270,6 +270,7 @@ PROPERTIES: dict[str, dict[str, PropertySpec]] = {
         "spin_damping": PropertySpec((Quantity(NUMBER / TIME),), "share of its turning that the air takes, per time; as `damping` if left out", optional=True, least=0, most=100),
         "velocity": PropertySpec((Vector(SPEED, 3),), "how fast it goes at the start, along the axes of the world", optional=True),
         "spin": PropertySpec((Vector(ANGULAR_SPEED, 3),), "how fast it turns at the start, about the axes of the world", optional=True),
+        "surface_velocity": PropertySpec((Vector(SPEED, 3),), "of a belt, which is fixed: how fast its surface runs along its own axes, and carries what touches it", optional=True),
         "passes": PropertySpec((List(OBJECT),), "the objects that it passes through", optional=True),
         "on": PropertySpec((OBJECT,), "what it rests on; `on: table at (x, y)` says where, from its middle", optional=True),
         "inside": PropertySpec((OBJECT,), "what it rests in: on the lowest part of it below the place", optional=True),

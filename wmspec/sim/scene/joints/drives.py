@@ -12,9 +12,7 @@ from wmspec.sim.scene.joints.com_frame import com_frame
 from wmspec.sim.scene.model import Array, Drive, Joint, Scene
 from wmspec.sim.scene.model.numbers import pose_of
 from wmspec.sim.scene.model.transform import compose, cross, rotate, rotation
-from wmspec.sim.scene.regime_thresholds import MAX_STEP_MULTIPLIER
-
-MAX_STEP_RESPONSE = 0.5  # oscillation: (rad per step)²; decay: fraction per step
+from wmspec.sim.scene.regime_thresholds import MAX_STEP_MULTIPLIER, MAX_STEP_RESPONSE
 
 
 def too_stiff(scene: Scene, rate: int) -> Iterator[Joint]:

@@ -64,7 +64,8 @@ class Body:
     """A rigid body. `name` is unique in the scene, `path` is its prim.
 
     `inertia` is None unless the body is dynamic. A kinematic body follows the actions of the scene and rests otherwise.
-    Velocities (3,) are in world axes at the centre of mass.
+    Velocities (3,) are in world axes at the centre of mass. A belt is a kinematic body whose surface moves at
+    `surface_velocity` (m/s, along the axes of the body) and carries along what touches it, while the body stays.
     """
 
     name: str
@@ -77,6 +78,7 @@ class Body:
     angular_velocity: Array
     linear_damping: float = 0.0
     angular_damping: float = 0.0
+    surface_velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
     def mass(self) -> float:

@@ -113,6 +113,9 @@ class KinematicPath:
 
     From `times[i]` (s) on it moves from `points[i]` (m) with `velocities[i]` (m/s) and rotates from the quaternion
     `turns[i]` with `spins[i]` (rad/s).
+
+    In every step it also moves with the velocity of its `surface` (m/s, its own axes), and is back where it was before
+    the next step. Engines then see a surface that moves and a body that stays.
     """
 
     body: int
@@ -121,6 +124,7 @@ class KinematicPath:
     velocities: tuple[Vector, ...]
     turns: tuple[Vector, ...]
     spins: tuple[Vector, ...]
+    surface: Vector = (0.0, 0.0, 0.0)
 
     def at(self, times: Any) -> Any:
         """Return position, quaternion, linear and angular velocity (T, 13) at `times` (T,)."""
@@ -140,6 +144,8 @@ class KinematicPath:
         here, there = poses[:-1], poses[1:].copy()
         ends = 1 + np.flatnonzero(begun[1:] != ended[1:])  # the path may jump here
         there[ends - 1] = self.parts(ended[ends], times[ends])[:, :7]
+        if any(self.surface):
+            there[:, :3] += rotate(here[:, 3:], np.array(self.surface)) * np.diff(times)[:, None]
         turn = to_rotation_vector(multiply(there[:, 3:], conjugate(here[:, 3:])))
         return here, there, np.concatenate([there[:, :3] - here[:, :3], turn], axis=1) / np.diff(times)[:, None]
 

@@ -65,6 +65,7 @@ def track(scene: Scene, index: int, steps_per_second: int) -> KinematicPath:
         tuple(part.velocity for part in parts),
         tuple(part.turn for part in parts),
         tuple(part.spin for part in parts),
+        floats(np.array(body.surface_velocity)),
     )
 
 
