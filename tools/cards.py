@@ -9,22 +9,23 @@ from __future__ import annotations
 
 import json
 import sys
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from PIL import Image
+
 import wmspec
 from tools.reading import LETTERS, sheet
 from wmspec.api.task import Factor, Task
+from wmspec.core.rng import Permutation
 from wmspec.dataset.build.format_units import format_value
-from wmspec.dataset.build.reader import DatasetReader
 from wmspec.lang.check.ir.ir import Choices, Interpolation, Question
+from wmspec.runtime.questions.model import QuestionRow
 
 ROOT = Path(__file__).parent.parent
 PICTURES = ROOT / "docs/images/tasks"
 ANSWERS = PICTURES / "answers.json"
-#: An instance that is not among the first of its design.
 SEED, QUALITY = 20, 80
 
 
@@ -44,7 +45,8 @@ def card(task: Task) -> Iterator[str]:
     yield f"{task.spec.description or task.title}\n"
     picture = PICTURES / f"{task.name}.webp"
     if picture.exists():
-        yield f"![A question of {task.name}](../images/tasks/{picture.name})\n"
+        image = f"../images/tasks/{picture.name}"
+        yield f"[![A question of {task.name}]({image})]({image})\n"
         yield f'??? question "Answer"\n    {json.loads(ANSWERS.read_text())[task.name]}\n'
     yield "| | |\n|---|---|"
     yield f"| dimension | {task.dimension} |"
@@ -96,20 +98,27 @@ def draw(names: list[str]) -> None:
     """Draw one question of each task."""
     PICTURES.mkdir(parents=True, exist_ok=True)
     answers = json.loads(ANSWERS.read_text()) if ANSWERS.exists() else {}
-    tasks = [task for task in wmspec.load_all() if not names or task.name in names]
-    for path in sorted({Path(task.file) for task in tasks}):
-        with tempfile.TemporaryDirectory() as folder:
-            made = Path(folder) / "out"
-            wmspec.generate(path, made, backend="mujoco", per_task=2, seed=SEED)
-            dataset = DatasetReader.open(made)
-            for task in dataset.tasks:
-                row = next((row for row in dataset.rows(task) if row["question"] == 0), None)
-                if row is None:
-                    raise SystemExit(f"{task} keeps no question")
-                sheet(row).save(PICTURES / f"{task}.webp", quality=QUALITY, method=6)
-                answers[task] = LETTERS[row["answer"]]
-                ANSWERS.write_text(json.dumps(dict(sorted(answers.items())), indent=1) + "\n")
-                print(task, answers[task])
+    for task in wmspec.load_all(seed=SEED):
+        if names and task.name not in names:
+            continue
+        question = _question(task)
+        assert question.answer is not None
+        options = [Image.fromarray(o.picture.rgb) if o.picture else str(o.text) for o in question.options]
+        drawn = sheet(question.text, [Image.fromarray(p.rgb) for p in question.context], options)
+        drawn.save(PICTURES / f"{task.name}.webp", quality=QUALITY, method=6)
+        answers[task.name] = LETTERS[question.answer]
+        ANSWERS.write_text(json.dumps(dict(sorted(answers.items())), indent=1) + "\n")
+        print(task.name, answers[task.name])
+
+
+def _question(task: Task) -> QuestionRow:
+    """Return the first question of the first instance that keeps it, in a random order."""
+    order = Permutation(len(task), SEED, task.name)
+    for number in range(len(task)):
+        for question in task[order(number)].ask("mujoco"):
+            if question.question == 0:
+                return question
+    raise SystemExit(f"{task.name} keeps no question")
 
 
 if __name__ == "__main__":

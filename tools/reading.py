@@ -29,7 +29,9 @@ from wmspec.dataset.build.typeset import Picture, Style
 COLUMNS = ("sheet", "task", "question", "tier", "options", "answer", "id")
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 TEXT, LETTER = Style(20), Style(22, bold=True)
-GAP, ACROSS, WIDTH = 8, 4, 1560
+GAP, ACROSS = 8, 4
+#: Minimum width (px) of a sheet: that of two pictures.
+MIN_WIDTH = 776
 
 
 def questions(dataset: DatasetReader, per_tier: int, seed: int) -> Iterator[dict[str, Any]]:
@@ -57,19 +59,26 @@ def questions(dataset: DatasetReader, per_tier: int, seed: int) -> Iterator[dict
                 yield row | {"tier": chosen[row["id"]]}
 
 
-def sheet(row: dict[str, Any]) -> Picture:
+def sheet(text: str, context: Sequence[Picture], options: Sequence[Picture | str]) -> Picture:
     """Return the sheet of a question: text, shown pictures, options; pictures at their native size."""
-    parts = [typeset.paragraph(row["text"], TEXT, WIDTH), *_grid([decode_image(p["bytes"]) for p in row["context"]])]
-    if row["option_image"]:
-        options = [decode_image(p["bytes"]) for p in row["option_image"]]
-        lettered = (
-            typeset.vstack([typeset.paragraph(n, LETTER, o.width), o]) for n, o in zip(LETTERS, options, strict=False)
-        )
-        parts += _grid(list(lettered))
-    else:
-        offered = zip(LETTERS, row["option_text"], strict=False)
-        parts += [typeset.paragraph(f"{letter}: {words}", TEXT, WIDTH) for letter, words in offered]
-    return typeset.vstack(parts, GAP)
+    lettered = [
+        typeset.vstack([typeset.paragraph(letter, LETTER, option.width), option])
+        for letter, option in zip(LETTERS, options, strict=False)
+        if not isinstance(option, str)
+    ]
+    pictures = [*_grid(context), *_grid(lettered)]
+    width = max(MIN_WIDTH, *(each.width for each in pictures))
+    offered = [
+        typeset.paragraph(f"{letter}: {option}", TEXT, width)
+        for letter, option in zip(LETTERS, options, strict=False)
+        if isinstance(option, str)
+    ]
+    return typeset.vstack([typeset.paragraph(text, TEXT, width), *pictures, *offered], GAP)
+
+
+def _sheet_of_row(row: dict[str, Any]) -> Picture:
+    context = [decode_image(p["bytes"]) for p in row["context"]]
+    return sheet(row["text"], context, row["option_text"] or [decode_image(p["bytes"]) for p in row["option_image"]])
 
 
 def _grid(pictures: Sequence[Picture]) -> list[Picture]:
@@ -87,7 +96,7 @@ def draw(dataset: Path, sheets: Path, key: Path, per_tier: int, seed: int) -> No
         for number in range(len(rows)):
             row = rows[order(number)]
             name = f"{number:04d}.png"
-            sheet(row).save(sheets / name)
+            _sheet_of_row(row).save(sheets / name)
             question = row["question_name"] or row["question"]
             right = LETTERS[row["answer"]]
             table.writerow([name, row["task"], question, row["tier"], len(row["option_kind"]), right, row["id"]])

@@ -13,11 +13,14 @@ from wmspec.eval.report.preferences import preferences
 from wmspec.eval.report.questions import Questions
 from wmspec.eval.report.replies import replies
 
-SCENE = [
-    {"picture": 0, "name": "far", "look": "blue cylinder plastic", "asked": True},
-    {"picture": 0, "name": "near", "look": "purple cylinder wood", "asked": True},
-    {"picture": 0, "name": "box", "look": "white box", "asked": False},
-    {"picture": 0, "name": "other", "look": "white sphere", "asked": False},
+SCENE: list[dict[str, object]] = [
+    {"picture": 0, "name": name, "look": look, "asked": queried, "x": 0.0, "y": 0.0, "z": 0.1}
+    for name, look, queried in (
+        ("far", "blue cylinder plastic", True),
+        ("near", "purple cylinder wood", True),
+        ("box", "white box", False),
+        ("other", "white sphere", False),
+    )
 ]
 
 
@@ -47,6 +50,36 @@ def test_the_look_is_that_of_the_object_that_is_true_or_asked_about() -> None:
     assert look_of(row | {"answer": 2}) == {}, "the question is about two objects"
     one = [SCENE[0], *SCENE[2:]]
     assert look_of({"context_objects": one, "option_text": None, "answer": 0})["color"] == "blue"
+
+
+def test_words_name_a_group_of_objects() -> None:
+    """The words "more red apples" are the same answer in all colors: they name a group of objects."""
+    scene = [
+        {"picture": 0, "name": f"{group}_{n}", "look": look, "asked": True, "x": 0.0, "y": 0.0, "z": 0.1}
+        for group, look in (("some", "red apple"), ("others", "blue apple"))
+        for n in range(3)
+    ]
+    scene.append({"picture": 0, "name": "book", "look": "red box", "asked": False, "x": 0.0, "y": 0.0, "z": 0.1})
+    assert object_named("more red apples", scene) == "some"
+    row = {"context_objects": scene, "option_text": ["the same number", "more blue apples"], "answer": 1}
+    assert look_of(row) == {"color": "blue"}
+    assert look_of(row | {"answer": 0}) == {}
+
+
+def test_of_several_objects_the_look_is_that_of_the_mover() -> None:
+    places = [
+        ("ball", "red sphere", 0.0, 0.4, True),
+        ("box", "blue cube", 1.0, 1.0, True),
+        ("car", "", 5.0, 6.0, False),
+    ]
+    scene = [
+        {"picture": n, "name": name, "look": look, "asked": queried, "x": (first, last)[n], "y": 0.0, "z": 0.1}
+        for n in (0, 1)
+        for name, look, first, last, queried in places
+    ]
+    row = {"context_objects": scene, "option_text": None, "answer": 2}
+    assert look_of(row) == {"color": "red", "shape": "sphere"}
+    assert look_of(row | {"context_objects": [o | {"x": 0.0} for o in scene]}) == {}
 
 
 def test_options_have_levels() -> None:

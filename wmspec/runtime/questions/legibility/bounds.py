@@ -52,8 +52,8 @@ BOUNDS: dict[str, Bound] = {
         "the just noticeable difference of speeds is 5 % (McKee 1981): 8 px of 160",
     ),
     "intervals": Bound(
-        "", 1, "the difference of two compared durations, in intervals between pictures",
-        "pictures date an event to the interval between two of them",
+        "", 0.9, "the difference of two compared durations, in intervals between pictures",
+        "pictures date an event to the interval between two of them; a tenth is for the sampling of motion",
     ),
     "place": Bound(
         "px", 8, "how far apart two places are, when the answer depends on which of them it is",
