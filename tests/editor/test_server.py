@@ -227,6 +227,7 @@ def test_hover_tells_what_the_reference_tells(tmp_path: Path) -> None:
         assert "such as `20 cm/s`" in await editor.hover("speed_of_0 + st")
         assert "A wide floor" in await editor.hover("use ro")
         assert "in domain" in await editor.hover("  fac")
+        assert "measured on the executed episode" in await editor.hover("    answ")
 
     session(tmp_path, work)
 

@@ -49,6 +49,7 @@ def test_the_engines_agree_on_possible_and_impossible_episodes(name: str, tmp_pa
 @pytest.mark.engine
 @pytest.mark.parametrize("path", PARADIGMS, ids=lambda path: path.stem)
 def test_each_keeps_its_questions(path: Path, tmp_path: Path) -> None:
-    installed("mujoco")
-    made = wmspec.generate(path, tmp_path / "out", backend="mujoco", per_task=8, size=256, workers=0)
+    for engine in ENGINES:
+        installed(engine)
+    made = wmspec.generate(path, tmp_path / "out", backend="all", per_task=12, size=256, workers=0)
     assert made.rows >= 0.9 * (made.rows + sum(made.rejected.values()))

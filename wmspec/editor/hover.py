@@ -16,6 +16,8 @@ from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.tables.functions import FUNCTIONS
 from wmspec.lang.check.tables.verbs import ROBOTS, VERBS, Verb
 from wmspec.lang.check.tables.vocabulary import (
+    CLAUSE_WORDS,
+    CLAUSES,
     COLORS,
     DESIGNS,
     FACTOR_DIMENSIONS,
@@ -53,7 +55,7 @@ def hover(document: Document, offset: int) -> Hover | None:
     text = _key(document, nodes, token)
     if not text and (name := Names(document).at(offset)) is not None:
         return Hover(name.span, _declared(document, document.meaning(offset), name))
-    text = text or _unit(token) or _word(token.text) or _keyword(token, nodes)
+    text = text or _clause(token, nodes) or _unit(token) or _word(token.text) or _keyword(token, nodes)
     return Hover(span, text) if text else None
 
 
@@ -158,6 +160,15 @@ def _unit(token: Token) -> str:
         one = f": {scale:.6g} {dimension.symbol}".rstrip() if dimension.symbol and unit in UNITS else ""
         return f"`{unit}`, a unit of {dimension}{one}"
     return ""
+
+
+def _clause(token: Token, nodes: list[Node]) -> str:
+    """Return the documentation of a clause of a question, at its keyword or at the word that is its value."""
+    kind = next((node.kind for node in reversed(nodes) if isinstance(node, s.Clause)), "")
+    form = CLAUSE_WORDS.get((kind, token.text))
+    if form is None and token.text in tables().keywords and isinstance(nodes[-1], s.Clause):
+        form = CLAUSES.get(kind)
+    return f"`{form.written}`\n\n{form.meaning}" if form is not None else ""
 
 
 def _word(word: str) -> str:

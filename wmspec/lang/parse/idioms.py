@@ -248,7 +248,20 @@ def _function(tokens: Sequence[Token], i: int) -> Idiom | None:
     return None
 
 
+def _quotes_in_braces(tokens: Sequence[Token], i: int) -> Idiom | None:
+    """`"The {if a == "b" then "c" else "d"} ball"`: a text within the braces of a text."""
+    text, stop = tokens[i].text if tokens[i].type == "STRING" else "", i + 1
+    while stop < len(tokens) and tokens[stop].line == tokens[i].line and text.count("{") > text.count("}"):
+        text, stop = text + tokens[stop].text, stop + 1
+    if stop == i + 1 or tokens[stop - 1].type != "STRING" or text.count("{") != text.count("}"):
+        return None
+    whole = tokens[i]._replace(text='"' + text[1:-1].replace('"', "").partition("{")[0] + '"')
+    message = "a text cannot be quoted within the braces of another text"
+    return Idiom(i, stop, (whole,), message, "name the value above, as in `let NAME = ...`, and write `{NAME}`")
+
+
 _IDIOMS: tuple[Callable[[Sequence[Token], int], Idiom | None], ...] = (
+    _quotes_in_braces,
     _power,
     _remainder,
     _equal,

@@ -18,7 +18,18 @@ from wmspec.lang.check.expressions.scope import Scope
 from wmspec.lang.check.expressions.typed import ZERO, Failed, Typed, constant, example, fits
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.types import units
-from wmspec.lang.check.types.types import DIRECTION, OBJECT, TEXT, TRUTH, Quantity, Type, Vector, article, either
+from wmspec.lang.check.types.types import (
+    A_NUMBER,
+    DIRECTION,
+    OBJECT,
+    TEXT,
+    TRUTH,
+    Quantity,
+    Type,
+    Vector,
+    article,
+    either,
+)
 from wmspec.lang.check.types.units import NUMBER, Dimension
 from wmspec.lang.parse import syntax as s
 
@@ -137,6 +148,8 @@ class Expressions:
         examples = [f"`{example(k)}`" for k in expected[:2] if example(k)]
         quantities = isinstance(actual, Quantity | Vector) and isinstance(expected[0], Quantity | Vector)
         help = f"write something like {' or '.join(examples)}" if examples else ""
+        if A_NUMBER in expected and isinstance(actual, Quantity) and isinstance(e, s.Operation):
+            help = f"divide it by its unit, as in `({span.text}) / 1 {actual.dimension.symbol}`"
         help = foreign_values.remedy(e, expected) or help
         if isinstance(e, s.Text) and e.value in names.names_of_types(self, expected):
             help = Remedy.of(f"write `{e.value}`, without quotes", span.text, e.value)

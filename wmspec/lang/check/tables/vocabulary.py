@@ -391,6 +391,29 @@ FACTOR_DIMENSIONS: dict[str, str] = {
     "other": "everything else: speeds, masses, times, numbers",
 }
 
+#: Clauses of a question: how each is written, and its meaning.
+CLAUSES: dict[str, SyntaxForm] = {
+    "answer": SyntaxForm("answer EXPRESSION", "measured on the executed episode"),
+    "options": SyntaxForm(
+        "options [A, B]", "possible answers; `options orbit of FACTORS` offers the pictures of a group"
+    ),
+    "ensure": SyntaxForm("ensure CONDITION", "rejects instances in which the condition does not hold"),
+    "margin": SyntaxForm("margin VALUE apart by BOUND", "rejects instances that are too close to call"),
+    "distinct": SyntaxForm("distinct by 5 cm", "rejects instances of which two options look alike"),
+    "within": SyntaxForm("within 0.1 s", "the error up to which a number is right"),
+    "hide": SyntaxForm("may hide OBJECTS", "these objects need not be visible in any picture"),
+    "seen": SyntaxForm(
+        "seen OBJECTS at [0 s]", "these objects must be visible at these times, and may be hidden at others"
+    ),
+}
+#: Words that stand alone in a clause, by the clause and the word.
+CLAUSE_WORDS: dict[tuple[str, str], SyntaxForm] = {
+    ("seen", "none"): SyntaxForm("seen none", "no object must be visible in any picture"),
+    ("answer", "possible"): SyntaxForm(
+        "answer possible", "whether the pictures show something that the laws of physics allow, or a violation of them"
+    ),
+}
+
 #: What `legibility` of a question may be; without it, instances that are hard to read are rejected.
 LEGIBILITY: dict[str, str] = {
     "off": "keeps instances that a person can hardly read off the pictures, for studies at the threshold of vision",
