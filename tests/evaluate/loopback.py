@@ -2,7 +2,8 @@
 
 Its rules are in the model's name, joined by `+`: `first` (the first option), `right` (as its caller says), `chatty`,
 `lower`, `empty`, `refuse`, `odd` (bytes that no text has), `long`, `huge`, `garbage` (no JSON), `echo` (of the key),
-`slow`; `429`, `500` and `drop` fail the first two tries of each request; `down` and `401` fail all.
+`slow`, `structured` (what the schema of the request allows first); `429`, `500` and `drop` fail the first two tries of
+each request; `down` and `401` fail all.
 """
 
 from __future__ import annotations
@@ -109,6 +110,9 @@ class _Handler(BaseHTTPRequestHandler):
         parts = [{"type": "text", "text": parts}] if isinstance(parts, str) else parts
         said = self.server.said
         text = said.right(parts) if "right" in rules and said.right else first(parts)
+        if "structured" in rules:
+            answer = body["response_format"]["json_schema"]["schema"]["properties"]["answer"]
+            text = json.dumps({"answer": answer.get("enum", [0.5])[0]})
         if "chatty" in rules:
             text = f"Let me look at {len(parts)} things. The answer is ({text}), for A ball moves, as it seems."
         for rule, changed in {

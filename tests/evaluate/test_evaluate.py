@@ -142,6 +142,23 @@ def test_who_always_takes_the_first_is_right_once_in_a_round(pictures: Path, tmp
         assert row["parsed"] == row["permutation"]
 
 
+def test_answers_are_constrained_by_a_schema(words: Path, numbers: Path, tmp_path: Path) -> None:
+    with loopback() as server:
+        for name, dataset in (("words", words), ("numbers", numbers)):
+            args = ("--base-url", server.address, "-o", tmp_path / f"{name}.parquet", "--structured")
+            evaluate(dataset, "-m", "openai:structured", *args)
+        forms = [body["response_format"]["json_schema"] for body in server.bodies]
+    assert all(form["strict"] and form["schema"]["required"] == ["answer"] for form in forms)
+    assert {json.dumps(form["schema"]["properties"]["answer"]) for form in forms} == {
+        '{"type": "string", "enum": ["A", "B"]}',
+        '{"type": "number"}',
+    }
+    assert {row["parsed"] for row in rows(tmp_path / "words.parquet") if row["order"][0] == 0} == {0}
+    assert {row["number"] for row in rows(tmp_path / "numbers.parquet")} == {0.5}
+    assert json.loads((tmp_path / "words.json").read_text())["asked"]["structured"]
+    assert "only for -m openai" in evaluate(words, "-m", "random", "--structured", code=2).output
+
+
 def test_a_wrong_key_stops_at_once_and_is_not_shown(words: Path, tmp_path: Path) -> None:
     with loopback() as server:
         args = ("-m", "openai:401", "--base-url", server.address, "-o", tmp_path / "r.parquet", "--concurrency", 2)

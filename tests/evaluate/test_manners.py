@@ -147,15 +147,17 @@ def test_one_request_learns_for_all(dataset: Path, tmp_path: Path) -> None:
 def test_inspect_has_the_same_outcomes(dataset: Path, tmp_path: Path) -> None:
     run("export", dataset, "--to", "inspect", "-o", tmp_path / "x")
     names = [name for name, manner in MANNERS.items() if manner.in_inspect]
+    models = {f"openai-api/loopback/{name.replace(' ', '_')}": name for name in names}
     with server(first_words) as running:
         env = {"LOOPBACK_BASE_URL": running.address, "LOOPBACK_API_KEY": "none", "PATH": os.environ["PATH"]}
-        for name in names:
-            model = f"openai-api/loopback/{name.replace(' ', '_')}"
-            command = [INSPECT, "eval", "wmspec_task.py", "--model", model, "--display", "none", "--log-format", "json"]
-            command += ["--no-log-realtime", "--max-retries", "3", "--log-dir", f"logs/{name}"]
-            subprocess.run([*map(str, command)], cwd=tmp_path / "x", env=env | {"HOME": str(tmp_path)}, check=True)
+        command = [INSPECT, "eval", "wmspec_task.py", "--model", ",".join(models), "--max-tasks", "8"]
+        command += ["--display", "none", "--log-format", "json", "--no-log-realtime", "--max-retries", "3"]
+        subprocess.run([*map(str, command)], cwd=tmp_path / "x", env=env | {"HOME": str(tmp_path)}, check=True)
+    logs = [json.loads(log.read_text()) for log in (tmp_path / "x/logs").glob("*.json")]
+    samples = {models[log["eval"]["model"]]: log["samples"] for log in logs}
+    assert set(samples) == set(names)
     for name in names:
-        (log,) = (tmp_path / "x/logs" / name).glob("*.json")
-        samples = json.loads(log.read_text())["samples"]
-        outcomes = {sample["scores"]["right"]["metadata"]["outcome"] for sample in samples}
-        assert outcomes == {MANNERS[name].outcome}, name
+        scores = [sample["scores"]["right"] for sample in samples[name]]
+        assert {score["metadata"]["outcome"] for score in scores} == {MANNERS[name].outcome}, name
+        answers = {score["answer"] for score in scores}
+        assert answers == ({"0"} if MANNERS[name].outcome == "answered" else {None}), name

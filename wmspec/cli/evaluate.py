@@ -44,7 +44,12 @@ SURPRISES = ("surprise:", "surprises:")
     "--prompt", default="default", show_default=True, help="default, paper, numbers, montage, clip, or a file."
 )
 @click.option(
-    "--ablate", type=click.Choice(["pictures", "question"]), help="Omit all pictures, or everything except the options."
+    "--ablate",
+    type=click.Choice(["pictures", "question", "truth", "options", "wording"]),
+    help="Omit all pictures, all except the options, the true option, all options, or change the options' words.",
+)
+@click.option(
+    "--structured", is_flag=True, help="Constrain answers to the labels by a JSON schema, if the server offers it."
 )
 @click.option("--permute", is_flag=True, help="Ask once per cyclic permutation of the options.")
 @click.option("--samples", type=click.IntRange(1), default=1, show_default=True, help="Replies per request.")
@@ -185,6 +190,8 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
     if options["ablate"] and options["model"] in baselines.NAMES:
         raise WmsError(f"--ablate: `{options['model']}` has no request to ablate; choose a model")
     served = options["model"].startswith("openai:")
+    if options["structured"] and not served:
+        raise WmsError("--structured: only for -m openai:NAME")
     url = server.address(options["base_url"]) if served else None
     images = ImageOptions.parse(options["image_format"], options["image_size"], options["image_detail"])
     settings = Settings(
@@ -198,6 +205,7 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
         if served or options["model"].startswith("hf:")
         else (),
         images=images.record,
+        structured=options["structured"],
     )
     limits = Limits(options["max_requests"], options["rate"], options["max_cost"])
     selection = Selection(
@@ -210,7 +218,11 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
     if note := selection.repetition(opened):
         tell(note)
     run = Run(opened, settings, selection, options["permute"], options["samples"], limits)
-    connection = server.Server(url, options["timeout"], options["retries"], options["price"], images) if url else None
+    if url is None:
+        return run, None
+    connection = server.Server(
+        url, options["timeout"], options["retries"], options["price"], images, options["structured"]
+    )
     return run, connection
 
 

@@ -1,4 +1,4 @@
-"""Training data: chats with pictures and their answers, as TRL, Qwen and LLaMA-Factory read them, split by groups."""
+"""Training data: chats with pictures and their answers, as TRL and LLaMA-Factory read them, split by groups."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build.files import pretty_json
@@ -25,10 +25,13 @@ def write(
 ) -> dict[str, int]:
     """Write a file of JSON lines for each split, and pictures by content; returns the number of questions by split.
 
+    Libraries refuse empty files, so a split without questions has none.
+
     `tasks` has the ids of questions by task, `path` returns where a file goes. Raises WmsError for a prompt with
     videos.
     """
     counts = dict.fromkeys(splits.shares, 0)
+    out: dict[str, TextIO] = {}
     known: set[str] = set()
 
     def keep(png: bytes) -> str:
@@ -41,24 +44,25 @@ def write(
         return name
 
     with ExitStack() as stack:
-        out = {name: stack.enter_context(path(f"{name}.jsonl").open("w", encoding="utf-8")) for name in counts}
         for task, ids in tasks.items():
             levels = factors_of(dataset, task)
             for question in questions(dataset, ids):
                 group, factors = levels[question.id]
                 split = splits.of(group, factors)
+                if split and split not in out:
+                    out[split] = stack.enter_context(path(f"{split}.jsonl").open("w", encoding="utf-8"))
                 if split:
                     line = _chat(question, prompt, keep) | {"seen": not splits.is_unseen(factors)}
                     out[split].write(json.dumps(line, ensure_ascii=False) + "\n")
                     counts[split] += 1
-    path("dataset_info.json").write_bytes(pretty_json({f"wmspec_{name}": _llama_factory(name) for name in counts}))
+    path("dataset_info.json").write_bytes(pretty_json({f"wmspec_{name}": _llama_factory(name) for name in sorted(out)}))
     return counts
 
 
 def _chat(question: Question, prompt: Prompt, keep: Callable[[bytes], str]) -> Row:
     ask = Ask(question, prompt)
-    content = list(_content(ask, keep))
-    images = [part["image"] for part in content if part["type"] == "image"]
+    images: list[str] = []
+    content = list(_content(ask, keep, images))
     plain = "\n".join(part.get("text", "<image>") for part in content)
     answer = _answer(ask)
     system = [{"role": "system", "content": prompt.system}] if prompt.system else []
@@ -76,14 +80,16 @@ def _chat(question: Question, prompt: Prompt, keep: Callable[[bytes], str]) -> R
     }
 
 
-def _content(ask: Ask, keep: Callable[[bytes], str]) -> Iterator[Row]:
+def _content(ask: Ask, keep: Callable[[bytes], str], images: list[str]) -> Iterator[Row]:
+    """Yield the parts of the question, and add their pictures to `images`: TRL fills parts without a picture."""
     from wmspec.core.diagnostics import WmsError
 
     for part in ask.request.parts:
         if isinstance(part, Text):
             yield {"type": "text", "text": part.text}
         elif isinstance(part, Picture):
-            yield {"type": "image", "image": keep(part.content)}
+            images.append(keep(part.content))
+            yield {"type": "image"}
         else:
             raise WmsError("videos cannot be exported; use another --prompt than `clip`")
 

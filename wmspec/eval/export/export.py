@@ -153,6 +153,7 @@ def _hf(what: Export, folder: Folder) -> int:
 
 def _chat(what: Export, folder: Folder) -> int:
     folder.copy("eval/export/files/chat.md", "README.md")
+    folder.copy("eval/export/files/chat_train.py", "train.py")
     what.splits.check(what.dataset)
     return sum(chat.write(what.dataset, what.tasks, what.prompt, what.splits, folder.path).values())
 

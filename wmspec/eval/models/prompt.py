@@ -58,6 +58,8 @@ class Texts(_Model):
     numbers: str
     open: str
     open_plain: str
+    open_words: str
+    none_of_others: str
     without_pictures: str
     without_question: str
 

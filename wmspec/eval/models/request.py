@@ -9,12 +9,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
+from wmspec.eval.models.ablation import Ablation, Words, option_words
 from wmspec.eval.models.montage import encode_video, montage
 from wmspec.eval.models.prompt import Labels, Prompt
 from wmspec.eval.models.question import Question
 from wmspec.eval.replies import LETTERS
-
-Ablation = Literal["pictures", "question"]
 
 
 @dataclass(frozen=True)
@@ -85,8 +84,15 @@ class Ask:
         return tuple((place + self.permutation) % count for place in range(count))
 
     @property
-    def labels(self) -> Labels:
-        """The kind of the options' labels."""
+    def words(self) -> Words:
+        """The words of the options, in the dataset's order, None for a picture."""
+        return option_words(self.question, self.ablation, self.prompt.texts.none_of_others)
+
+    @property
+    def labels(self) -> Labels | Literal["words"]:
+        """The kind of the options' labels; "words" if the options are not shown."""
+        if self.ablation == "options":
+            return "words"
         return self.prompt.labels.words if self.question.in_words else self.prompt.labels.pictures
 
     def label(self, place: int) -> str:
@@ -113,7 +119,7 @@ class Ask:
         if self.ablation == "pictures":
             yield self._line("without_pictures")
             return
-        shown = self.question.context if self.ablation is None else ()
+        shown = () if self.ablation == "question" else self.question.context
         if self.prompt.pictures == "montage":
             yield from self._sheet(shown)
         elif self.prompt.pictures == "clip" and len(shown) > 1:
@@ -136,29 +142,33 @@ class Ask:
             yield Picture(montage(rows))
 
     def _pictured(self) -> list[tuple[int, int]]:
-        return [] if self.question.in_words else list(enumerate(self.order))
+        """Return the places of the options that are pictures: as shown, and in the dataset."""
+        return [(place, which) for place, which in enumerate(self.order) if self.words[which] is None]
 
     def _question(self) -> Iterator[Part]:
         yield self._line("without_question") if self.ablation == "question" else Text(self.question.text)
 
     def _option_words(self) -> Iterator[Part]:
-        if self.question.in_words:
-            lines = (
-                self.prompt.texts.line("option_words", label=self.label(place), words=self.question.options[which])
-                for place, which in enumerate(self.order)
-            )
-            yield Text("\n".join(lines))
+        if self.question.in_words and self.ablation != "options":
+            yield Text("\n".join(self._words_of(place, which) for place, which in enumerate(self.order)))
+
+    def _words_of(self, place: int, which: int) -> str:
+        return self.prompt.texts.line("option_words", label=self.label(place), words=self.words[which])
 
     def _option_pictures(self) -> Iterator[Part]:
-        for place, which in self._pictured():
-            if self.prompt.pictures == "montage" and self.ablation != "pictures":
-                return
-            yield self._line("option_picture", label=self.label(place))
-            if self.ablation != "pictures":
-                yield Picture(self.question.pictures[which])
+        in_montage = self.prompt.pictures == "montage" and self.ablation != "pictures"
+        for place, which in enumerate(() if self.question.in_words else self.order):
+            if self.words[which] is not None:
+                yield Text(self._words_of(place, which))
+            elif not in_montage:
+                yield self._line("option_picture", label=self.label(place))
+                if self.ablation != "pictures":
+                    yield Picture(self.question.pictures[which])
 
     def _instruction(self) -> Iterator[Part]:
-        if self.question.options:
+        if self.labels == "words":
+            yield self._line("open_words")
+        elif self.question.options:
             yield self._line(self.labels, count=len(self.question.options))
         elif self.question.unit:
             yield self._line("open", unit=self.question.unit)

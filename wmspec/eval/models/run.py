@@ -11,18 +11,23 @@ from pathlib import Path
 from typing import Any
 
 from wmspec import __version__
+from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval import replies
 from wmspec.eval.models import results
+from wmspec.eval.models.ablation import Ablation, applies
 from wmspec.eval.models.causes import Cause, causes
 from wmspec.eval.models.journal import Journal, Replies, require_same_settings
 from wmspec.eval.models.limits import Limits, Meter, RateLimiter
 from wmspec.eval.models.model import Model, Reply
 from wmspec.eval.models.prompt import Prompt
 from wmspec.eval.models.question import Question, Selection, questions
-from wmspec.eval.models.request import Ablation, Ask
+from wmspec.eval.models.request import Ask
 from wmspec.eval.models.results import Counts
+
+#: What an ablation needs.
+_NEEDS = {"options": "options in words", "wording": "options in words for which there are others"}
 
 #: Called after every reply with the number of right replies, the number of replies, and the cost.
 Progress = Callable[[int, int, float], None]
@@ -40,6 +45,7 @@ class Settings:
     seed: int = 0
     parameters: tuple[tuple[str, Any], ...] = ()
     images: str | None = None
+    structured: bool = False
 
 
 @dataclass(frozen=True)
@@ -66,15 +72,23 @@ class Run:
             "parameters": dict(settings.parameters),
             "seed": settings.seed,
             "images": settings.images,
-        }
+        } | ({"structured": True} if settings.structured else {})
 
     def chosen(self) -> list[Question]:
-        """Return the questions, without pictures. Raises WmsError if the dataset lacks a task or engine."""
-        return list(questions(self.dataset, self.selection.ids(self.dataset), pictures=False))
+        """Return the questions to which the ablation applies, without pictures.
+
+        Raises WmsError if the dataset lacks a task or engine, or if the ablation applies to none of its questions.
+        """
+        ablation = self.settings.ablation
+        found = list(questions(self.dataset, self.selection.ids(self.dataset), pictures=False))
+        chosen = [question for question in found if applies(question, ablation)]
+        if found and not chosen:
+            raise WmsError(f"--ablate {ablation}: no question has {_NEEDS.get(str(ablation), 'options')}")
+        return chosen
 
     def first(self) -> Ask | None:
         """Return the first request, with pictures; None if there is none."""
-        for question in questions(self.dataset, self.selection.ids(self.dataset)[:1]):
+        for question in questions(self.dataset, [question.id for question in self.chosen()[:1]]):
             return next(self.asks(question))
         return None
 

@@ -17,6 +17,7 @@ from wmspec.eval.models.images import AS_THEY_ARE, ImageOptions
 from wmspec.eval.models.message import read_response
 from wmspec.eval.models.model import FatalModelError, Reply, storable
 from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
+from wmspec.eval.models.structured import response_format
 
 #: Environment variables with the key of a server, and with the server if none is named.
 KEY_VARIABLE, ADDRESS_VARIABLE = "OPENAI_API_KEY", "OPENAI_BASE_URL"
@@ -40,8 +41,8 @@ MAX_RESPONSE_BYTES = 4 << 20
 class Server:
     """The connection to a server.
 
-    Its address, timeout (s), number of retries, the prices of a million tokens, sent and received, and how pictures are
-    sent.
+    Its address, timeout (s), number of retries, the prices of a million tokens, sent and received, how pictures are
+    sent, and whether answers are constrained by a schema (`structured`).
     """
 
     address: str
@@ -49,6 +50,7 @@ class Server:
     retries: int = 5
     prices: tuple[float, float] | None = None
     images: ImageOptions = AS_THEY_ARE
+    structured: bool = False
 
 
 def address(base_url: str | None) -> str:
@@ -75,7 +77,8 @@ class ServerModel:
             import openai
         except ImportError:
             raise WmsError("this needs the openai client; install it with `pip install 'wmspec[evaluate]'`") from None
-        self.identity = " ".join(filter(None, (server.address, name, server.images.record)))
+        structured = "structured" if server.structured else ""
+        self.identity = " ".join(filter(None, (server.address, name, server.images.record, structured)))
         self.asks = asks
         self._name, self._server, self._parameters = name, server, Parameters(parameters, defaults)
         self._key = os.environ.get(KEY_VARIABLE, "")
@@ -102,20 +105,21 @@ class ServerModel:
         Raises FatalModelError if no request can succeed.
         """
         messages, began = _messages(ask.request, self._server.images), time.monotonic()
-        reply = self._try(messages)
+        form = response_format(ask) if self._server.structured else None
+        reply = self._try(messages, {"response_format": form} if form else {})
         return replace(reply, seconds=round(time.monotonic() - began, 3))
 
-    def _try(self, messages: Any) -> Reply:
+    def _try(self, messages: Any, form: dict[str, Any]) -> Reply:
         """Return the reply to messages, tried again without the parameters that the server rejects."""
         import openai
 
         sent = self._parameters.values
         try:
-            done = self._client.chat.completions.create(model=self._name, messages=messages, extra_body=sent)
+            done = self._client.chat.completions.create(model=self._name, messages=messages, extra_body=sent | form)
             return self._read(done)
         except openai.BadRequestError as error:
             if self._parameters.learn(sent, str(error)):
-                return self._try(messages)
+                return self._try(messages, form)
             return self._failure(error)
         except openai.OpenAIError as error:
             return self._failure(error)

@@ -95,8 +95,8 @@ class _Evidence:
 def choice(text: str, options: Sequence[str | None], labels: str = "letters", whole: bool = True) -> int | None:
     """Return the position of the chosen option, None if there is none.
 
-    `options` are the words of each option as shown, None for a picture; `labels` are "letters" or "numbers". Of a reply
-    that was cut off (not `whole`) only an option at the beginning counts.
+    `options` are the words of each option as shown, None for a picture; `labels` are "letters", "numbers", or
+    "words" if no options were shown. Of a reply that was cut off (not `whole`) only an option at the beginning counts.
     """
     reply, shown = normalize(text), ShownOptions.of(options, labels)
     same = {place for place, words in enumerate(shown.words) if words and words == plain(reply)}

@@ -29,15 +29,19 @@ _AFTER_A = (
 
 @dataclass(frozen=True)
 class ShownOptions:
-    """The options as shown: their words in lower case (empty for pictures), and whether their labels are numbers."""
+    """The options as shown: their words in lower case (empty for pictures), and whether their labels are numbers.
+
+    Without labels (`labelled`), only words name an option.
+    """
 
     words: tuple[str, ...]
     numbered: bool
+    labelled: bool = True
 
     @classmethod
     def of(cls, options: Sequence[str | None], labels: str) -> ShownOptions:
-        """Return the options for the words of each, None for a picture, and "letters" or "numbers"."""
-        return cls(tuple(plain(words or "") for words in options), labels == "numbers")
+        """Return the options for the words of each, None for a picture, and "letters", "numbers" or "words"."""
+        return cls(tuple(plain(words or "") for words in options), labels == "numbers", labels != "words")
 
     @property
     def numeric_words(self) -> bool:
@@ -50,6 +54,8 @@ class ShownOptions:
         if not self.numbered and not any(NUMBERED_PICTURE.search(words) for words in self.words):
             text = NUMBERED_PICTURE.sub(" ~ ", text)
         text = self._mark_words(text)
+        if not self.labelled:
+            return text
         text = self._mark_ordinals(text)
         # With numbers as labels, letters are steps of a list or names, unless there are no numbers.
         lettered = text if self.numbered and re.search(r"\d", reply) else self._mark_letters(text)
