@@ -5,7 +5,7 @@ PYTHON ?=
 BIN := .venv/bin
 DEMO := specs/perception/vision/shape_room.wms specs/prediction/mechanistic/collide.wms
 
-.PHONY: dist newton sbom constraints help setup browser inspect demo quick lowest installed test test-all coverage generate check format docs conformance oracles agreement clean
+.PHONY: dist newton sbom constraints help setup browser inspect lmms-eval training demo quick lowest installed test test-all coverage generate check format docs conformance oracles agreement clean
 
 help:
 	@echo "make setup     system packages (as root) and .venv with every engine that can be had"
@@ -17,6 +17,8 @@ help:
 	@echo "make test-all  the same with the slow tests"
 	@echo "make installed an environment that has wmspec from a wheel, in build/installed"
 	@echo "make inspect   Inspect in an environment of its own, for the slow tests of exports"
+	@echo "make lmms-eval  lmms-eval in an environment of its own, for the same"
+	@echo "make training   TRL in an environment of its own (PyTorch: gigabytes), for the slow tests of training data"
 	@echo "make newton    the tests of the engine Newton, on wheels, in build/newton"
 	@echo "make coverage  the lines and branches that the tests of make test run, in out/coverage"
 	@echo "make generate  everything that is made from the code: tables, grammars, schema"
@@ -41,6 +43,18 @@ inspect: build/inspect/bin/inspect
 build/inspect/bin/inspect: | setup
 	$(BIN)/python -m venv build/inspect
 	build/inspect/bin/pip install --quiet inspect-ai openai pyarrow
+
+lmms-eval: build/lmms-eval/bin/python
+
+build/lmms-eval/bin/python: | setup
+	$(BIN)/uv venv --quiet --python $(BIN)/python build/lmms-eval
+	$(BIN)/uv pip install --quiet --python build/lmms-eval/bin/python lmms-eval openai
+
+training: build/training/bin/python
+
+build/training/bin/python: | setup
+	$(BIN)/uv venv --quiet --python $(BIN)/python build/training
+	$(BIN)/uv pip install --quiet --python build/training/bin/python trl torchvision pillow
 
 newton: setup
 	rm -rf build/newton build/newton-wheels

@@ -70,6 +70,7 @@ def _chat(question: Question, prompt: Prompt, keep: Callable[[bytes], str]) -> R
         "id": question.id,
         "task": question.task,
         "group": question.group,
+        "truth": _truth(ask),
         "messages": [
             *({"role": m["role"], "content": [{"type": "text", "text": m["content"]}]} for m in system),
             {"role": "user", "content": content},
@@ -92,6 +93,20 @@ def _content(ask: Ask, keep: Callable[[bytes], str], images: list[str]) -> Itera
             yield {"type": "image"}
         else:
             raise WmsError("videos cannot be exported; use another --prompt than `clip`")
+
+
+def _truth(ask: Ask) -> Row:
+    """Return the arguments with which `mark` scores a reply, for rewards."""
+    question = ask.question
+    is_open = not question.options
+    return {
+        "options": list(question.options),
+        "labels": ask.labels,
+        "answer": question.answer,
+        "number": question.number if is_open else None,
+        "unit": question.unit if is_open else None,
+        "within": question.within if is_open else None,
+    }
 
 
 def _answer(ask: Ask) -> str:

@@ -1,7 +1,8 @@
-"""Fine-tune a model on the chats of this folder: `python train.py MODEL OUTPUT`, with TRL.
+"""Train a model on the chats of this folder, with TRL: `python train.py MODEL OUTPUT`.
 
-MODEL is a vision-language model that transformers opens, OUTPUT the folder of the tuned one. `--set NAME=VALUE` sets an
-option of TRL's SFTConfig, such as `--set num_train_epochs=3 --set learning_rate=1e-5`.
+MODEL is a vision-language model that transformers opens, OUTPUT the folder of the trained one. Answers are imitated, or
+with `--method grpo` replies are rewarded by `reward.py`. `--set NAME=VALUE` sets an option of TRL's SFTConfig or
+GRPOConfig, such as `--set num_train_epochs=3 --set learning_rate=1e-5`.
 """
 
 from __future__ import annotations
@@ -13,8 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from datasets import Image, List, load_dataset
+from reward import reward
 from transformers import AutoModelForImageTextToText, AutoProcessor
-from trl import SFTConfig, SFTTrainer
+from trl import GRPOConfig, GRPOTrainer, SFTConfig, SFTTrainer
 
 _FOLDER = Path(__file__).resolve().parent
 
@@ -30,30 +32,42 @@ def _options(written: list[str]) -> dict[str, Any]:
     return options
 
 
+def _trainer(method: str, model: str, output: Path, options: dict[str, Any]) -> Any:
+    names = [name for name in ("train", "validation") if Path(f"{name}.jsonl").exists()]
+    chats = load_dataset("json", data_files={name: f"{name}.jsonl" for name in names})
+    chats = chats.select_columns(["messages", "images", "truth"]).cast_column("images", List(Image()))
+    validation = chats.get("validation")
+    common = {
+        "model": AutoModelForImageTextToText.from_pretrained(model),
+        "processing_class": AutoProcessor.from_pretrained(model),
+    }
+    defaults = {"eval_strategy": "epoch" if validation else "no", "report_to": "none"}
+    if method == "sft":
+        # Pictures are many tokens: a limit of length would cut the answer off.
+        settings = SFTConfig(str(output), **{"max_length": None, **defaults, **options})
+        return SFTTrainer(args=settings, train_dataset=chats["train"], eval_dataset=validation, **common)
+    asked = chats.map(lambda row: {"prompt": row["messages"][:-1]}, remove_columns="messages")
+    return GRPOTrainer(
+        args=GRPOConfig(str(output), **defaults | options),
+        reward_funcs=reward,
+        train_dataset=asked["train"],
+        eval_dataset=asked.get("validation"),
+        **common,
+    )
+
+
 def main() -> None:
-    """Tune the model on `train.jsonl`, and evaluate its loss on `validation.jsonl` if there is one."""
+    """Train the model on `train.jsonl`, and evaluate it on `validation.jsonl` if there is one."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("model")
     parser.add_argument("output", type=Path)
+    parser.add_argument("--method", choices=["sft", "grpo"], default="sft")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="options")
     chosen = parser.parse_args()
-    model, output = chosen.model, chosen.output.resolve()
-    if Path(model).exists():
-        model = str(Path(model).resolve())
+    model = str(Path(chosen.model).resolve()) if Path(chosen.model).exists() else chosen.model
+    output = chosen.output.resolve()
     os.chdir(_FOLDER)  # paths of pictures are relative to this folder
-    names = [name for name in ("train", "validation") if Path(f"{name}.jsonl").exists()]
-    chats = load_dataset("json", data_files={name: f"{name}.jsonl" for name in names})
-    chats = chats.select_columns(["messages", "images"]).cast_column("images", List(Image()))
-    validation = chats.get("validation")
-    # Pictures are many tokens: a limit of length would cut the answer off.
-    options = {"max_length": None, "eval_strategy": "epoch" if validation else "no", "report_to": "none"}
-    trainer = SFTTrainer(
-        model=AutoModelForImageTextToText.from_pretrained(model),
-        processing_class=AutoProcessor.from_pretrained(model),
-        args=SFTConfig(str(output), **(options | _options(chosen.options))),
-        train_dataset=chats["train"],
-        eval_dataset=validation,
-    )
+    trainer = _trainer(chosen.method, model, output, _options(chosen.options))
     trainer.train()
     trainer.save_model(str(output))
 
