@@ -124,7 +124,8 @@ def _features(pictures: list[NDArray[np.int64]]) -> tuple[tuple[int, ...], float
     """The colour of the upper ball, and how much further it goes than the lower one (px)."""
     half = pictures[0].shape[0] // 2
     background = pictures[0][0, 0]
-    far, tone = [], (0, 0, 0)
+    far: list[float] = []
+    tone: tuple[int, ...] = ()
     for rows in (slice(0, half), slice(half, None)):
         places = []
         for shown in pictures:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import threading
 from collections.abc import Iterator
@@ -9,9 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 
 from tests.browser import PATIENCE
 from tests.study.visitor import letter
+from wmspec.cli import main
 from wmspec.eval.study import store
 from wmspec.eval.study.collect import collect
 from wmspec.eval.study.model import Study, load
@@ -59,12 +62,12 @@ class Rater:
 
     def step(self) -> bool:
         """One page. False when there is none left."""
-        self.tab.wait_for_selector("form, #code")
-        form = self.tab.query_selector("form")
+        self.tab.wait_for_selector("main form, #code")
+        form = self.tab.query_selector("main form")
         if form is None:
             return False
         if not self.tab.query_selector("input[type=radio]"):
-            self.press(self.tab.locator("form button"))
+            self.press(self.tab.locator("form [type=submit]"))
         else:
             self.tab.wait_for_selector("form[data-ready]")
             step = int(form.get_attribute("data-step"))
@@ -79,7 +82,7 @@ class Rater:
         shown = self.study.step(slot, step)
         assert shown is not None
         expected = letter(self.study, slot, step, self.off if shown[0].kind == "question" else 0)
-        button = self.tab.locator("form button")
+        button = self.tab.locator("form [type=submit]")
         assert button.is_disabled()
         if self.touch:
             self.tab.locator(f".option:has([value={expected}])").tap()
@@ -91,7 +94,7 @@ class Rater:
     def feedback(self) -> None:
         assert self.tab.inner_text(".said") == "That is right."
         assert self.tab.locator(".option.true").count() == 1
-        self.press(self.tab.locator("form button"))
+        self.press(self.tab.locator("form [type=submit]"))
 
     def press(self, button: Any) -> None:
         if self.touch:
@@ -157,7 +160,7 @@ def test_answers_wait_while_the_server_is_away(browser: Any, study: Path) -> Non
 
     thread = serve(server)
     rater = Rater(browser, server.url, made)
-    rater.tab.wait_for_selector("form")
+    rater.tab.wait_for_selector("main form")
     for _ in range(4):
         rater.step()
     rater.tab.route("**/answers", lambda route: route.abort())
@@ -192,6 +195,76 @@ def test_a_file_without_a_server_gives_its_answers(browser: Any, study: Path, tm
     collected = collect(study, sorted(tmp_path.glob("*.json")), tmp_path / "r.parquet")
     assert (collected.replies, collected.missing) == (36, 0)
     assert all(rater.right == 12 for rater in collected.raters)
+
+
+def test_who_does_not_agree_is_not_recorded(browser: Any, url: str, study: Path) -> None:
+    rater = Rater(browser, url, load(study))
+    rater.tab.locator("#decline").click()
+    assert rater.tab.inner_text("h1") == "You did not agree"
+    assert not rater.tab.is_visible("#withdraw")
+    assert rater.kept() == {}
+    assert not AnswerStore(study / store.ANSWERS_FILE, load(study)).visits()
+    assert not rater.complaints
+
+
+def test_who_withdraws_leaves_nothing_behind(browser: Any, url: str, study: Path) -> None:
+    rater, stays = Rater(browser, url, load(study)), Rater(browser, f"{url}?rater=stays", load(study))
+    for one in (stays, rater):
+        for _ in range(6):
+            one.step()
+    answers = AnswerStore(study / store.ANSWERS_FILE, load(study))
+    session = str(rater.kept()["session"])
+    assert session in {visit.session for visit in answers.visits()}
+    rater.tab.locator("#withdraw").click()
+    rater.tab.locator("#leave [value=no]").click()
+    rater.step()
+    rater.tab.locator("#withdraw").click()
+    rater.tab.locator("#leave [value=yes]").click()
+    rater.tab.wait_for_function("() => document.querySelector('h1')?.textContent === 'You have withdrawn'")
+    assert rater.kept() == {}
+    assert [visit.rater for visit in answers.visits()] == ["stays"]
+    answers.close()
+    assert session.encode() not in (study / store.ANSWERS_FILE).read_bytes()
+    assert not rater.complaints
+    stays.finish()
+
+
+def test_people_of_prolific_and_mechanical_turk(browser: Any, study: Path, tmp_path: Path) -> None:
+    """Ids come with the link, the code is the fixed one, a link leads back, and the sheet says who is to be paid."""
+    wording = study / "texts/page.toml"
+    back = "https://app.prolific.com/submissions/complete?cc=C1A2B3"
+    changed = wording.read_text().replace('code = ""', 'code = "C1A2B3"').replace('url = ""', f'url = "{back}"')
+    wording.write_text(changed.replace("Thank you!", "Danke!").replace('"en"', '"de"'))
+    links = {
+        "anne": "PROLIFIC_PID=anne&STUDY_ID=s1&SESSION_ID=x1",
+        "ben": "workerId=ben&hitId=h1&assignmentId=a1",
+        "carl": "rater=carl",
+    }
+    with StudyServer(study, "127.0.0.1", 0) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        for name, link in links.items():
+            rater = Rater(browser, f"{server.url}?{link}", load(study))
+            if name == "carl":
+                for _ in range(6):
+                    rater.step()
+                continue
+            assert rater.finish() == "C1A2B3"
+            assert rater.tab.get_attribute("#return", "href") == back
+            assert (rater.tab.inner_text("h1"), rater.tab.get_attribute("html", "lang")) == ("Danke!", "de")
+        server.shutdown()
+        thread.join()
+    sheet = tmp_path / "pay.csv"
+    args = ["study", "collect", str(study), "-o", str(tmp_path / "r.parquet"), "--payments", str(sheet)]
+    done = CliRunner().invoke(main, args)
+    assert done.exit_code == 0, done.output
+    with sheet.open(newline="") as file:
+        lines = {line["rater"]: line for line in csv.DictReader(file)}
+    assert {name: (line["study_id"], line["session_id"], line["verdict"]) for name, line in lines.items()} == {
+        "anne": ("s1", "x1", "pay"),
+        "ben": ("h1", "a1", "pay"),
+        "carl": ("", "", "incomplete"),
+    }
 
 
 def test_texts_are_shown_as_they_are(browser: Any, study: Path) -> None:

@@ -119,6 +119,47 @@ def test_shares_are_given_out_evenly_and_who_comes_back_has_the_same(study: Path
     assert opened.begin(Person(session=people[0])).code, "who has finished may read the code again"
 
 
+def test_a_batch_is_full_before_the_next_is_invited(study: Path) -> None:
+    made = load(study)
+
+    def answer_all(opened: AnswerStore, person: str) -> None:
+        slot = opened.begin(Person(session=person)).slot
+        for step in range(len(made.slots[slot])):
+            opened.keep(person, Answer(step=step, text=letter(made, slot, step), seconds=1))
+
+    first = AnswerStore(study / store.ANSWERS_FILE, made, shares=2)
+    for number in range(2):
+        answer_all(first, f"{number:032x}")
+    with pytest.raises(StudyFull):
+        first.begin(Person(session=ANNE))
+    first.close()
+    second = AnswerStore(study / store.ANSWERS_FILE, made, shares=20)
+    assert second.begin(Person(session=ANNE)).slot == 2
+    assert second.withdraw(ANNE)
+    assert not second.withdraw(ANNE)
+    assert second.keep(ANNE, Answer(step=0, text="A", seconds=1)) is None
+    assert second.begin(Person(session="b" * 32)).slot == 2, "who withdraws frees the share"
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (('title = "Questions about scenes"', ""), "texts.title is missing"),
+        (("[texts]", '[texts]\nhint = "x"'), "texts.hint is unknown"),
+        (("Picture {number}", "Bild {nummer}"), "`{nummer}` cannot stand here"),
+        (('url = ""', 'url = "javascript:alert(1)"'), "completion.url"),
+        (("[texts]", "[texts"), "cannot be read"),
+    ],
+)
+def test_a_mistake_in_the_texts_of_the_page_is_an_error(change: tuple[str, str], message: str, study: Path) -> None:
+    path = study / "texts/page.toml"
+    path.write_text(path.read_text().replace(*change))
+    with pytest.raises(WmsError) as raised:
+        StudyServer(study, "127.0.0.1", 0)
+    assert message in str(raised.value)
+    assert "page.toml" in str(raised.value)
+
+
 def test_answers_of_another_study_are_not_mixed_in(dataset: DatasetReader, study: Path, tmp_path: Path) -> None:
     AnswerStore(study / store.ANSWERS_FILE, load(study)).close()
     other = make(dataset, StudyOptions(per_task=2), tmp_path / "other")

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import click
 
-from wmspec.cli.common import json_option, make_folder, seed_option
+from wmspec.cli.common import json_option, make_folder, seed_option, write_text
 from wmspec.core.diagnostics import WmsError
 
 _PATH = click.Path(path_type=Path)
+#: People in a batch.
+BATCH = 10
 
 
 @click.group("study")
@@ -77,7 +79,13 @@ def make_command(dataset: Path, output: Path, **flags: object) -> None:
 @click.option(
     "--port", type=click.IntRange(0, 65535), default=8000, show_default=True, help="Port; 0 selects a free one."
 )
-def serve_command(study: Path, host: str, port: int) -> None:
+@click.option(
+    "--batches",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Invite the first N batches of ten people.  [default: all]",
+)
+def serve_command(study: Path, host: str, port: int, batches: int | None) -> None:
     """Serve a study and store the answers until stopped.
 
     Safe to stop at any time: an answer is on disk before the page is notified.
@@ -85,7 +93,7 @@ def serve_command(study: Path, host: str, port: int) -> None:
     from wmspec.eval.study.page import unfinished_texts
     from wmspec.eval.study.serve import StudyServer
 
-    with StudyServer(study, host, port) as server:
+    with StudyServer(study, host, port, batches and batches * BATCH) as server:
         for path in unfinished_texts(study):
             click.echo(f"{path}: contains unedited text in brackets", err=True)
         if not server.is_local:
@@ -105,17 +113,23 @@ def serve_command(study: Path, host: str, port: int) -> None:
     "--least-checks", type=click.FloatRange(0, 1), default=0.0, show_default=True, metavar="SHARE",
     help="Exclude participants who passed a smaller share of attention checks.",
 )  # fmt: skip
+@click.option("--payments", type=_PATH, metavar="FILE", help="Also write a payment sheet (.csv).")
 @json_option
-def collect_command(study: Path, answers: tuple[Path, ...], output: Path, least_checks: float, as_json: bool) -> None:
+def collect_command(
+    study: Path, answers: tuple[Path, ...], output: Path, least_checks: float, payments: Path | None, as_json: bool
+) -> None:
     """Write answers as results for `wmspec report`, and print accuracy and agreement.
 
     ANSWERS are files saved by the page without a server.
     """
     from wmspec.eval.study.collect import collect
+    from wmspec.eval.study.payments import payments as sheet
 
     if output.suffix != ".parquet":
         raise WmsError("missing output: add -o results.parquet")
     made = collect(study, answers, output, least_checks)
+    if payments is not None:
+        write_text(payments, sheet(made.raters))
     if as_json:
         click.echo(json.dumps(asdict(made), indent=1))
         return

@@ -19,16 +19,23 @@ _DAY = 86_400.0
 
 Seconds = Annotated[float, Field(ge=0, le=_DAY, allow_inf_nan=False)]
 
+Linked = Annotated[str, Field(pattern=r"^[A-Za-z0-9._-]{0,64}$")]
+
 
 class _Model(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
 class Person(_Model):
-    """A participant: a random session id, and the name in the link, if any."""
+    """A participant: a random session id, and the name in the link, if any.
+
+    `study_id` and `session_id` are those of the site that invites people, such as Prolific.
+    """
 
     session: str = Field(pattern=r"^[0-9a-f]{32}$")
-    rater: str = Field(default="", pattern=r"^[A-Za-z0-9._-]{0,64}$")
+    rater: Linked = ""
+    study_id: Linked = ""
+    session_id: Linked = ""
 
 
 class Answer(_Model):

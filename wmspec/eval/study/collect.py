@@ -31,10 +31,11 @@ MIN_SECONDS = 1.0
 
 @dataclass(frozen=True)
 class Rater:
-    """The performance of one person.
+    """The performance of one person, with the ids of the site that invited them, if any.
 
     `answered` of `steps`, `checks_passed` of the attention `checks`, `right` of `questions`. `seconds` is the median
-    time of an answer, `hasty` the share below HASTY, `away` the time with the page hidden (s).
+    time of an answer, `hasty` the share below HASTY, `away` the time with the page hidden (s), `minutes` the time of
+    all answers.
     """
 
     rater: str
@@ -49,7 +50,10 @@ class Rater:
     seconds: float | None
     hasty: float
     away: float
+    minutes: float
     counted: bool
+    study_id: str = ""
+    session_id: str = ""
 
 
 @dataclass(frozen=True)
@@ -155,6 +159,9 @@ def _rater(study: Study, visit: Visit, name: str, least_checks: float) -> Rater:
         seconds=median(seconds) if seconds else None,
         hasty=sum(s < MIN_SECONDS for s in seconds) / len(seconds) if seconds else 0.0,
         away=sum(answer.away for answer in visit.answers),
+        minutes=sum(answer.seconds for answer in visit.answers) / 60,
+        study_id=visit.study_id,
+        session_id=visit.session_id,
         counted=passed >= least_checks * len(by_kind["check"]),
     )
 

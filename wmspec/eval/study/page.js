@@ -4,6 +4,10 @@
   const LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ", RETRY = 2000;
   const $ = (id) => document.getElementById(id);
   const parameters = new URLSearchParams(location.search);
+  const words = data.wording.texts, completion = data.wording.completion;
+
+  /** A text of the page, with what stands in braces filled in. */
+  const word = (name, values = {}) => words[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
 
   /** An element with attributes and children; a child that is a text is shown as it is. */
   function make(name, attributes = {}, ...children) {
@@ -23,7 +27,10 @@
 
   // ------------------------------------------------------------ what is kept in this browser
 
-  const rater = (parameters.get("rater") ?? "").replace(/[^A-Za-z0-9._-]/g, "").slice(0, 64);
+  /** The first of these parameters of the link that is there: ours, Prolific's, Mechanical Turk's. */
+  const linked = (...names) => (names.map((name) => parameters.get(name)).find(Boolean) ?? "").replace(/[^A-Za-z0-9._-]/g, "").slice(0, 64);
+  const rater = linked("rater", "PROLIFIC_PID", "workerId");
+  const recruited = { study_id: linked("STUDY_ID", "hitId"), session_id: linked("SESSION_ID", "assignmentId") };
   const KEY = `wmspec-study-${data.study}-${rater}`;
   const random = (bytes) => [...crypto.getRandomValues(new Uint8Array(bytes))].map((b) => b.toString(16).padStart(2, "0")).join("");
 
@@ -32,7 +39,8 @@
   try { visit = { ...visit, ...JSON.parse(localStorage.getItem(KEY) ?? "{}") }; } catch { /* begin anew */ }
 
   function remember() {
-    try { localStorage.setItem(KEY, JSON.stringify(visit)); } catch { trouble("This browser keeps nothing: please do not reload this page."); }
+    if (stopped) return;
+    try { localStorage.setItem(KEY, JSON.stringify(visit)); } catch { trouble(word("no_storage")); }
   }
 
   function trouble(text) { $("trouble").textContent = text; }
@@ -49,7 +57,7 @@
         if (reply.ok) { trouble(""); return await reply.json(); }
         if (reply.status < 500) { trouble(""); return { refused: reply.status }; }
       } catch { /* it is not there, and may come back */ }
-      trouble("The answers cannot be sent at the moment. They are kept here, and sent again.");
+      trouble(word("unsent"));
       await pause(RETRY);
     }
   }
@@ -62,7 +70,7 @@
       remember();
       return true;
     }
-    const place = await tell("visits", { session: visit.session, rater });
+    const place = await tell("visits", { session: visit.session, rater, ...recruited });
     if (place.refused) return false;
     if (visit.slot !== null && visit.slot !== place.slot) visit.answers = {}; // the study's answers were begun anew
     Object.assign(visit, { slot: place.slot, sent: place.done, code: place.code });
@@ -70,16 +78,16 @@
     return true;
   }
 
-  let sending = Promise.resolve();
+  let sending = Promise.resolve(), stopped = false;
 
   /** Send what the server does not have, one answer after the other. */
   function send() {
     if (!data.served) return sending;
     sending = sending.then(async () => {
       for (const [step, answer] of Object.entries(visit.answers)) {
-        if (visit.sent.includes(Number(step))) continue;
+        if (stopped || visit.sent.includes(Number(step))) continue;
         const place = await tell(`visits/${visit.session}/answers`, answer);
-        if (place.refused) { trouble("An answer was refused. Please tell those who invited you."); continue; }
+        if (place.refused) { trouble(stopped ? "" : word("refused")); continue; }
         visit.sent = place.done;
         visit.code = place.code;
         remember();
@@ -94,12 +102,12 @@
   const isDone = (step) => step in visit.answers || visit.sent.includes(step);
 
   /** Show something with one button below it. Returns when the button is pressed, or the form is sent otherwise. */
-  function show(children, label, { ready = true, focus = true } = {}) {
+  function show(children, label, { ready = true, focus = true, aside = null } = {}) {
     return new Promise((done) => {
       const said = make("p", { class: "said", role: "status" });
       const button = make("button", { type: "submit", disabled: !ready }, label);
       const form = make("form", { autocomplete: "off", onsubmit: (event) => { event.preventDefault(); if (!button.disabled) done({ form, button, said }); } },
-        children, make("footer", {}, make("div", {}, said, button)));
+        children, make("footer", {}, make("div", {}, said, aside, button)));
       $("main").replaceChildren(form);
       window.scrollTo(0, 0);
       if (focus) $("main").focus({ preventScroll: true });
@@ -137,7 +145,7 @@
     const options = names.map((_, place) => {
       const which = (place + q.permutation) % count, letter = LETTERS[place];
       return make("label", { class: "option", "data-place": which },
-        make("input", { type: "radio", name: "answer", value: letter, "aria-label": q.words.length ? `${letter}: ${names[which]}` : `Picture ${letter}` }),
+        make("input", { type: "radio", name: "answer", value: letter, "aria-label": q.words.length ? `${letter}: ${names[which]}` : word("picture", { number: letter }) }),
         q.pictures.length ? make("img", { src: `pictures/${names[which]}`, alt: "" }) : null,
         make("span", {}, make("b", {}, letter), " ", q.words.length ? names[which] : ""));
     });
@@ -145,7 +153,7 @@
   }
 
   function number(q) {
-    return make("label", { class: "number" }, make("input", { type: "text", name: "answer", inputmode: "decimal", "aria-label": `A number${q.unit ? ` in ${q.unit}` : ""}`,
+    return make("label", { class: "number" }, make("input", { type: "text", name: "answer", inputmode: "decimal", "aria-label": word(q.unit ? "number_in" : "number", { unit: q.unit }),
                                                              pattern: "\\s*-?[0-9]{1,9}([.,][0-9]{1,9})?\\s*", required: true }), q.unit);
   }
 
@@ -153,12 +161,12 @@
 
   async function ask(q) {
     const looks = q.context.map((name, i) => make("figure", {},
-      make("img", { src: `pictures/${name}`, alt: `Picture ${i + 1}` }),
-      q.context.length > 1 ? make("figcaption", {}, `Picture ${i + 1}`) : null));
-    const kind = q.kind === "practice" ? make("p", { class: "good" }, "For practice") : null;
+      make("img", { src: `pictures/${name}`, alt: word("picture", { number: i + 1 }) }),
+      q.context.length > 1 ? make("figcaption", {}, word("picture", { number: i + 1 })) : null));
+    const kind = q.kind === "practice" ? make("p", { class: "good" }, word("practice")) : null;
     const shown = show([kind, make("h2", { id: "question" }, q.text), looks.length ? make("div", { class: "pictures" }, looks) : null,
-      make("fieldset", { "aria-labelledby": "question" }, make("legend", {}, q.open ? "Your answer" : "Choose one:"), q.open ? number(q) : choices(q))],
-      "Next", { ready: false });
+      make("fieldset", { "aria-labelledby": "question" }, make("legend", {}, word(q.open ? "your_answer" : "choose")), q.open ? number(q) : choices(q))],
+      word("next"), { ready: false });
     const { form, button } = current, stop = clock(form);
     form.dataset.step = q.step;
     form.addEventListener("input", () => { button.disabled = !given(form) || !form.checkValidity(); });
@@ -172,17 +180,17 @@
 
   /** What was right. Returns when the reader goes on. */
   function feedback(q, text, form, said, button) {
-    const truth = q.open ? `about ${Number(q.truth[0].toPrecision(3))} ${q.unit}`.trim() : LETTERS[(q.answer - q.permutation + q.options) % q.options];
+    const truth = q.open ? word("about", { number: Number(q.truth[0].toPrecision(3)), unit: q.unit }).trim() : LETTERS[(q.answer - q.permutation + q.options) % q.options];
     const right = q.open ? Math.abs(Number(text) - q.truth[0]) <= q.truth[1] * (1 + 1e-9) : text === truth;
     said.className = `said ${right ? "good" : "bad"}`;
-    said.textContent = right ? "That is right." : `It is ${truth}.`;
+    said.textContent = right ? word("right") : word("truth", { truth });
     for (const option of form.querySelectorAll(".option")) {
       const input = option.querySelector("input");
       option.classList.toggle("true", input.value === truth);
       option.classList.toggle("wrong", input.checked && input.value !== truth);
     }
     for (const input of form.querySelectorAll("input")) input.disabled = true;
-    button.textContent = "Go on";
+    button.textContent = word("go_on");
     button.focus();
     return new Promise((done) => form.addEventListener("submit", done, { once: true }));
   }
@@ -195,10 +203,13 @@
 
   async function main() {
     if (visit.slot === null) {
-      await show(prose(data.texts.consent), "I agree, and begin");
-      if (!(await begin())) return refused();
-      await show(prose(data.texts.instructions), "Go on");
-    } else if (!(await begin())) return refused();
+      const decline = make("button", { type: "button", class: "quiet", id: "decline", onclick: () => close("declined") }, word("decline"));
+      await show(prose(data.texts.consent), word("agree"), { aside: decline });
+      if (!(await begin())) return close("full");
+      leaving();
+      await show(prose(data.texts.instructions), word("go_on"));
+    } else if (await begin()) leaving();
+    else return close("full");
     send();
     const steps = plan(), parts = [...new Set(steps.map((q) => q.task).filter(Boolean))];
     let part = "";
@@ -208,9 +219,9 @@
       if (isDone(q.step)) continue;
       if (q.task && q.task !== part) {
         part = q.task;
-        const heading = parts.length > 1 ? make("h1", {}, `Part ${parts.indexOf(part) + 1} of ${parts.length}`) : null;
+        const heading = parts.length > 1 ? make("h1", {}, word("part", { part: parts.indexOf(part) + 1, parts: parts.length })) : null;
         preload(q);
-        await show([heading, ...prose(data.texts[`task-${part}`])], "Go on");
+        await show([heading, ...prose(data.texts[`task-${part}`])], word("go_on"));
       }
       preload(steps[q.step + 1]);
       await ask(q);
@@ -222,32 +233,56 @@
   function where(step, count) {
     $("progress").hidden = false;
     $("progress").value = step / count;
-    $("where").textContent = step < count ? `${step + 1} of ${count}` : "Done";
+    $("where").textContent = step < count ? word("page", { page: step + 1, pages: count }) : word("done");
   }
 
-  function refused() {
-    $("main").replaceChildren(make("h1", {}, "Thank you for coming"), make("p", {}, "All questions have been answered: nobody else is needed."));
+  /** The page is over without an answer more: the study is full, or the visitor declined or withdrew. */
+  function close(name) {
+    stopped = true;
+    current = null;
+    trouble("");
+    $("progress").hidden = $("withdraw").hidden = true;
+    $("where").textContent = "";
+    $("main").replaceChildren(make("h1", {}, word(`${name}_heading`)), make("p", {}, word(name)));
+    $("main").focus({ preventScroll: true });
   }
+
+  /** Who began may withdraw at any time: the answers are deleted, here and at the server. */
+  function leaving() {
+    $("withdraw").hidden = false;
+    $("withdraw").onclick = () => { $("leave").returnValue = ""; $("leave").showModal(); };
+    $("leave").onclose = async () => {
+      if ($("leave").returnValue !== "yes") return $("main").focus({ preventScroll: true }); // Enter goes on again
+      stopped = true;
+      localStorage.removeItem(KEY);
+      if (data.served) await tell(`visits/${visit.session}/withdrawal`, {});
+      close("withdrawn");
+    };
+  }
+
+  /** The code that completes the study, and a link back to the site that invites people, if there is one. */
+  const completed = () => [make("p", { class: "code", id: "code" }, completion.code || visit.code),
+    completion.url ? make("p", {}, make("a", { id: "return", class: "button", href: completion.url }, word("return"))) : null];
 
   async function end() {
-    const heading = make("h1", {}, "Thank you!");
+    const heading = make("h1", {}, word("thanks"));
     if (data.served) {
-      $("main").replaceChildren(heading, make("p", {}, "Your last answers are being sent. Please wait."));
+      $("main").replaceChildren(heading, make("p", {}, word("sending")));
       await send();
-      if (!visit.code) return $("main").replaceChildren(heading, make("p", {}, "Not all answers arrived. Please reload this page."));
-      $("main").replaceChildren(heading, make("p", {}, "All answers have arrived. Your completion code:"), make("p", { class: "code", id: "code" }, visit.code));
+      if (!visit.code) return $("main").replaceChildren(heading, make("p", {}, word("not_arrived")));
+      $("main").replaceChildren(heading, make("p", {}, word("arrived")), ...completed().filter(Boolean));
       return;
     }
-    const file = { study: data.study, session: visit.session, rater, slot: visit.slot, code: visit.code,
+    const file = { study: data.study, session: visit.session, rater, ...recruited, slot: visit.slot, code: visit.code,
                    answers: Object.values(visit.answers).sort((a, b) => a.step - b.step) };
     const url = URL.createObjectURL(new Blob([JSON.stringify(file)], { type: "application/json" }));
-    $("main").replaceChildren(heading, make("p", {}, "Your answers are only in this browser. Please save them as a file, and send it to those who invited you."),
-      make("p", {}, make("a", { id: "save", href: url, download: `answers-${rater || visit.session.slice(0, 8)}.json` }, "Save the answers")),
-      make("p", {}, "Your completion code:"), make("p", { class: "code", id: "code" }, visit.code));
+    $("main").replaceChildren(heading, make("p", {}, word("save_please")),
+      make("p", {}, make("a", { id: "save", class: "button", href: url, download: `answers-${rater || visit.session.slice(0, 8)}.json` }, word("save"))),
+      make("p", {}, word("code")), ...completed().filter(Boolean));
   }
 
   document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || !current || event.target.matches("input[type=text]")) return;
+    if ($("leave").open || event.ctrlKey || event.metaKey || event.altKey || !current || event.target.matches("input[type=text]")) return;
     const options = [...current.form.querySelectorAll("input[type=radio]:enabled")];
     const place = /^[1-9]$/.test(event.key) ? Number(event.key) - 1 : event.key.length === 1 ? LETTERS.indexOf(event.key.toUpperCase()) : -1;
     if (options[place]) options[place].click();
@@ -257,5 +292,7 @@
   });
 
 
+  for (const element of document.querySelectorAll("[data-word]")) element.textContent = word(element.dataset.word);
+  $("progress").ariaLabel = word("progress");
   main();
 })();

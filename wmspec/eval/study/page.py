@@ -13,6 +13,7 @@ from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build.files import with_remedies
 from wmspec.dataset.build.webpage import webpage
 from wmspec.eval.study.model import PAGE_FOLDER, TEXTS_FOLDER, Item, Study
+from wmspec.eval.study.wording import WORDING_FILE, default_wording, read_wording
 
 #: Maximum size of a text (bytes).
 _MAX_TEXT_BYTES = 64 << 10
@@ -26,6 +27,9 @@ def write(study: Study, folder: Path) -> None:
             place = folder / TEXTS_FOLDER / f"{name}.txt"
             if not place.exists():
                 place.write_text(text, encoding="utf-8")
+        wording = folder / TEXTS_FOLDER / WORDING_FILE
+        if not wording.exists():
+            wording.write_text(default_wording(), encoding="utf-8")
         (folder / PAGE_FOLDER / "index.html").write_text(html(study, folder, served=False), encoding="utf-8")
 
 
@@ -35,7 +39,13 @@ def html(study: Study, folder: Path, served: bool) -> str:
     Raises WmsError if one of its texts cannot be read.
     """
     texts = {name: _read(folder / TEXTS_FOLDER / f"{name}.txt") for name, _ in _texts(study)}
-    return webpage("wmspec.eval.study", data=study.public() | {"served": served, "texts": texts})
+    wording = read_wording(folder / TEXTS_FOLDER / WORDING_FILE).model_dump()
+    return webpage(
+        "wmspec.eval.study",
+        language=wording["texts"]["language"],
+        title=wording["texts"]["title"],
+        data=study.public() | {"served": served, "texts": texts, "wording": wording},
+    )
 
 
 def unfinished_texts(folder: Path) -> list[Path]:

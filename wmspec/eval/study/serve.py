@@ -22,7 +22,7 @@ from wmspec.core.safe_io import read_bytes
 from wmspec.eval.study import page, store
 from wmspec.eval.study.answers import Answer, Person
 from wmspec.eval.study.model import PAGE_FOLDER, Study, load
-from wmspec.eval.study.store import AnswerStore, Progress, StudyFull
+from wmspec.eval.study.store import AnswerStore, StudyFull
 
 #: Maximum size of a request (bytes), and timeout of a silent connection (s).
 MAX_REQUEST_BYTES, CONNECTION_TIMEOUT = 4096, 10.0
@@ -31,13 +31,16 @@ MAX_REQUEST_BYTES, CONNECTION_TIMEOUT = 4096, 10.0
 class StudyServer(BoundedServer):
     """The server of a study; `serve_forever` runs it."""
 
-    def __init__(self, folder: Path, host: str, port: int) -> None:
-        """Open the study and listen. Raises WmsError if there is no study, or if the address is unavailable."""
+    def __init__(self, folder: Path, host: str, port: int, shares: int | None = None) -> None:
+        """Open the study and listen; new people get one of the first `shares` slots.
+
+        Raises WmsError if there is no study, or if the address is unavailable.
+        """
         self.study: Study = load(folder)
         self.page = page.html(self.study, folder, served=True).encode()
         shown = {name for item in self.study.items for name in (*item.context, *item.pictures)}
         self.pictures = {f"/pictures/{name}": folder / PAGE_FOLDER / "pictures" / Path(name).name for name in shown}
-        self.store = AnswerStore(folder / store.ANSWERS_FILE, self.study)
+        self.store = AnswerStore(folder / store.ANSWERS_FILE, self.study, shares)
         self.is_local = _is_loopback(host)
         try:
             super().__init__((host, port), partial(_Handler))
@@ -89,7 +92,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.NOT_FOUND, "not here")
 
     def do_POST(self) -> None:
-        """Begin or resume a visit, or accept an answer."""
+        """Begin or resume a visit, accept an answer, or delete all answers of a visit."""
         body = self._body()
         if body is None:
             return
@@ -105,14 +108,17 @@ class _Handler(BaseHTTPRequestHandler):
             if place is None:
                 self._refuse(HTTPStatus.CONFLICT, "no such visit or question")
             else:
-                self._json(HTTPStatus.OK, asdict(place))
+                self._json(HTTPStatus.OK, place)
 
-    def _handle(self, body: bytes) -> Progress | None:
+    def _handle(self, body: bytes) -> dict[str, Any] | None:
         match self.path.split("/"):
             case ["", "visits"]:
-                return self.server.store.begin(Person.model_validate_json(body))
+                return asdict(self.server.store.begin(Person.model_validate_json(body)))
             case ["", "visits", session, "answers"]:
-                return self.server.store.keep(session, Answer.model_validate_json(body))
+                place = self.server.store.keep(session, Answer.model_validate_json(body))
+                return asdict(place) if place else None
+            case ["", "visits", session, "withdrawal"]:
+                return {"withdrawn": True} if self.server.store.withdraw(session) else None
         return None
 
     def _has_own_host(self) -> bool:

@@ -24,7 +24,8 @@ MAX_VISITS = 20_000
 _TABLES = """
 create table if not exists study (fingerprint text primary key);
 create table if not exists visit (
-  session text primary key, rater text not null, slot integer not null, code text not null, began text not null
+  session text primary key, rater text not null, slot integer not null, code text not null, began text not null,
+  study_id text not null default '', session_id text not null default ''
 );
 create table if not exists answer (
   session text not null references visit, step integer not null, text text not null,
@@ -49,15 +50,19 @@ class StudyFull(Exception):
 class AnswerStore:
     """The open file; thread-safe."""
 
-    def __init__(self, path: Path, study: Study) -> None:
-        """Open or create the file. Raises WmsError if it belongs to another study, or cannot be written."""
-        self._study, self._lock = study, threading.Lock()
+    def __init__(self, path: Path, study: Study, shares: int | None = None) -> None:
+        """Open or create the file; new people get one of the first `shares` slots (None: all).
+
+        Raises WmsError if the file belongs to another study, or cannot be written.
+        """
+        self._study, self._lock, self._shares = study, threading.Lock(), shares
         try:
             # Wait for other processes; a commit is durable when it returns.
             self._file = sqlite3.connect(
                 regular_file(path, new=True), timeout=30, isolation_level=None, check_same_thread=False
             )
             self._file.execute("pragma synchronous=full")
+            self._file.execute("pragma secure_delete=on")  # who withdraws leaves nothing behind
             with self._write():
                 for statement in filter(str.strip, _TABLES.split(";")):
                     self._file.execute(statement)
@@ -96,7 +101,8 @@ class AnswerStore:
         with self._write():
             if self._slot(person.session) is None:
                 values = [person.session, person.rater, self._free_slot(), secrets.token_hex(4).upper()]
-                self._file.execute("insert into visit values (?, ?, ?, ?, datetime('now'))", values)
+                values += [person.study_id, person.session_id]
+                self._file.execute("insert into visit values (?, ?, ?, ?, datetime('now'), ?, ?)", values)
             return self._progress(person.session)
 
     def keep(self, session: str, answer: Answer) -> Progress | None:
@@ -115,6 +121,12 @@ class AnswerStore:
             )
             return self._progress(session)
 
+    def withdraw(self, session: str) -> bool:
+        """Delete a visit and its answers, so that its slot is free again. Returns whether there was such a visit."""
+        with self._write():
+            self._file.execute("delete from answer where session = ?", [session])
+            return self._file.execute("delete from visit where session = ?", [session]).rowcount > 0
+
     def visits(self) -> list[Visit]:
         """Return all visits with their answers, in order of their beginning."""
         with self._lock:
@@ -123,17 +135,21 @@ class AnswerStore:
                 "select session, step, text, seconds, away from answer order by session, step"
             ):
                 answers.setdefault(session, []).append(Answer(step=step, text=text, seconds=seconds, away=away))
-            rows = self._file.execute("select session, rater, slot, code from visit order by rowid").fetchall()
+            rows = self._file.execute(
+                "select session, rater, slot, code, study_id, session_id from visit order by rowid"
+            ).fetchall()
         return [
             Visit(
                 session=s,
                 rater=r,
                 slot=slot,
                 code=code,
+                study_id=study_id,
+                session_id=session_id,
                 study=self._study.fingerprint,
                 answers=tuple(answers.get(s, ())),
             )
-            for s, r, slot, code in rows
+            for s, r, slot, code, study_id, session_id in rows
         ]
 
     def _slot(self, session: str) -> int | None:
@@ -142,7 +158,7 @@ class AnswerStore:
 
     def _free_slot(self) -> int:
         """Return the least taken of the unfinished slots. Raises Full if there is none."""
-        taken: dict[int, int] = dict.fromkeys(range(len(self._study.slots)), 0)
+        taken: dict[int, int] = dict.fromkeys(range(len(self._study.slots[: self._shares])), 0)
         for slot, count in self._file.execute(
             "select slot, (select count(*) from answer where answer.session = visit.session) from visit"
         ):
