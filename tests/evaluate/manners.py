@@ -102,7 +102,10 @@ MANNERS: dict[str, Manner] = {
     "kimi": text("◁think▷The answer is {y}.◁/think▷{x}"),
     "harmony": text("<|channel|>analysis<|message|>{y} fits.<|end|><|start|>assistant<|channel|>final<|message|>{x}"),
     "reasoning field": Manner(lambda label, *_: chat(label, reasoning_content="The answer is A. No, B. No, A.")),
-    "parts": Manner(lambda label, *_: chat([{"type": "text", "text": "The answer:"}, {"type": "text", "text": label}])),
+    "parts": Manner(
+        lambda label, *_: chat([{"type": "text", "text": "The answer:"}, {"type": "text", "text": label}]),
+        in_inspect=False,
+    ),
     "thinking parts": Manner(
         lambda label, *_: chat([
             {"type": "thinking", "thinking": [{"type": "text", "text": "A or B"}]},

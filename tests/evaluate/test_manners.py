@@ -156,8 +156,8 @@ def test_inspect_has_the_same_outcomes(dataset: Path, tmp_path: Path) -> None:
     logs = [json.loads(log.read_text()) for log in (tmp_path / "x/logs").glob("*.json")]
     samples = {models[log["eval"]["model"]]: log["samples"] for log in logs}
     assert set(samples) == set(names)
-    for name in names:
-        scores = [sample["scores"]["right"] for sample in samples[name]]
-        assert {score["metadata"]["outcome"] for score in scores} == {MANNERS[name].outcome}, name
-        answers = {score["answer"] for score in scores}
-        assert answers == ({"0"} if MANNERS[name].outcome == "answered" else {None}), name
+    marks = {name: [sample["scores"]["right"] for sample in samples[name]] for name in names}
+    outcomes = {name: {mark["metadata"]["outcome"] for mark in marks[name]} for name in names}
+    assert outcomes == {name: {MANNERS[name].outcome} for name in names}
+    answers = {name: {mark["answer"] for mark in marks[name]} for name in names}
+    assert answers == {name: {"0" if outcomes[name] == {"answered"} else None} for name in names}

@@ -8,7 +8,7 @@ from wmspec.eval.models.question import Question
 from wmspec.eval.models.rewording import reworded
 
 #: `pictures` and `question` leave these out. `truth` has "none of the others" in place of the true option, `options`
-#: asks for words without options, `wording` has options in other words: a memorized answer is of no use there.
+#: requires words without options, `wording` has options in other words: a memorized answer is of no use there.
 Ablation = Literal["pictures", "question", "truth", "options", "wording"]
 
 Words = tuple[str | None, ...]

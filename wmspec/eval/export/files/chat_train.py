@@ -46,12 +46,12 @@ def _trainer(method: str, model: str, output: Path, options: dict[str, Any]) -> 
         # Pictures are many tokens: a limit of length would cut the answer off.
         settings = SFTConfig(str(output), **{"max_length": None, **defaults, **options})
         return SFTTrainer(args=settings, train_dataset=chats["train"], eval_dataset=validation, **common)
-    asked = chats.map(lambda row: {"prompt": row["messages"][:-1]}, remove_columns="messages")
+    prompts = chats.map(lambda row: {"prompt": row["messages"][:-1]}, remove_columns="messages")
     return GRPOTrainer(
         args=GRPOConfig(str(output), **defaults | options),
         reward_funcs=reward,
-        train_dataset=asked["train"],
-        eval_dataset=asked.get("validation"),
+        train_dataset=prompts["train"],
+        eval_dataset=prompts.get("validation"),
         **common,
     )
 
