@@ -164,7 +164,7 @@
       make("img", { src: `pictures/${name}`, alt: word("picture", { number: i + 1 }) }),
       q.context.length > 1 ? make("figcaption", {}, word("picture", { number: i + 1 })) : null));
     const kind = q.kind === "practice" ? make("p", { class: "good" }, word("practice")) : null;
-    const shown = show([kind, make("h2", { id: "question" }, q.text), looks.length ? make("div", { class: "pictures" }, looks) : null,
+    const shown = show([kind, make("h1", { id: "question" }, q.text), looks.length ? make("div", { class: "pictures" }, looks) : null,
       make("fieldset", { "aria-labelledby": "question" }, make("legend", {}, word(q.open ? "your_answer" : "choose")), q.open ? number(q) : choices(q))],
       word("next"), { ready: false });
     const { form, button } = current, stop = clock(form);
