@@ -41,9 +41,21 @@ def test_every_recipe_names_its_test_and_what_is_there(recipe: str) -> None:
     section = CONTRIBUTING.partition(f"### {recipe}\n")[2].partition("\n### ")[0]
     (test,) = re.findall(r"Test: `(tests/\w+/test_\w+\.py)`", section)
     assert (ROOT / test).is_file()
+    assert not _missing_constants(section)
+
+
+def test_small_additions_name_what_is_there() -> None:
+    section = CONTRIBUTING.partition("## Small additions\n")[2].partition("\n## ")[0]
+    rows = [line for line in section.splitlines() if line.startswith("| a")]
+    assert len(rows) == 9
+    assert not [name for row in rows for name in _missing_constants(row)]
+
+
+def _missing_constants(section: str) -> list[str]:
+    """Return the constants named in a section that no file named there defines."""
     code = "\n".join((ROOT / name).read_text() for name in set(NAMED.findall(section)) - MADE if name.endswith(".py"))
     constants = re.findall(r"`(_?[A-Z][A-Z_]+)`", section)
-    assert not [name for name in constants if not re.search(rf"^{name}\b", code, re.MULTILINE)]
+    return [name for name in constants if not re.search(rf"^{name}\b", code, re.MULTILINE)]
 
 
 def test_every_test_of_a_recipe_has_its_recipe() -> None:
@@ -59,7 +71,9 @@ def test_the_snippets_are_those_of_the_tests() -> None:
         assert (f"ROW = {row[1]}" if row else snippet) in code
 
 
-def test_the_architecture_names_every_room() -> None:
+def test_the_architecture_names_every_package() -> None:
     page = (ROOT / "docs/architecture.md").read_text()
-    rooms = {path.parent.name for path in (ROOT / "wmspec").glob("*/__init__.py")}
-    assert {room for room in rooms if f"`wmspec/{room}`" not in page} == set()
+    packages = {path.parent.name for path in (ROOT / "wmspec").glob("*/__init__.py")}
+    for package in ("lang", "compile", "dataset", "eval"):
+        packages |= {f"{package}/{path.parent.name}" for path in (ROOT / "wmspec" / package).glob("*/__init__.py")}
+    assert {name for name in packages if f"`wmspec/{name}`" not in page} == set()

@@ -68,7 +68,7 @@ def test_without_on_a_place_on_the_ground_is_stood_on() -> None:
 def test_the_page_says_where_a_stage_tells_what_decides_an_attribute() -> None:
     (first, _) = wmspec.load(text=SPEC.format(body=BALL))
     assert place_of_the_ball(first)[1] == "ball.pose"
-    assert "`customData`, in the dictionary `wms`: `from" in (Path(__file__).parents[2] / "docs/stage.md").read_text()
+    assert '`customData["wms"]["from"]`' in (Path(__file__).parents[2] / "docs/stage.md").read_text()
 
 
 @pytest.mark.engine

@@ -22,7 +22,9 @@ from PIL import Image
 from tests.evaluate.loopback import first, loopback
 from tests.evaluate.made import in_numbers, in_pictures, in_words
 from wmspec.cli import main
+from wmspec.cli.export import TOOLS
 from wmspec.eval import replies
+from wmspec.eval.export.export import WRITERS
 from wmspec.eval.models import prompt
 from wmspec.eval.models.request import Ask, Picture, Text
 
@@ -72,6 +74,10 @@ def said(row: Row) -> list[Row]:
         {"type": "text", "text": part["text"]} if part["image"] is None else {"type": "image"}
         for part in row["content"]
     ]
+
+
+def test_the_command_offers_every_format() -> None:
+    assert set(TOOLS) == {*WRITERS, "questions", "video"}
 
 
 def test_datasets_opens_the_folder_and_comes_to_the_same_score(dataset: Path, tmp_path: Path) -> None:

@@ -48,7 +48,7 @@ class Export:
 
 
 def export(what: Export, tool: str, place: Path) -> int:
-    """Write a folder for a tool of `TOOLS`; returns the number of questions.
+    """Write a folder for a tool of `WRITERS`; returns the number of questions.
 
     Files of an earlier export are replaced; the tool's own files stay. Raises WmsError if the folder holds something
     else or cannot be written.
@@ -62,7 +62,7 @@ def export(what: Export, tool: str, place: Path) -> int:
     }
     with files.with_remedies(place):
         folder.clear()
-        count = TOOLS[tool](what, folder)
+        count = WRITERS[tool](what, folder)
         for module in sorted(resource("eval/replies").glob("*.py")):
             folder.copy(f"eval/replies/{module.name}", f"wmspec_reply/{module.name}")
         (place / MARK_FILE).write_bytes(
@@ -160,7 +160,7 @@ def _chat(what: Export, folder: Folder) -> int:
 
 
 #: Writer by tool.
-TOOLS: dict[str, Callable[[Export, Folder], int]] = {
+WRITERS: dict[str, Callable[[Export, Folder], int]] = {
     "inspect": _inspect,
     "lmms-eval": _lmms_eval,
     "vlmevalkit": _vlmevalkit,
