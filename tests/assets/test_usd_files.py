@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
-from tests.assets.specs import checked
+from tests.assets.specs import checked, named, scene, spec
 from tests.assets.test_usd_meshes import ANGLE, QUADS, body, quads, solid, ways, written
 from tests.work import calls
 from wmspec.sim.scene.model.bounds import world_box
@@ -114,3 +114,32 @@ def test_what_is_too_large_is_refused_soon(tmp_path: Path) -> None:
     (reported,) = (d for d in report.diagnostics if d.code == "WMS210")
     assert reported.message == "large.usdc: `/large`: it has more than 1,000,000 points or corners"
     assert work < 200_000
+
+
+DOMINO = """#usda 1.0
+(
+  metersPerUnit = 1
+  upAxis = "Z"
+)
+def Xform "domino" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"]) {{
+  float physics:mass = 0.025
+  float3 physics:diagonalInertia = (1, 1, 1)
+  def Mesh "form" (prepend apiSchemas = ["PhysicsCollisionAPI", "PhysicsMeshCollisionAPI"]) {{
+    uniform token physics:approximation = "convexHull"
+    {0}
+    double3 xformOp:scale = (0.01, 0.02, 0.05)
+    uniform token[] xformOpOrder = ["xformOp:scale"]
+  }}
+}}
+"""
+
+
+@pytest.mark.parametrize("kept", [True, False])
+def test_an_impossible_inertia_of_a_mesh_is_that_of_its_shape_unless_it_is_kept(tmp_path: Path, kept: bool) -> None:
+    (tmp_path / "domino.usda").write_text(DOMINO.format(quads()))
+    said = "inertia: file" if kept else ""
+    made = spec(f'object it {{ file: "domino.usda"  at: (0, 0, 0)  {said} }}', tmp_path)
+    inertia = named(scene(made), "it").inertia
+    assert inertia is not None
+    assert inertia.mass == pytest.approx(0.025)
+    assert (inertia.moments.max() > 0.9) == kept

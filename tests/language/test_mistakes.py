@@ -66,6 +66,13 @@ MISTAKES = {
         8,
         "check its unit",
     ),
+    "moments of a millstone": (
+        "size: 14 cm  color: tone",
+        "size: 14 cm  mass: 1 kg  moments: (9 kg*m^2, 9 kg*m^2, 9 kg*m^2)  color: tone",
+        "WMS606",
+        8,
+        "check its unit",
+    ),
     "the thing asked about is hidden": (
         "horizon",
         "object wall { shape: box  size: (50 cm, 2 cm, 50 cm)  at: (-44 cm, -20 cm, 25 cm)  fixed: true }\n  horizon",

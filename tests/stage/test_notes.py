@@ -240,3 +240,36 @@ def test_moments_of_no_solid_are_cut_and_told() -> None:
     assert "50 % above" in str(cut.notes[0])
     with pytest.raises(StageError, match="diagonalInertia"):
         read(stage(text))
+
+
+def turned(moment: float, more: str = "") -> Usd.Stage:
+    """A ball of 2 kg and 0.1 m with these moments of inertia (kg m²)."""
+    text = SHAPE.format(inside=BALL % "", more="")
+    mass = f"float physics:mass = 2\n float3 physics:diagonalInertia = ({moment}, {moment}, {moment})\n {more}"
+    return stage(text.replace("float physics:mass = 2", mass))
+
+
+def test_an_inertia_that_no_body_of_that_size_can_have_is_that_of_its_shapes() -> None:
+    found = read(turned(100.0), strict=False)
+    (body,), (note,) = found.bodies, found.notes
+    assert body.inertia is not None
+    assert_allclose(body.inertia.moments, 0.4 * 2 * 0.01, rtol=1e-6)
+    assert "its inertia is" in note.message
+    assert "that of its shapes is used" in note.message
+    with pytest.raises(StageError, match="times the largest"):
+        read(turned(100.0))
+
+
+def test_an_inertia_that_is_only_large_is_reported_and_used() -> None:
+    found = read(turned(0.5), strict=False)
+    (body,), (note,) = found.bodies, found.notes
+    assert body.inertia is not None
+    assert_allclose(body.inertia.moments, 0.5, rtol=1e-6)
+    assert "it is used" in note.message
+    assert read(turned(0.5)).bodies[0].inertia is not None
+
+
+def test_a_stage_may_keep_an_impossible_inertia() -> None:
+    kept = read(turned(100.0, 'uniform token wms:inertia = "authored"'))
+    assert kept.bodies[0].inertia is not None
+    assert_allclose(kept.bodies[0].inertia.moments, 100, rtol=1e-6)

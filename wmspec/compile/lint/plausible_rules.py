@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from itertools import combinations, pairwise
 
-from wmspec.compile.layout import geometry
+from wmspec.compile.layout import assets, geometry
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import bounds
@@ -18,6 +18,7 @@ from wmspec.core.diagnostics import Note
 from wmspec.core.space import IDENTITY, Vector, add, dot, inverse, rotate, scale, unit
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.types import units
+from wmspec.sim.scene.physics.gyration import excess_text, is_impossible
 from wmspec.sim.shapes import Shape
 
 #: Maximum and minimum plausible mass (kg) of an object.
@@ -126,6 +127,19 @@ def out_of_proportion(scene: LintScene) -> Iterator[Breach]:
 
 
 @rule("WMS606")
+def inertia_out_of_proportion(scene: LintScene) -> Iterator[Breach]:
+    """Find implausibly large moments of inertia; those of files are checked when they are read."""
+    values = scene.values
+    for name in (t.name for t in values.spec.things if t.kind == "object" and "moments" in t.properties):
+        if not values.is_present(name) or values.flag(name, "fixed") or assets.base(values, name):
+            continue
+        times = geometry.inertia_excess(values, name)
+        if is_impossible(times):
+            what = f"`{name}`: {excess_text(times)} {scene.where}"
+            yield Breach(what, values.source_location(name, "moments"), "check its unit", about=name)
+
+
+@rule("WMS606")
 def mesh_out_of_proportion(scene: LintScene) -> Iterator[Breach]:
     """Find movable meshes of implausible size or mass, whose unit may be another."""
     values = scene.values
@@ -168,6 +182,7 @@ RULES = (
     camera_far_away,
     object_far_away,
     out_of_proportion,
+    inertia_out_of_proportion,
     mesh_out_of_proportion,
     too_fast,
     launched_twice,

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from wmspec.compile.layout.evaluator import Evaluator
-from wmspec.compile.layout.geometry import all_pieces, touchable
+from wmspec.compile.layout.geometry import all_pieces, inertia_excess, touchable
 from wmspec.compile.stage.document import Prim
 from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import from_ypr
+from wmspec.sim.scene.physics.gyration import is_impossible
 
 #: Minimum volume (m³), of a cube of about 0.05 mm; smaller objects are an error.
 MIN_VOLUME = 1e-13
@@ -34,6 +35,9 @@ def add_own_mass(body: Prim, name: str, values: Evaluator) -> None:
         body.set("physics:centerOfMass", "point3f", values.vector(name, "centre"), f"{name}.centre")
     if values.has(name, "moments"):
         body.set("physics:diagonalInertia", "float3", _moments(name, values), f"{name}.moments")
+        if is_impossible(inertia_excess(values, name)):
+            forms = tuple(f"{part}.form" for part, _ in all_pieces(values, name))
+            body.set("wms:inertia", "token", "authored", f"{name}.moments", f"{name}.mass", *forms, uniform=True)
         body.set("physics:principalAxes", "quatf", from_ypr(*values.vector(name, "axes")), f"{name}.axes")
 
 

@@ -129,11 +129,15 @@ class Appearance:
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A mesh file relative to the spec's folder, `scale` along each axis, and its `collision` mode."""
+    """A mesh file relative to the spec's folder, `scale` along each axis, and its `collision` mode.
+
+    `corners` (m) of its box are known for a mesh of a stage.
+    """
 
     file: str
     scale: tuple[float, ...] = (1.0, 1.0, 1.0)
     collision: str = "hull"
+    corners: tuple[tuple[float, ...], ...] = ()
 
 
 Form = Solid | MeshFile

@@ -16,13 +16,12 @@ from wmspec.lang.importers.mesh_sizes import MeshSize, mesh_size
 from wmspec.lang.importers.model import Asset, Faults, Link, MeshFile, Shape
 from wmspec.sim.scene.model import Array, Inertia, Pose
 from wmspec.sim.scene.model.transform import apply, identity
+from wmspec.sim.scene.physics.gyration import excess as gyration_excess
+from wmspec.sim.scene.physics.gyration import excess_text, is_implausible, is_impossible
 from wmspec.sim.scene.physics.inertia import inertia
 from wmspec.sim.shapes import Shape as Solid
 from wmspec.sim.shapes.facets import tessellate
 
-#: Radius of gyration relative to the distance of the farthest point of the geometry from the centre of mass: above the
-#: first it is reported, above the second replaced. Both exceed 1, since the geometry may be simpler than the body.
-MAX_GYRATION, ABSURD_GYRATION = 2.0, 10.0
 #: Relative excess of a moment over the sum of the others that rounding explains.
 _ROUNDING = 1e-3
 #: Least extent (m) of the box that stands in for geometry without volume.
@@ -73,10 +72,9 @@ def _with_inertia(link: Link, folder: Path, faults: Faults) -> Link:
     elif moments[0] <= 0 or excess > 1 + _ROUNDING:
         above = f"{100 * (excess - 1):.0f} %" if moments[0] > 0 and excess < _FAR else "far"
         what = f"no body has its moments of inertia: the largest is {above} above the others' sum"
-    elif reach and moments[2] > mass.mass * (MAX_GYRATION * reach) ** 2:
-        times = float(moments[2] / (mass.mass * reach**2))
-        what = f"its inertia is {times:.2g} times the largest that a body of its mass and size can have"
-        if times <= ABSURD_GYRATION**2:
+    elif is_implausible(times := gyration_excess(mass.mass, moments, reach)):
+        what = excess_text(times)
+        if not is_impossible(times):
             faults.approximate(link.where, what, "it is used", "correct it")
             return replace(link, mass=_rounded(mass))
     else:
@@ -110,7 +108,7 @@ def _points(shape: Shape, folder: Path) -> Array | None:
     """Return points (n, 3) m on a shape, in the link's frame."""
     if isinstance(shape.form, MeshFile):
         size = mesh_size(folder, shape.form)
-        own = None if size is None else size.points
+        own = np.array(shape.form.corners) if shape.form.corners else None if size is None else size.points
     else:
         own = tessellate(shape.form).points
     return None if own is None else np.array([apply(shape.pose, p) for p in own]).reshape(-1, 3)

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
+import numpy as np
 from pxr import Usd
 
 from wmspec.core.diagnostics import Diagnostic, Report, StageError
@@ -173,14 +175,16 @@ class _Usd:
             return
         way, why = self._touched(prim, here.shape, motion) if piece.collides and motion else ("hull", ())
         file = f"{self.shown}#{prim.GetPath()}"
+        corners = tuple(product(*here.shape.bounds(np.eye(3)).T.tolist()))
         parts = meshes.parts(prim) if piece.visible else []
         for part, _ in parts:
             name = f"{file}{REST}" if part == prim else f"{self.shown}#{part.GetPath()}"
-            yield Shape(MeshFile(name), here.pose, self._look(part), solid=False)
+            yield Shape(MeshFile(name, corners=corners), here.pose, self._look(part), solid=False)
         if piece.collides or not parts:
             drawn = piece.visible and not parts
             look = self._look(prim) if drawn else Appearance()
-            yield Shape(MeshFile(file, collision=way), here.pose, look, piece.collides, drawn, rubs, why)
+            form = MeshFile(file, collision=way, corners=corners)
+            yield Shape(form, here.pose, look, piece.collides, drawn, rubs, why)
 
     def _rubs(self, prim: Usd.Prim) -> tuple[float, float]:
         """Return friction and restitution of a collider."""

@@ -13,7 +13,7 @@ from wmspec.sim.scene.model.transform import conjugate, rotate
 from wmspec.sim.usd.colliders import DOWN, collision_shapes
 from wmspec.sim.usd.frames import StageFrame, split_transform, vector
 from wmspec.sim.usd.geoms import MaterialTable, geoms
-from wmspec.sim.usd.masses import body_inertia
+from wmspec.sim.usd.masses import body_inertia, plausible_inertia
 from wmspec.sim.usd.prims import Names, applied_schemas, refuse, value
 from wmspec.sim.usd.shapes import PlacedShape, placed_shape
 from wmspec.sim.usd.stage_index import BodyPrim
@@ -53,7 +53,12 @@ def _body(owner: BodyPrim, name: str, world: StageFrame, materials: MaterialTabl
                 colliders.append((here, materials.density(piece.prim)))
     problems.stop_if_failed()
     seen = [(geom.shape, geom.pose) for geom in pieces]
-    inertia = body_inertia(prim, place, colliders, world, seen, notes) if owner.motion == "dynamic" else None
+    inertia = None
+    if owner.motion == "dynamic":
+        inertia = body_inertia(prim, place, colliders, world, seen, notes)
+        solid = [(geom.shape, geom.pose) for geom in pieces if geom.collides]
+        drawn = [(geom.shape, geom.pose) for geom in pieces if geom.collides or geom.visible]
+        inertia = plausible_inertia(prim, inertia, solid, drawn, notes)
     return body(owner, name, place.pose, tuple(pieces), inertia, world)
 
 

@@ -16,8 +16,10 @@ from pxr import Gf, Usd
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.sim.scene.model import Array, Inertia, Motion, Pose
+from wmspec.sim.scene.model.bounds import bounds
 from wmspec.sim.scene.model.transform import multiply, rotation
 from wmspec.sim.scene.physics.decompose import mesh_mass_properties
+from wmspec.sim.scene.physics.gyration import excess, excess_text, farthest_corner, is_implausible, is_impossible
 from wmspec.sim.scene.physics.inertia import inertia, principal
 from wmspec.sim.shapes import Mesh, Shape, Sphere
 from wmspec.sim.usd.colliders import collides_as_hull, collision_shapes
@@ -28,6 +30,9 @@ from wmspec.sim.usd.substitutions import STRICT, Substitutions
 
 DEFAULT_MASS, DEFAULT_RADIUS = 1.0, 0.1
 """kg and, as a ball, m: a body without mass and colliders, as in PhysX."""
+
+INERTIA, AUTHORED = "wms:inertia", "authored"
+"""Attribute of a body, and its value, that keeps moments of inertia that no body of its mass and size can have."""
 
 DEFAULT_DENSITY = 1000.0
 """kg/m³: the fallback of UsdPhysics, PhysicsMassAPI, physics:density."""
@@ -56,6 +61,35 @@ def body_inertia(
     if mass:
         total = replace(total, mass=mass, moments=total.moments * (mass / total.mass))
     return _override(prim, SplitTransform(Gf.Matrix4d(1.0), place.stretch), total, world, notes)
+
+
+def plausible_inertia(
+    prim: Usd.Prim,
+    authored: Inertia,
+    solid: Sequence[tuple[Shape, Pose]],
+    seen: Sequence[tuple[Shape, Pose]],
+    notes: Substitutions,
+) -> Inertia:
+    """Return the mass properties of a body, with the moments of its `solid` shapes if no body can have its own.
+
+    `seen`: its shapes that are drawn or collide. `wms:inertia = "authored"` keeps the moments.
+    """
+    if not seen or value(prim, INERTIA, "") == AUTHORED:
+        return authored
+    boxes = np.stack([bounds(shape, pose) for shape, pose in seen])
+    low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+    times = excess(authored.mass, authored.moments, farthest_corner(low, high, authored.center))
+    if not is_implausible(times) or (notes.strict and not is_impossible(times)):
+        return authored
+    if not is_impossible(times):
+        notes.record(prim, excess_text(times), "it is used", "correct it")
+        return authored
+    notes.record(
+        prim, excess_text(times), "that of its shapes is used", f'correct it, or author {INERTIA} = "{AUTHORED}"'
+    )
+    volume = sum(shape.volume for shape, _ in solid or seen)
+    made = inertia([(shape, pose, authored.mass * shape.volume / volume) for shape, pose in solid or seen])
+    return replace(made, center=authored.center)
 
 
 def _collider_inertia(c: PlacedShape, density: float, world: StageFrame, notes: Substitutions) -> Inertia:
