@@ -27,6 +27,7 @@ COMMANDS = (
     "explain",
     "list",
     "import-arm",
+    "things",
     "compile",
     "schema",
     "run",

@@ -93,7 +93,7 @@ def configuration(name: str, folder: str) -> list[str]:
 def _licenses(plan: Plan) -> list[str]:
     if plan.licence:
         return [plan.licence.lower()]
-    return sorted({t.spec.license.lower() or "unknown" for t in plan.tasks})
+    return sorted({name.lower() for t in plan.tasks for name in t.spec.licenses or ("unknown",)})
 
 
 def example(task: str) -> str:

@@ -80,7 +80,7 @@ def croissant(plan: Plan, records: Mapping[str, Record], cited: str, published: 
         if rows[t.spec.name]
     ]
     description = f"{sum(rows.values())} questions about a physical world, made by wmspec"
-    licenses = [plan.licence] if plan.licence else sorted({t.spec.license for t in plan.tasks if t.spec.license})
+    licenses = [plan.licence] if plan.licence else sorted({name for t in plan.tasks for name in t.spec.licenses})
     name = "-".join(t.spec.name for t in plan.tasks[:3])
     described = metadata(name, description, f"{plan.record['format']}.0.0", filled, licenses or ["unknown"])
     return described | {"citeAs": cited, "datePublished": published}

@@ -420,6 +420,10 @@ class Plan(Node):
     place: Location | None = None
 
 
+#: Separates the licences, and the sources, of a task and its libraries.
+CREDIT_SEPARATOR = "; "
+
+
 class TaskSpec(Node):
     """A complete checked task."""
 
@@ -441,6 +445,11 @@ class TaskSpec(Node):
     observations: tuple[Observation, ...]
     questions: tuple[Question, ...]
     film: Film | None = None
+
+    @property
+    def licenses(self) -> tuple[str, ...]:
+        """The licences of the task and its libraries."""
+        return tuple(self.license.split(CREDIT_SEPARATOR)) if self.license else ()
 
     def factor(self, name: str) -> Factor:
         """Return the factor or nuisance of that name."""

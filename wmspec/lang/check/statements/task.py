@@ -135,6 +135,10 @@ def words_in(program: Program) -> frozenset[tuple[str, int]] | None:
     return None if report.failed else frozenset(words)
 
 
+#: Settings that a library may have too.
+_CREDITS = ("license", "source")
+
+
 class _Task:
     def __init__(
         self,
@@ -277,15 +281,21 @@ class _Task:
     # ------------------------------------------------------------ the task itself
 
     def settings(self) -> dict[str, str]:
+        """Return the settings; licences and sources of libraries are joined to those of the task."""
         settings: dict[str, s.Setting] = {}
+        joined: dict[str, dict[str, None]] = {key: {} for key in _CREDITS}
         for x in self.statements:
             if isinstance(x, s.Setting):
-                if x.key in settings:
+                if x.key in _CREDITS and isinstance(x.value, s.Text):
+                    joined[x.key][x.value.value] = None
+                earlier = settings.get(x.key)
+                if earlier and (x.key not in _CREDITS or earlier.span.source is x.span.source):
                     notes = (Note("first set here", settings[x.key].span),)
                     self.report.add("WMS202", f"`{x.key}` is set twice", x.span, "remove one", notes)
                 settings[x.key] = x
         self._settings = settings
-        return {k: x.value.value for k, x in settings.items() if isinstance(x.value, s.Text)}
+        own = {k: x.value.value for k, x in settings.items() if isinstance(x.value, s.Text)}
+        return own | {key: ir.CREDIT_SEPARATOR.join(texts) for key, texts in joined.items()}
 
     def setting(self, key: str) -> Typed | None:
         if key not in self._settings:
