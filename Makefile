@@ -60,6 +60,7 @@ newton: setup
 	rm -rf build/newton build/newton-wheels
 	$(BIN)/python -m hatchling build -t wheel -d build/newton-wheels
 	cd plugins/wmspec-newton && ../../$(BIN)/python -m hatchling build -t wheel -d ../../build/newton-wheels
+	cd conformance && ../$(BIN)/python -m hatchling build -t wheel -d ../build/newton-wheels
 	$(BIN)/python -m venv build/newton
 	build/newton/bin/pip install --quiet pytest 'mujoco>=4,<5' 'pyopengl>=3.1.6,<4' $(CURDIR)/build/newton-wheels/*.whl
 	cd plugins/wmspec-newton && PYTHONSAFEPATH=1 ../../build/newton/bin/python -m pytest -q -p no:cacheprovider tests

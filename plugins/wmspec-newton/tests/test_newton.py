@@ -14,7 +14,9 @@ import numpy as np
 import pytest
 
 import wmspec
+from usdphysics_conformance import all_cases
 from wmspec.core.diagnostics import WmsError
+from wmspec.runtime.conformance import score_engine
 
 ROOM = "use room\n\ntask t : custom.motion {\n  factor value in [%s]\n%s\n  horizon %s s\n  observe front at [0 s]\n}\n"
 BALL = "object ball { shape: sphere  size: 6 cm  mass: 100 g  color: red  on: floor }"
@@ -68,6 +70,15 @@ def test_a_ball_passes_through_a_wall_as_in_mujoco() -> None:
     ours, theirs = (one.run(engine)["ball"].position for engine in ("newton", "mujoco"))
     assert np.ptp(ours[:, :2], axis=0).max() > 0.4
     np.testing.assert_allclose(ours, theirs, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    "case", ["mimic_counterweight", "four_bar", "drive_hinge", "limit_slider", "pendulum_ball_joint"]
+)
+def test_joints_move_as_mechanics_says(case: str) -> None:
+    scores = list(score_engine("newton", [all_cases()[case]]))
+    assert scores
+    assert all(score.passed for score in scores), scores
 
 
 def test_the_native_script_runs_with_newton_alone(tmp_path: Path) -> None:

@@ -49,8 +49,6 @@ def build(assembly: Assembly, contacts: Any, limits: Vector) -> Built:
         for limb in tree:
             joints[limb.body] = add_joint(builder, limb, links, limits)
         builder.add_articulation([joints[limb.body] for limb in tree])
-    for gear in assembly.mimic_constraints:
-        builder.set_joint_mimic(joints[gear.body], joints[gear.leader], coeffs=(gear.offset, gear.ratio))
     pieces = [
         [(add_shape(builder, links.get(i, WORLD), piece, body.start), piece.material) for piece in body.pieces]
         for i, body in enumerate(assembly.bodies)
@@ -92,7 +90,8 @@ def add_joint(builder: Any, limb: Link, links: dict[int, int], limits: Vector) -
     axis = newton.ModelBuilder.JointDofConfig(axis=(1.0, 0.0, 0.0), armature=0.0)
     if limb.limits:
         axis.limit_lower, axis.limit_upper = low, high
-        frames["custom_attributes"] = {"mujoco:solreflimit": limits}
+        # Without mode 1 (as given) Newton takes its own gains, in which limits are soft.
+        frames["custom_attributes"] = {"mujoco:solreflimit": limits, "mujoco:solreflimit_mode": 1}
     if limb.drive:
         stiffness, damping, target, velocity, most = limb.drive
         axis.target_ke, axis.target_kd, axis.target_q, axis.target_qd = stiffness, damping, target, velocity

@@ -43,7 +43,7 @@ def _parameters(p: Vector, q: Vector, led: bool, step: float) -> dict[str, int |
 
 
 def constraint_solref(step: float) -> Vector:
-    """Return the stiffness and damping of grips and loop closures: as stiff as the step (s) allows."""
+    """Return the stiffness and damping of grips, loop closures and mimic joints: as stiff as the step (s) allows."""
     return -((0.1 / step) ** 2), -0.5 / step
 
 

@@ -23,8 +23,8 @@ XYZW = [4, 5, 6, 3]  # from a pose (x, y, z, w, i, j, k) to Newton's order of qu
 class World:
     """A Newton model of the given bodies in order, with frames at their centres of mass, executed on the processor.
 
-    `ties`: `solref` of grips and loop closures. The solver is Newton's on top of MuJoCo, whose data this class reads
-    for what Newton does not return: contacts, and equality constraints that change during an episode.
+    `ties`: `solref` of grips, loop closures and mimic joints. The solver is Newton's on top of MuJoCo, whose data this
+    class reads for what Newton does not return: contacts, and equality constraints that change during an episode.
     """
 
     def __init__(self, assembly: Assembly, grips: tuple[Grip, ...], contacts: Any, limits: Any, ties: Any) -> None:
@@ -63,7 +63,10 @@ class World:
         self.begin()
 
     def tie(self, builder: Any, grips: tuple[Grip, ...], ties: Any) -> None:
-        """Add loop closures, and grips that are inactive at first."""
+        """Add loop closures, grips that are inactive at first, and mimic joints.
+
+        Newton's own mimic joints have no parameters: they are soft, and within one articulation only.
+        """
         self.grips: dict[int, list[int]] = {}
         rows = 0
         for closure in self.assembly.loop_closures:
@@ -80,6 +83,9 @@ class World:
                 newton.solvers.mujoco.add_equality_connect(builder, *ends, anchor=point, solref=ties, enabled=False)
                 self.grips[number].append(rows)
                 rows += 1
+        for gear in self.assembly.mimic_constraints:
+            pair, line = (self.joints[gear.body], self.joints[gear.leader]), (gear.offset, gear.ratio)
+            newton.solvers.mujoco.add_equality_joint(builder, *pair, polycoef=line, solref=ties)
 
     def damp(self) -> None:
         """Set the damping of free bodies, which Newton's free joints do not have."""
