@@ -73,7 +73,8 @@ def test_a_ball_passes_through_a_wall_as_in_mujoco() -> None:
 
 
 @pytest.mark.parametrize(
-    "case", ["mimic_counterweight", "four_bar", "drive_hinge", "limit_slider", "pendulum_ball_joint"]
+    "case",
+    ["mimic_counterweight", "four_bar", "drive_hinge", "limit_slider", "pendulum_ball_joint", "pendulum_conical"],
 )
 def test_joints_move_as_mechanics_says(case: str) -> None:
     scores = list(score_engine("newton", [all_cases()[case]]))

@@ -91,7 +91,7 @@ def add_joint(builder: Any, limb: Link, links: dict[int, int], limits: Vector) -
     if limb.limits:
         axis.limit_lower, axis.limit_upper = low, high
         # Without mode 1 (as given) Newton takes its own gains, in which limits are soft.
-        frames["custom_attributes"] = {"mujoco:solreflimit": limits, "mujoco:solreflimit_mode": 1}
+        frames["custom_attributes"] = {"mujoco:solreflimit": [limits], "mujoco:solreflimit_mode": [1]}
     if limb.drive:
         stiffness, damping, target, velocity, most = limb.drive
         axis.target_ke, axis.target_kd, axis.target_q, axis.target_qd = stiffness, damping, target, velocity

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from wmspec.core.native_output import silence
+from wmspec.sim.scene.model.transform import conjugate, rotate
 from wmspec.sim.scene.physics.episode import TOUCH_BEGIN, Grip
 from wmspec.sim.scene.physics.rigid import Assembly
 
@@ -107,6 +108,8 @@ class World:
                 at = self.rates[self.joints[limb.body]]
                 if limb.kind == "free" and self.assembly.bodies[limb.body].velocity:
                     speeds[at : at + 6] = self.assembly.bodies[limb.body].velocity
+                elif limb.kind == "ball" and limb.rate:  # in the joint frame, not in that of the body
+                    speeds[at : at + 3] = rotate(conjugate(np.array(limb.below[3:])), np.array(limb.rate))
                 elif limb.rate:
                     speeds[at : at + len(limb.rate)] = limb.rate
         newton.eval_fk(self.model, self.now.joint_q, self.now.joint_qd, self.now)
