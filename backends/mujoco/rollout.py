@@ -61,12 +61,11 @@ def _moving_time(timeline: Episode) -> float:
     """Return the total time (s) during which colliding kinematic bodies move."""
     end, moving = (timeline.samples - 1) / timeline.rate, 0.0
     for track in (track for track in timeline.tracks if track.body not in timeline.untouchable):
+        if any(track.surface):
+            moving += end
+            continue
         lasting = np.diff(np.minimum([*track.times, end], end))
-        moving += (
-            end
-            if any(track.surface)
-            else float(lasting[np.any([*zip(track.velocities, track.spins, strict=True)], axis=(1, 2))].sum())
-        )
+        moving += float(lasting[np.any([*zip(track.velocities, track.spins, strict=True)], axis=(1, 2))].sum())
     return moving
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import json
+import sqlite3
 from collections import Counter
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -15,6 +17,7 @@ from tests.evaluate.made import in_numbers
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.study import store
+from wmspec.eval.study.answers import Person
 from wmspec.eval.study.assign import slots
 from wmspec.eval.study.make import StudyOptions, make
 from wmspec.eval.study.model import Item, load
@@ -121,6 +124,19 @@ def test_another_study_never_takes_the_place_of_one_with_answers(dataset: Datase
     with pytest.raises(WmsError, match="answers to another study"):
         make(dataset, StudyOptions(per_task=3), study)
     make(dataset, StudyOptions(per_task=6, raters=3, check_every=6), study)
+
+
+def test_answers_of_an_earlier_version_are_kept(study: Path) -> None:
+    """Its visits had no ids of the site that invites people."""
+    place = study / store.ANSWERS_FILE
+    answers = store.AnswerStore(place, load(study))
+    answers.begin(Person(session="a" * 32, rater="anne"))
+    answers.close()
+    with closing(sqlite3.connect(place)) as file, file:
+        for column in ("study_id", "session_id"):
+            file.execute(f"alter table visit drop column {column}")
+    (visit,) = store.AnswerStore(place, load(study)).visits()
+    assert (visit.rater, visit.study_id, visit.session_id) == ("anne", "", "")
 
 
 def test_what_a_dataset_lacks_is_told(dataset: DatasetReader, tmp_path: Path) -> None:

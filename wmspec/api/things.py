@@ -246,7 +246,7 @@ def _read(home: Path) -> _Record:
 
 def _library(things: Sequence[Thing]) -> str:
     """Return the text of the library; its licences and sources go to the cards of datasets."""
-    head = ['"""Things that `wmspec things add` registered."""']
+    head = [f'"""Written by `wmspec things add` from {RECORD}; the next call replaces it."""']
     for key in ("license", "source"):
         values = list(dict.fromkeys(getattr(thing, key) for thing in things if getattr(thing, key)))
         if values:

@@ -129,14 +129,12 @@ def print_notes(episodes: Sequence[Episode]) -> None:
 
 def parse_duration(text: str) -> float:
     """Parse a time in seconds."""
-    from wmspec.lang.check.types.units import TIME, UnknownUnit, parse_unit
+    from wmspec.lang.check.types.units import TIME, UnknownUnit, parse_quantity
 
-    number = text.rstrip("abcdefghijklmnopqrstuvwxyz ")
     try:
-        scale, dimension = parse_unit(text[len(number) :].strip() or "s")
-        seconds = float(number) * scale
+        seconds, dimension = parse_quantity(text, "s")
     except (ValueError, UnknownUnit):
-        dimension, seconds = TIME, 0.0
+        seconds, dimension = 0.0, TIME
     if dimension != TIME or not 0 < seconds <= EPISODE_SECONDS.most:
         raise WmsError(f"--for {text}: expected a time such as 2s or 500ms, up to {EPISODE_SECONDS.most} s")
     return seconds

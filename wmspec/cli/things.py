@@ -80,15 +80,13 @@ def add_command(
 
 def _mass(text: str) -> tuple[str, float]:
     """Parse NAME=MASS into a name and kg."""
-    from wmspec.lang.check.types.units import MASS, UnknownUnit, parse_unit
+    from wmspec.lang.check.types.units import MASS, UnknownUnit, parse_quantity
 
     name, _, amount = text.partition("=")
-    number = amount.rstrip("abcdefghijklmnopqrstuvwxyz ")
     try:
-        scale, dimension = parse_unit(amount[len(number) :].strip() or "kg")
-        kilograms = float(number) * scale
+        kilograms, dimension = parse_quantity(amount, "kg")
     except (ValueError, UnknownUnit):
-        dimension, kilograms = MASS, 0.0
+        kilograms, dimension = 0.0, MASS
     if dimension != MASS or not 0 < kilograms < 1e6:
         raise WmsError(f"--mass {text}: expected NAME=MASS, such as mug=350g")
     return name, kilograms

@@ -11,7 +11,7 @@ from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import IDENTITY, Pose, from_ypr
 from wmspec.lang.check.tables.vocabulary import MEASURES, MESH_UNITS, Y_UP
 from wmspec.lang.check.types.types import article, either
-from wmspec.sim.scene.physics.gyration import excess, farthest_corner
+from wmspec.sim.scene.physics.gyration import farthest_corner, gyration_excess
 from wmspec.sim.shapes import SHAPES, Shape
 from wmspec.sim.shapes.shape import UnfitError
 
@@ -50,12 +50,12 @@ def mass(values: Evaluator, name: str) -> float:
 
 
 def inertia_excess(values: Evaluator, name: str) -> float:
-    """Return the largest of the `moments` of an object relative to its mass times its squared size (see `excess`)."""
+    """Return the largest of the `moments` of an object relative to its mass times its squared size."""
     moments, middle = values.vector(name, "moments"), (0.0, 0.0, 0.0)
     if values.has(name, "centre"):
         middle = values.vector(name, "centre")
     low, high = bounds(pieces(values, name), IDENTITY)
-    return excess(mass(values, name), moments, farthest_corner(low, high, middle))
+    return gyration_excess(mass(values, name), moments, farthest_corner(low, high, middle))
 
 
 def own_rotation(values: Evaluator, owner: str) -> tuple[float, float, float]:

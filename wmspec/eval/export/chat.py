@@ -98,14 +98,14 @@ def _content(ask: Ask, keep: Callable[[bytes], str], images: list[str]) -> Itera
 def _truth(ask: Ask) -> Row:
     """Return the arguments with which `mark` scores a reply, for rewards."""
     question = ask.question
-    is_open = not question.options
+    number, unit, within = question.open_answer
     return {
         "options": list(question.options),
         "labels": ask.labels,
         "answer": question.answer,
-        "number": question.number if is_open else None,
-        "unit": question.unit if is_open else None,
-        "within": question.within if is_open else None,
+        "number": number,
+        "unit": unit,
+        "within": within,
     }
 
 

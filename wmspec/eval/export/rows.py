@@ -67,7 +67,7 @@ def _row(question: Question, prompt: Prompt) -> Row:
                 images.append({"bytes": png, "path": None})
             case Clip():
                 raise WmsError("videos cannot be exported; use another --prompt than `clip`")
-    is_open = not question.options
+    number, unit, within = question.open_answer
     return {
         "id": question.id,
         "task": question.task,
@@ -82,9 +82,9 @@ def _row(question: Question, prompt: Prompt) -> Row:
         "options": list(question.options),
         "labels": ask.labels,
         "answer": question.answer,
-        "answer_number": question.number if is_open else None,
-        "answer_unit": question.unit if is_open else None,
-        "answer_within": question.within if is_open else None,
+        "answer_number": number,
+        "answer_unit": unit,
+        "answer_within": within,
     }
 
 

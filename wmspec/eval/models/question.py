@@ -74,6 +74,11 @@ class Question(QuestionIdentity):
         """Whether the options are words."""
         return None not in self.options
 
+    @property
+    def open_answer(self) -> tuple[float | None, str | None, float | None]:
+        """True number, unit and tolerance of an open question; None each if there are options."""
+        return (None, None, None) if self.options else (self.number, self.unit, self.within)
+
 
 @dataclass(frozen=True)
 class Selection:

@@ -90,7 +90,7 @@ class Counts:
 def row(ask: Ask, reply: Reply, model: str, prompt: str) -> Row:
     """Return the scored row of a reply."""
     question: Question = ask.question
-    is_open = not question.options
+    number, unit, within = question.open_answer
     return score(
         {
             **question.columns,
@@ -105,9 +105,9 @@ def row(ask: Ask, reply: Reply, model: str, prompt: str) -> Row:
             "labels": ask.labels,
             "options": list(ask.words),
             "answer": question.answer,
-            "answer_number": question.number if is_open else None,
-            "answer_unit": question.unit if is_open else None,
-            "answer_within": question.within if is_open else None,
+            "answer_number": number,
+            "answer_unit": unit,
+            "answer_within": within,
             "text": reply.text,
             "status": "error" if reply.failed else "answered",
             "finish_reason": reply.finish,

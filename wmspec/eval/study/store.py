@@ -24,14 +24,15 @@ MAX_VISITS = 20_000
 _TABLES = """
 create table if not exists study (fingerprint text primary key);
 create table if not exists visit (
-  session text primary key, rater text not null, slot integer not null, code text not null, began text not null,
-  study_id text not null default '', session_id text not null default ''
+  session text primary key, rater text not null, slot integer not null, code text not null, began text not null
 );
 create table if not exists answer (
   session text not null references visit, step integer not null, text text not null,
   seconds real not null, away real not null, at text not null, primary key (session, step)
 ) without rowid;
 """
+#: Further columns of `visit`, which files of earlier versions lack.
+_ADDED = ("study_id", "session_id")
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,9 @@ class AnswerStore:
             with self._write():
                 for statement in filter(str.strip, _TABLES.split(";")):
                     self._file.execute(statement)
+                present = {column[1] for column in self._file.execute("pragma table_info(visit)")}
+                for column in (name for name in _ADDED if name not in present):
+                    self._file.execute(f"alter table visit add column {column} text not null default ''")
                 known = [name for (name,) in self._file.execute("select fingerprint from study")]
                 if not known:
                     self._file.execute("insert into study values (?)", [study.fingerprint])
@@ -96,7 +100,7 @@ class AnswerStore:
     def begin(self, person: Person) -> Progress:
         """Return a participant's progress, with a new slot on the first visit.
 
-        Raises Full if all slots are finished.
+        Raises StudyFull if all slots are finished.
         """
         with self._write():
             if self._slot(person.session) is None:

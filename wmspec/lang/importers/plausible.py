@@ -16,8 +16,7 @@ from wmspec.lang.importers.mesh_sizes import MeshSize, mesh_size
 from wmspec.lang.importers.model import Asset, Faults, Link, MeshFile, Shape
 from wmspec.sim.scene.model import Array, Inertia, Pose
 from wmspec.sim.scene.model.transform import apply, identity
-from wmspec.sim.scene.physics.gyration import excess as gyration_excess
-from wmspec.sim.scene.physics.gyration import excess_text, is_implausible, is_impossible
+from wmspec.sim.scene.physics.gyration import excess_text, gyration_excess, is_implausible, is_impossible
 from wmspec.sim.scene.physics.inertia import inertia
 from wmspec.sim.shapes import Shape as Solid
 from wmspec.sim.shapes.facets import tessellate

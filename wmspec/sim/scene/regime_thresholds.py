@@ -13,9 +13,10 @@ MAX_ENTERED_FRACTION = 0.5
 """Fraction of the thinnest body that another may enter; beyond the middle it is ejected on the far side."""
 MAX_STEP_MULTIPLIER = 16
 """Largest factor by which the step rate is increased."""
-MAX_STEP_RESPONSE, COARSEST_STEP_RATE = 0.5, 1920
-"""Largest response of a drive per engine step: oscillation (rad per step)², decay as a fraction. Step rate (Hz) of the
-coarsest engine with explicit drives, before it is increased."""
+MAX_STEP_RESPONSE = 0.5
+"""Largest response of a drive per engine step: oscillation (rad per step)², decay as a fraction."""
+COARSEST_STEP_RATE = 1920
+"""Step rate (Hz) of the coarsest engine with explicit drives, before it is increased."""
 
 HEAVY_LANDING_SPEED, HEAVY_LANDING_RATIO = 0.5, 5.0
 """Speed (m/s) and mass ratio above which landings on a resting body are flagged."""

@@ -19,7 +19,13 @@ from wmspec.sim.scene.model import Array, Inertia, Motion, Pose
 from wmspec.sim.scene.model.bounds import bounds
 from wmspec.sim.scene.model.transform import multiply, rotation
 from wmspec.sim.scene.physics.decompose import mesh_mass_properties
-from wmspec.sim.scene.physics.gyration import excess, excess_text, farthest_corner, is_implausible, is_impossible
+from wmspec.sim.scene.physics.gyration import (
+    excess_text,
+    farthest_corner,
+    gyration_excess,
+    is_implausible,
+    is_impossible,
+)
 from wmspec.sim.scene.physics.inertia import inertia, principal
 from wmspec.sim.shapes import Mesh, Shape, Sphere
 from wmspec.sim.usd.colliders import collides_as_hull, collision_shapes
@@ -70,15 +76,16 @@ def plausible_inertia(
     seen: Sequence[tuple[Shape, Pose]],
     notes: Substitutions,
 ) -> Inertia:
-    """Return the mass properties of a body, with the moments of its `solid` shapes if no body can have its own.
+    """Return the authored mass properties of a body, with moments of its shapes if the authored ones are impossible.
 
-    `seen`: its shapes that are drawn or collide. `wms:inertia = "authored"` keeps the moments.
+    `solid` are the shapes that collide, `seen` those that collide or are drawn. `wms:inertia = "authored"` keeps the
+    moments.
     """
     if not seen or value(prim, INERTIA, "") == AUTHORED:
         return authored
     boxes = np.stack([bounds(shape, pose) for shape, pose in seen])
     low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
-    times = excess(authored.mass, authored.moments, farthest_corner(low, high, authored.center))
+    times = gyration_excess(authored.mass, authored.moments, farthest_corner(low, high, authored.center))
     if not is_implausible(times) or (notes.strict and not is_impossible(times)):
         return authored
     if not is_impossible(times):

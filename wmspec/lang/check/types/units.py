@@ -208,6 +208,16 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
     return scale, dimension
 
 
+def parse_quantity(text: str, unit: str) -> tuple[float, Dimension]:
+    """Return the SI value and dimension of a number such as `350g`; without a unit it has `unit`.
+
+    Raises ValueError if there is no number, UnknownUnit for its unit.
+    """
+    number = text.rstrip("abcdefghijklmnopqrstuvwxyz ")
+    scale, dimension = parse_unit(text[len(number) :].strip() or unit)
+    return float(number) * scale, dimension
+
+
 def dimension_named(text: str) -> Dimension:
     """Return the dimension of a name or unit, such as `length` or `kg/s`."""
     return next((dimension for dimension, name in _NAMES.items() if name == text), None) or parse_unit(text)[1]

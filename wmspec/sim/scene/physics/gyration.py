@@ -11,7 +11,7 @@ from itertools import product
 MAX_GYRATION, ABSURD_GYRATION = 2.0, 10.0
 
 
-def excess(mass: float, moments: Iterable[float], reach: float) -> float:
+def gyration_excess(mass: float, moments: Iterable[float], reach: float) -> float:
     """Return the largest moment (kg m²) relative to `mass` times the squared `reach` (m); 0 for a reach of 0."""
     return float(max(moments)) / (mass * reach**2) if reach > 0 else 0.0
 

@@ -64,7 +64,7 @@ def _paired(
     """Return pairs of faces (n, 2) around an edge of more than two: each with the next across its interior.
 
     `sides` index the edges of the faces in order (face * 3 + corner). Of faces that coincide, the one of the same
-    `patch` is next: else two shells with a corner in common would count as one that overlaps itself.
+    `patch` is next: otherwise two shells with a common edge would count as one that overlaps itself.
     """
     face, corner = sides // 3, sides % 3
     a, b = (points[faces[face, (corner + k) % 3]] for k in (0, 1))
