@@ -1,4 +1,4 @@
-"""Cached results of `wmspec check` equal those of a check, and are never older than their dependencies."""
+"""Cached results about specs equal those of a fresh process, and are never older than their dependencies."""
 
 import json
 import os
@@ -6,16 +6,22 @@ import pickle
 import shutil
 import subprocess
 import sys
+import zlib
+from base64 import b64encode
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from wmspec.api import checking
+from wmspec.api import load_all
 from wmspec.api.checking import Checked, check_files
-from wmspec.core import disk_cache
-from wmspec.core.diagnostics import Report
+from wmspec.api.generating import spec_texts
+from wmspec.api.spec_cache import LISTING, Cached, Entry
+from wmspec.core import disk_cache, node_pickle
+from wmspec.core.diagnostics import Report, WmsError
+from wmspec.core.node import Node
 from wmspec.core.places import Source
+from wmspec.lang.check.ir import ir
 from wmspec.lang.parse import library_cache
 from wmspec.lang.parse.files import library_folder, read_source
 from wmspec.lang.parse.parser import parse
@@ -36,15 +42,17 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def hits(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
-    """Whether each check was a cache hit."""
+    """Whether each search in the cache was a hit."""
     seen: list[bool] = []
 
-    def watched(entry: str, path: Path, real: Callable[..., Checked | None] = checking._cached) -> Checked | None:
-        found = real(entry, path)
+    def watched(
+        self: Entry, decode: object, real: Callable[..., Cached[object] | None] = Entry.read
+    ) -> Cached[object] | None:
+        found = real(self, decode)
         seen.append(found is not None)
         return found
 
-    monkeypatch.setattr(checking, "_cached", watched)
+    monkeypatch.setattr(Entry, "read", watched)
     return seen
 
 
@@ -60,8 +68,29 @@ def test_a_cached_result_is_the_result(path: Path, hits: list[bool]) -> None:
     first, again = check_files([path]), check_files([path])
     assert plain == first == again
     assert seen(plain) == seen(first) == seen(again)
-    listing = checking._LISTING & {d.code for d in plain.diagnostics}
+    listing = LISTING & {d.code for d in plain.diagnostics}
     assert hits == [False, False, not listing]
+
+
+@pytest.mark.parametrize("path", CATALOGUE, ids=lambda path: path.stem)
+def test_tasks_from_the_cache_are_the_tasks(path: Path, hits: list[bool]) -> None:
+    with disk_cache.disabled():
+        fresh = load_all(path, seed=3)
+    _, cached = load_all(path, seed=3), load_all(path, seed=3)
+    assert cached == fresh
+    assert spec_texts(cached) == spec_texts(fresh)
+    assert hits == [False, False, True]
+
+
+def test_warnings_come_from_the_cache_too(tmp_path: Path, hits: list[bool]) -> None:
+    spec = tmp_path / "spec.wms"
+    spec.write_text("use tabletop\ntask t : custom { let unused = 1  observe front at [0 s] }\n")
+    warned: list[list[str]] = [[], []]
+    for texts in warned:
+        load_all(spec, tell=texts.append)
+    assert warned[0] == warned[1]
+    assert "`unused` is never used" in warned[0][0]
+    assert hits == [False, True]
 
 
 def test_whatever_a_result_depends_on_changes_it(
@@ -85,10 +114,19 @@ def test_whatever_a_result_depends_on_changes_it(
         change()
         hits.clear()
         with disk_cache.disabled():
-            plain = check_files([spec])
+            plain, task = check_files([spec]), loaded(spec)
         for _ in range(2):
             assert seen(check_files([spec])) == seen(plain)
-        assert hits[:2] == [False, False], "an old result was returned"
+            assert loaded(spec) == task
+        assert hits[:4] == [False] * 4, "an old result was returned"
+
+
+def loaded(spec: Path) -> object:
+    """The tasks of a spec, or what is wrong with it."""
+    try:
+        return load_all(spec)
+    except WmsError as error:
+        return str(error)
 
 
 def test_other_files_that_a_spec_names_count(tmp_path: Path, hits: list[bool]) -> None:
@@ -153,12 +191,14 @@ def test_an_entry_that_says_something_else_is_ignored(folder: Path, hits: list[b
     path = ROOT / "tests/corpus/three_mistakes.wms"
     plain = check_files([path])
     (entry,) = folder.glob("check-*")
-    record = json.loads(disk_cache.read(entry.name) or b"")
+    record = json.loads(zlib.decompress(disk_cache.read(entry.name) or b""))
     wrong: object
-    for wrong in ({}, [], record | {"diagnostics": [1]}, record | {"uses": 3}, record | {"tasks": [[]]}):
-        disk_cache.write(entry.name, json.dumps(wrong).encode())
+    for wrong in ({}, [], record | {"diagnostics": [1]}, record | {"uses": 3}, record | {"value": [[]]}):
+        disk_cache.write(entry.name, zlib.compress(json.dumps(wrong).encode()))
         assert check_files([path]) == plain
-    assert hits == [False] * 6
+    disk_cache.write(entry.name, json.dumps(record).encode())
+    assert check_files([path]) == plain
+    assert hits == [False] * 7
 
 
 def test_a_cache_that_cannot_be_written_costs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -183,7 +223,31 @@ class _Forged:
         return os.mkdir, ("forged",)
 
 
-@pytest.mark.parametrize("forged", [_Forged(), Path("x"), ("no tree",)], ids=["call", "class", "other"])
+FORGED = pytest.mark.parametrize("forged", [_Forged(), Path("x"), ("no tree",)], ids=["call", "class", "other"])
+
+
+@FORGED
+def test_forged_tasks_execute_nothing(
+    forged: object, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (task,) = load_all(CATALOGUE[0])
+    (entry,) = folder.glob("spec-*")
+    record = json.loads(zlib.decompress(disk_cache.read(entry.name) or b""))
+    record["value"] = b64encode(pickle.dumps(forged)).decode()
+    disk_cache.write(entry.name, zlib.compress(json.dumps(record).encode()))
+    assert load_all(CATALOGUE[0]) == (task,)
+    assert not (tmp_path / "forged").exists()
+
+
+def test_a_pickle_of_nodes_holds_nodes_of_one_module_alone() -> None:
+    tree = parse(Source("x.wms", "object o { }\n"), Report())
+    assert isinstance(tree, Node)
+    with pytest.raises(ValueError, match="is no node"):
+        node_pickle.loads(node_pickle.dumps(tree), ir, Source("x.wms", ""))
+
+
+@FORGED
 def test_a_forged_library_executes_nothing(forged: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     source = Source("x.wms", "object o { }\n")

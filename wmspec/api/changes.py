@@ -41,7 +41,7 @@ class _Changes:
         repository = self._repositories[folder]
         if repository not in self._files:
             self._files[repository] = _changed_files(repository, self._revision)
-        files = (task.path, *task.program.libraries, *task.assets)
+        files = (task.path, *task.libraries, *task.assets)
         return any(path.resolve() in self._files[repository] for path in files)
 
 

@@ -227,13 +227,12 @@ def spec_texts(tasks: Sequence[Task]) -> dict[str, str]:
     sources: dict[Path, Source] = {}
     bundled: dict[str, str] = {}
     for task in tasks:
-        program = task.program
-        sources[task.path.resolve() if task.path else Path(task.file)] = program.source
-        for path, file in program.libraries.items():
-            if file.span.source.name.startswith(BUNDLED):
-                bundled[file.span.source.name] = file.span.source.text
+        sources[task.path.resolve() if task.path else Path(task.file)] = task.source
+        for path, library in task.libraries.items():
+            if library.name.startswith(BUNDLED):
+                bundled[library.name] = library.text
             else:
-                sources[path.resolve()] = file.span.source
+                sources[path.resolve()] = library
     texts = dict(bundled)
     for path in sorted(sources):
         parts = next(n for n in range(1, 999) if [p.parts[-n:] for p in sources].count(path.parts[-n:]) == 1)

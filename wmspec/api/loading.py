@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import warnings
+from base64 import b64decode, b64encode
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 
+from wmspec.api import spec_cache
 from wmspec.api.task import Task
 from wmspec.compile.design.design import Design
+from wmspec.core import node_pickle
 from wmspec.core.diagnostics import Diagnostic, Report, SpecError, WmsError, suggestion
 from wmspec.core.places import Source
 from wmspec.core.safe_io import files_searched
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.library.expand import APPROXIMATION
 from wmspec.lang.check.statements.task import check_program
 from wmspec.lang.parse.files import catalogue_folders, display_path, spec_files
@@ -103,8 +108,7 @@ def diagnose_file(file: Path | Source) -> tuple[Diagnosis, Program]:
     """Return the diagnosis of one spec and its parsed program. Raises WmsError if the file cannot be read."""
     report = Report()  # per file, so that mistakes in one do not prevent the check of another
     program = _program(file, report)
-    path = file if isinstance(file, Path) else None
-    tasks = [Task(spec, program, path) for spec in check_program(program, report)]
+    tasks = [_task(spec, program, file) for spec in check_program(program, report)]
     return _diagnosis(report, tasks, tried=True), program
 
 
@@ -129,7 +133,7 @@ class TextCheck:
     def __init__(self, text: str, path: Path) -> None:
         self._report = Report()
         program = load_source(Source(display_path(path), text.replace("\r\n", "\n")), path.parent, self._report)
-        tasks = tuple(Task(spec, program, path) for spec in check_program(program, self._report))
+        tasks = tuple(_task(spec, program, path) for spec in check_program(program, self._report))
         self.tasks = () if self._report.failed else tasks
         """The tasks; empty if the text has mistakes."""
         self._tasks = tasks
@@ -211,10 +215,31 @@ def _tasks(specs: Iterable[Path | Source], seed: int, tell: Tell, strict: bool =
 
 
 def _checked(spec: Path | Source, seed: int, report: Report) -> list[Task]:
+    """Return the tasks of a spec; those of a file that has not changed since come from the cache."""
+    entry = spec_cache.Entry("spec", spec) if isinstance(spec, Path) else None
+    if entry is not None and (cached := entry.read(_specs)) is not None:
+        report.include(cached.diagnostics)
+        return [Task(task, cached.source, cached.libraries, entry.path, seed, cached.files) for task in cached.value]
     own = Report()  # per file, so that mistakes in one do not prevent the check of another
     with files_searched() as searched:
         program = _program(spec, own)
         checked = check_program(program, own)
     report.merge(own)
-    path = spec if isinstance(spec, Path) else None
-    return [Task(task, program, path, seed, frozenset(searched.files)) for task in checked]
+    if entry is not None and not own.failed:
+        entry.write(program, searched, own.diagnostics, b64encode(node_pickle.dumps(tuple(checked))).decode())
+    return [_task(each, program, spec, seed, frozenset(searched.files)) for each in checked]
+
+
+def _specs(encoded: str) -> tuple[TaskSpec, ...]:
+    """Return the checked tasks of a cache entry. Raises ValueError if it holds anything else."""
+    found = node_pickle.loads(b64decode(encoded, validate=True), ir)
+    if not isinstance(found, tuple) or not all(isinstance(each, TaskSpec) for each in found):
+        raise ValueError("no checked tasks")
+    return found
+
+
+def _task(
+    spec: TaskSpec, program: Program, home: Path | Source, seed: int = 0, files: frozenset[Path] = frozenset()
+) -> Task:
+    libraries = {path: file.span.source for path, file in program.libraries.items()}
+    return Task(spec, program.source, libraries, home if isinstance(home, Path) else None, seed, files)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -16,9 +16,9 @@ from wmspec.compile.design.levels import Level
 from wmspec.compile.design.what_ifs import possible_what_ifs
 from wmspec.core import wm_abench
 from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.places import Source
 from wmspec.lang.check.ir.ir import Choices, Counterfactual, Interval, TaskSpec
 from wmspec.lang.check.ir.ir import Factor as DeclaredFactor
-from wmspec.lang.parse.load import Program
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -61,12 +61,13 @@ class Factor:
 class Task(Sequence["Instance"]):
     """A checked task: the sequence of its instances, each built on access.
 
-    `spec` is the checked task, `program` the parsed text, `path` its file (None for a text), `assets` the paths of the
-    files other than specs that it names.
+    `spec` is the checked task, `source` its text, `libraries` the texts of the libraries that it uses, `path` its file
+    (None for a text), `assets` the paths of the files other than specs that it names.
     """
 
     spec: TaskSpec
-    program: Program
+    source: Source
+    libraries: Mapping[Path, Source]
     path: Path | None
     seed: int = 0
     assets: frozenset[Path] = frozenset()
@@ -92,7 +93,7 @@ class Task(Sequence["Instance"]):
     @property
     def file(self) -> str:
         """The file for messages."""
-        return str(self.path or self.program.source.name)
+        return str(self.path or self.source.name)
 
     @cached_property
     def design(self) -> Design:

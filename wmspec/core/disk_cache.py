@@ -5,8 +5,8 @@ The folder is `$WMSPEC_CACHE_DIR`, else `$XDG_CACHE_HOME/wmspec`, else `~/.cache
 
 Trust: the folder and each entry must belong to the user who runs wmspec and be writable by nobody else; otherwise they
 are ignored. Whoever can write there as that user can change wmspec itself. A checksum in front of each
-entry finds accidental damage. Entries hold data only: JSON, or pickles that are read by an unpickler
-restricted to the classes of the syntax tree, so that even a forged entry cannot execute code.
+entry finds accidental damage. Entries hold data only: JSON, or pickles of nodes (`node_pickle`), so that even a forged
+entry cannot execute code.
 """
 
 from __future__ import annotations

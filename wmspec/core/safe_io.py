@@ -44,12 +44,15 @@ _searched: ContextVar[Searched | None] = ContextVar("_searched", default=None)
 @contextmanager
 def files_searched() -> Iterator[Searched]:
     """Collect the files other than specs that the block searches, and their folders."""
-    searched = Searched()
+    searched, around = Searched(), _searched.get()
     token = _searched.set(searched)
     try:
         yield searched
     finally:
         _searched.reset(token)
+        if around is not None:
+            around.folders.update(searched.folders)
+            around.files.update(searched.files)
 
 
 def is_within(folder: Path, path: Path) -> bool:

@@ -114,7 +114,7 @@ class Watch:
             return self._libraries(text)
         self._publish(checked)
         self._draw(helper, text, tasks, checked, contents)
-        return tuple(path for task in tasks for path in task.program.libraries)
+        return tuple(path for task in tasks for path in task.libraries)
 
     def _libraries(self, text: str) -> tuple[Path, ...]:
         """Return the libraries of a text with mistakes: one of them may contain these."""

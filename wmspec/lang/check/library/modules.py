@@ -258,7 +258,7 @@ def _bind_words(statements: list[s.Statement], words: frozenset[str], library: S
             return replace(node, closed=True) if node.id in words and node.span.source is library else node
         return _map_children(node, closed)
 
-    return [closed(statement) for statement in statements]
+    return [each if words.isdisjoint(_names_in(each)) else closed(each) for each in statements]
 
 
 #: Results by identity of their source nodes, since libraries' syntax trees are shared by all specs. Entries keep the
