@@ -81,6 +81,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         items[:] = [item for item in items if not _engines(item) - one]
 
 
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Fail if this pytest-xdist does not group: every process would make all shared fixtures again, unnoticed."""
+    grouped = [item for item in session.items if item.get_closest_marker("xdist_group")]
+    if getattr(session.config.option, "loadgroup", False) and not all("@" in item.nodeid for item in grouped):
+        raise pytest.UsageError("pytest-xdist ignores groups with this version of pytest: install pytest<9.2")
+
+
 def _sharing(item: pytest.Item) -> str:
     """The folder or file whose tests share a fixture of this one: a single process makes it (`--dist loadgroup`)."""
     known = getattr(item, "_fixtureinfo", None)
