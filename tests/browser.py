@@ -44,6 +44,18 @@ def opened(browser: Any, path: Path, **how: Any) -> Iterator[Any]:
     assert not complaints, complaints
 
 
+def barriers(tab: Any) -> list[str]:
+    """What axe-core finds serious or critical for people with disabilities on the page as it is now."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    found = axe.Axe().run(tab).response["violations"]
+    return [
+        f"{each['id']}: {each['help']} ({node['html']})"
+        for each in found
+        if each["impact"] in ("serious", "critical")
+        for node in each["nodes"]
+    ]
+
+
 def _missed(outgoing: Any) -> list[str]:
     """The resource that failed to load; a page that is left or reloaded cancels its requests."""
     return [] if outgoing.failure == "net::ERR_ABORTED" else [f"{outgoing.url} cannot be had: {outgoing.failure}"]

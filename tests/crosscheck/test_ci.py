@@ -351,7 +351,7 @@ def test_diagnostics_of_a_check_have_paths_of_the_repository(
 
 @pytest.mark.pixels
 def test_the_page_shows_both_engines(repository: Path, browser: Any) -> None:
-    from tests.browser import opened
+    from tests.browser import barriers, opened
 
     assert run("--html", "out.html").exit_code == 1
     for tab in opened(browser, Path("out.html").resolve()):
@@ -362,3 +362,4 @@ def test_the_page_shows_both_engines(repository: Path, browser: Any) -> None:
         assert tab.locator("svg polyline.engine0").count() >= 1
         assert tab.locator("svg polyline.engine1").count() >= 1
         assert "mujoco answers the blue cube" in tab.locator("article").inner_text()
+        assert barriers(tab) == []

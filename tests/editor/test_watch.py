@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from tests.browser import PATIENCE
+from tests.browser import PATIENCE, barriers
 from tests.engines import installed
 from wmspec.api.loading import diagnose_text
 from wmspec.core.diagnostics import WmsError
@@ -151,6 +151,7 @@ def test_the_page_shows_it(served: Page, browser: Any) -> None:
     assert set(sizes) == {64}
     assert page.inner_text("#tasks") == "marbles: 90 instances"
     assert page.locator(".option.true").count() == 2
+    assert barriers(page) == []
     served.path.write_text(good.replace("color: one", "color: <b>one"))
     page.wait_for_selector("pre.error")
     assert "<b>" in page.inner_text("pre.error >> nth=0")

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.browser import opened
+from tests.browser import barriers, opened
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.gallery.gallery import html
 from wmspec.eval.gallery.gallery import page as one_page
@@ -163,50 +163,24 @@ def test_another_engine_leaves_the_question_in_sight(page: Any) -> None:
 # ---------------------------------------------------------------- for everybody
 
 
-def test_everything_has_an_accessible_name(page: Any) -> None:
-    page.keyboard.press("r")
-    nameless = page.evaluate(
-        """() => [...document.querySelectorAll('button, select, input, article, dialog, nav, main, form')]
-          .filter(e => !(e.ariaLabel || e.labels?.length || e.textContent.trim() || e.getAttribute('aria-labelledby')))
-          .map(e => e.outerHTML)"""
-    )
-    assert not nameless
-    assert page.locator("img:not([alt])").count() == 0
-    assert page.get_by_role("button", name="Option A").count() > 0
-    ids = page.evaluate("[...document.querySelectorAll('[id]')].map(e => e.id)")
-    assert len(ids) == len(set(ids))
-
-
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_text_is_told_from_its_ground(scheme: Any, browser: Any, gallery: Path) -> None:
+def test_there_are_no_barriers(scheme: Any, browser: Any, gallery: Path) -> None:
     for tab in opened(browser, gallery, color_scheme=scheme):
         assert tab.evaluate("document.documentElement.dataset.theme") == scheme
+        assert barriers(tab) == []
         tab.keyboard.press("1")
-        for selector in ("h2", "#about", ".fate", "dd", "button", "figcaption", ".outcome"):
-            assert _contrast(tab, selector) >= 4.5, (scheme, selector)
+        tab.keyboard.press("r")
+        assert barriers(tab) == []
+        assert tab.get_by_role("button", name="Option A").count() > 0
         tab.click("#theme")
         assert tab.evaluate("document.documentElement.dataset.theme") != scheme
 
 
-def _contrast(tab: Any, selector: str) -> float:
-    """The contrast of an element's text to what is behind it (WCAG 2.2)."""
-    colors = tab.evaluate(
-        """selector => {
-          const element = document.querySelector(selector);
-          let ground = element;
-          while (getComputedStyle(ground).backgroundColor === 'rgba(0, 0, 0, 0)') ground = ground.parentElement;
-          return [getComputedStyle(element).color, getComputedStyle(ground).backgroundColor];
-        }""",
-        selector,
-    )
-    light, dark = sorted((_luminance(c) for c in colors), reverse=True)
-    return (light + 0.05) / (dark + 0.05)
-
-
-def _luminance(css: str) -> float:
-    parts = [int(v) / 255 for v in css[css.index("(") + 1 : -1].split(",")[:3]]
-    r, g, b = (v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4 for v in parts)
-    return 0.2126 * r + 0.7152 * g + 0.0722 * b
+def test_a_barrier_is_found(browser: Any) -> None:
+    tab = browser.new_page()
+    tab.set_content('<html lang="en"><title>x</title><main><img src="data:,"><button></button></main></html>')
+    assert {found.partition(":")[0] for found in barriers(tab)} == {"image-alt", "button-name"}
+    tab.close()
 
 
 def test_a_narrow_screen_needs_no_scrolling_sideways(browser: Any, gallery: Path) -> None:

@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner, Result
 
-from tests.browser import opened
+from tests.browser import barriers, opened
 from tests.evaluate.made import in_numbers, in_pictures, in_words
 from tests.evaluate.manners import first_words, server
 from wmspec.cli import main
@@ -224,3 +224,4 @@ def test_the_page_is_sorted_by_its_headings(page: Any) -> None:
     page.click("thead th:nth-child(1) button")
     assert names() == ["best <b>", "middle", "worst"]
     assert page.locator("tbody tr:first-child td.number small").first.inner_text().count("–") == 1
+    assert barriers(page) == []

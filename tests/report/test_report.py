@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner, Result
 
-from tests.browser import opened
+from tests.browser import barriers, opened
 from tests.report.conftest import Made
 from tests.report.made import Rater, answers, write
 from wmspec.cli import main
@@ -131,6 +131,7 @@ def test_the_page_opens_and_shows_every_figure(page: Any, made: Made) -> None:
     cells = page.eval_on_selector_all("tr.people td.average", "all => all.map(c => parseFloat(c.innerText))")
     people = [line.average.value for t in made.report.tables for line in t.lines if line.system == "people"]
     assert cells == pytest.approx([round(100 * value, 1) for value in people], abs=0.051)
+    assert barriers(page) == []
 
 
 def test_links_of_the_page_lead_to_files(folder: Path) -> None:

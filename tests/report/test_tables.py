@@ -48,6 +48,18 @@ def test_accuracies_are_what_was_answered_and_chance_is_one_in_so_many(made: Mad
     assert line(made.report, "perception", "chance").average.value == pytest.approx(0.375)
 
 
+def test_random_models_average_the_printed_chance(made: Made) -> None:
+    """The 95 % intervals of 20 random models contain it, but for at most three (p 0.016 by chance)."""
+    guessers = [Rater(f"guesser {n}", lambda row: 1 / len(row["option_kind"])) for n in range(20)]
+    for table in tables(replies(answers(made.rows, *guessers))):
+        chance = table.chance.average.value
+        averages = [found.average for found in table.lines]
+        assert len(averages) == 20
+        values = [each.value for each in averages]
+        assert abs(np.mean(values) - chance) < 3 * np.std(values) / np.sqrt(20)
+        assert sum(not (each.low or 0) <= chance <= (each.high or 0) for each in averages) <= 3
+
+
 def test_questions_about_what_is_seen_are_no_predictions(made: Made) -> None:
     """`moves` and `color` are asked in `roll` too: `foresees` knows them better than what comes."""
     probed = made.replies.table.query("system == 'foresees' and task == 'roll' and question_name == ''")

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from tests.browser import PATIENCE
+from tests.browser import PATIENCE, barriers
 from tests.study.visitor import letter
 from wmspec.cli import main
 from wmspec.eval.study import store
@@ -265,6 +265,15 @@ def test_people_of_prolific_and_mechanical_turk(browser: Any, study: Path, tmp_p
         "ben": ("h1", "a1", "pay"),
         "carl": ("", "", "incomplete"),
     }
+
+
+@pytest.mark.parametrize("how", [DESK, PHONE], ids=["desk", "phone"])
+def test_there_are_no_barriers(browser: Any, url: str, study: Path, how: dict[str, Any]) -> None:
+    """From consent through the instructions, a practice question and its feedback, to a question."""
+    rater = Rater(browser, url, load(study), **how)
+    for _ in range(6):
+        assert barriers(rater.tab) == []
+        rater.step()
 
 
 def test_texts_are_shown_as_they_are(browser: Any, study: Path) -> None:
