@@ -14,6 +14,8 @@ from wmspec.dataset.audit.given import closed_set, given_in_words, varied_factor
 from wmspec.dataset.audit.model import Probe
 from wmspec.dataset.build.reader import DatasetReader
 
+SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (7, 11))]
+
 
 def unit(folder: Path) -> Unit:
     (made,) = units(DatasetReader.open(folder), "slide", 2000)
@@ -47,7 +49,7 @@ def test_the_closed_set_is_read_from_the_row(tmp_path: Path) -> None:
     assert not given_in_words(made, "way")
 
 
-@pytest.mark.parametrize("seed", [0, 7, 11])
+@pytest.mark.parametrize("seed", SEEDS)
 def test_nothing_is_found_where_nothing_is_planted(seed: int, tmp_path: Path) -> None:
     found = verdicts(unit(make(tmp_path / "made", "slide", slide(), 200, seed=seed)))
     assert set(found.values()) == {"holds"}
@@ -55,7 +57,7 @@ def test_nothing_is_found_where_nothing_is_planted(seed: int, tmp_path: Path) ->
     assert sum(sees.endswith("(the best rule)") for sees in found) == 2
 
 
-@pytest.mark.parametrize("seed", [0, 7, 11])
+@pytest.mark.parametrize("seed", SEEDS)
 def test_the_nearest_option_with_the_weight_in_words_is_found(seed: int, tmp_path: Path) -> None:
     """The nearest option alone is true in half of the questions: where the ball is heavy."""
     made = unit(make(tmp_path / "made", "slide", slide(revealing=True), 120, seed=seed))

@@ -93,6 +93,7 @@ def test_no_cluster_is_told(tmp_path: Path) -> None:
         assert f"there is no Ray cluster at `{address}`" in reported.output
 
 
+@pytest.mark.slow
 @startable
 def test_a_machine_that_is_lost_changes_nothing(cluster: Any, tmp_path: Path) -> None:
     choices: Any = {"backend": "mujoco", "per_task": 24, "size": 64, "seed": 3}
