@@ -13,11 +13,12 @@ from click.testing import CliRunner
 
 from tests.films.corrupt import KEEPS, SPOILS, Original, clip
 from wmspec.cli import main
+from wmspec.dataset.build.films import read_frames
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import encode, encode_mp4
 from wmspec.eval.clips.decide import decide
 from wmspec.eval.clips.measure import measure
-from wmspec.eval.clips.questions import FilmQuestion, film_questions, read_frames, reference_of
+from wmspec.eval.clips.questions import FilmQuestion, film_questions, reference_of
 from wmspec.eval.clips.reference import Reference
 from wmspec.eval.clips.run import ClipRun, evaluate_clips, rescore_clips
 from wmspec.eval.models.question import Selection
@@ -48,7 +49,7 @@ def folder_of(dataset: DatasetReader, questions: list[FilmQuestion], folder: Pat
     """Clips of a model that answers each question with the film of the option `which(question)`."""
     folder.mkdir(parents=True)
     for question in questions:
-        frames = read_frames(dataset, question.films[which(question)])
+        frames = read_frames(dataset.folder, question.films[which(question)])
         (folder / f"{question.file_name}.mp4").write_bytes(
             encode_mp4(frames[question.context - 1 :], question.rate, 20)
         )
@@ -139,7 +140,7 @@ def test_rates_names_and_answers_do_not_matter(
     question = questions[0]
     place = tmp_path / "clips"
     place.mkdir()
-    frames = read_frames(dataset, question.film)[question.context - 1 :]
+    frames = read_frames(dataset.folder, question.film)[question.context - 1 :]
     (place / f"{question.file_name}.0.mp4").write_bytes(encode_mp4(frames, question.rate))
     (place / f"{question.file_name}.1.mkv").write_bytes(encode(frames, question.rate))
     (place / f"{question.file_name}.2.mp4").write_bytes(encode_mp4(np.repeat(frames, 3, axis=0), 3 * question.rate))
@@ -158,7 +159,7 @@ def test_broken_files_cost_their_clip_only(
     paths[2].unlink()
     paths[3].unlink()
     paths[3].symlink_to("/etc/passwd")
-    frames = read_frames(dataset, questions[4].film)
+    frames = read_frames(dataset.folder, questions[4].film)
     paths[4].write_bytes(encode_mp4(frames[:1], questions[4].rate))
     with paths[5].open("wb") as file:
         file.truncate(10 << 30)
@@ -222,6 +223,6 @@ def test_the_exported_folder_does_not_hold_the_future(films: Path, dataset: Data
             assert path not in text
     shown = {path.read_bytes() for path in exported.rglob("*.png")}
     for row in (row for row in rows.values() if row["film"]):
-        frames = read_frames(dataset, row["film"])
+        frames = read_frames(dataset.folder, row["film"])
         assert len(list((exported / "frames" / row["id"].replace("/", "-")).iterdir())) == row["film_context"]
         assert frames[-1].tobytes() not in shown

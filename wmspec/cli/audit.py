@@ -47,9 +47,10 @@ def audit_command(
     from wmspec.dataset.audit.model import FORMAT
     from wmspec.dataset.audit.page import page
     from wmspec.dataset.build.reader import DatasetReader
+    from wmspec.eval.clips.audit import film_findings
 
     with progress_bar(len(DatasetReader.open(dataset).tasks), "auditing", "tasks") as progress:
-        result = audit(dataset, max_images, progress, workers or os.cpu_count() or 1)
+        result = audit(dataset, max_images, progress, workers or os.cpu_count() or 1, film_findings)
     values = {"format": FORMAT, "passed": result.passed, **asdict(result)}
     record = json.dumps(values, indent=1, ensure_ascii=False) + "\n"
     if output is not None:

@@ -41,7 +41,8 @@ SURPRISES = ("surprise:", "surprises:")
     "--base-url", metavar="URL", help="URL of an OpenAI-compatible server.  [default: OPENAI_BASE_URL, or OpenAI]"
 )
 @click.option(
-    "--prompt", default="default", show_default=True, help="default, paper, numbers, montage, clip, or a file."
+    "--prompt",
+    help="default, frames, clip, montage, numbers, paper, or a file.  [default: frames with films, else default]",
 )
 @click.option(
     "--ablate",
@@ -189,6 +190,7 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
     opened.intact()
     if options["ablate"] and options["model"] in baselines.NAMES:
         raise WmsError(f"--ablate: `{options['model']}` has no request to ablate; choose a model")
+    template = options["prompt"] or ("frames" if opened.film is not None else "default")
     served = options["model"].startswith("openai:")
     if options["structured"] and not served:
         raise WmsError("--structured: only for -m openai:NAME")
@@ -196,8 +198,8 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
     images = ImageOptions.parse(options["image_format"], options["image_size"], options["image_detail"])
     settings = Settings(
         model=options["model"],
-        prompt_name=Path(options["prompt"]).stem,
-        prompt=prompt.load(options["prompt"]),
+        prompt_name=Path(template).stem,
+        prompt=prompt.load(template),
         address=url,
         ablation=options["ablate"],
         seed=options["seed"],

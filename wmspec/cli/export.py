@@ -23,7 +23,9 @@ TOOLS = ("inspect", "lmms-eval", "vlmevalkit", "hf", "chat", "questions", "video
 @click.argument("dataset", type=_PATH)
 @click.option("--to", "tool", required=True, type=click.Choice(TOOLS))
 @click.option("--output", "-o", type=_PATH, required=True, metavar="FOLDER", help="Output folder.")
-@click.option("--prompt", default="default", show_default=True, help="default, paper, numbers, montage, or a file.")
+@click.option(
+    "--prompt", default="default", show_default=True, help="default, frames, montage, numbers, paper, or a file."
+)
 @click.option("--secret", type=_PATH, metavar="FILE", help="For questions: secret that hides ids and signs receipts.")
 @split_options
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")

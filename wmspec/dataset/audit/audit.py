@@ -56,11 +56,18 @@ class _Results:
             mine.update(its) if isinstance(mine, dict) else mine.extend(its)
 
 
-def audit(folder: Path, most: int, progress: Callable[[str, int], None], workers: int = 0) -> Audit:
+def audit(
+    folder: Path,
+    most: int,
+    progress: Callable[[str, int], None],
+    workers: int = 0,
+    more: Callable[[DatasetReader], list[Finding]] | None = None,
+) -> Audit:
     """Run all checks on a finished dataset, with the pictures of at most `most` instances of each task.
 
     Tasks are distributed over `workers` processes, or run in this one if `workers` is 0; the result is the same. A task
-    with a damaged file gets no further checks. `progress` is called after every task. Raises WmsError if the folder
+    with a damaged file gets no further checks. `progress` is called after every task. `more` returns the findings of
+    further checks. Raises WmsError if the folder
     holds no finished dataset, or if one of its files may not be read.
     """
     dataset = DatasetReader.open(folder)
@@ -75,7 +82,7 @@ def audit(folder: Path, most: int, progress: Callable[[str, int], None], workers
             progress(task, 1)
     tests, probed = balance.corrected_tests(gathered.tests), probes.with_intervals(gathered.probes)
     probed.sort(key=lambda p: p.chance - p.accuracy)
-    gathered.findings += [*map(balance.judge, tests), *map(probes.judge, probed)]
+    gathered.findings += [*map(balance.judge, tests), *map(probes.judge, probed), *(more(dataset) if more else [])]
     made = {key: dataset.manifest.get(key) for key in ("rows", "engines", "size", "seed", "consensus", "versions")}
     return Audit(
         dataset=folder.resolve().name,

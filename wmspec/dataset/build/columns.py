@@ -139,6 +139,7 @@ _TRACK = pa.list_(
 #: Additional columns of datasets with films; null or empty for questions without a closed set of films.
 FILMS: Columns = {
     "film": (pa.string(), "the path of the film: the context, and then what happens"),
+    "film_camera": (pa.string(), "its camera"),
     "film_rate": (pa.int64(), "its frames per second"),
     "film_start": (pa.float64(), "the time (s) of its first frame"),
     "film_context": (pa.int64(), "how many of its frames are shown"),

@@ -8,10 +8,12 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from PIL import Image
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build import typeset
+from wmspec.dataset.build.films import read_frames, shown_film
 from wmspec.dataset.build.format_units import format_reading, format_value
 from wmspec.dataset.build.images import decode_image
 from wmspec.dataset.build.reader import PICTURES, DatasetReader
@@ -21,6 +23,8 @@ from wmspec.dataset.build.typeset import BLACK, GREEN, GREY, PALE, Picture, Styl
 #: The width of the sheet and of its columns, margins and gaps (px).
 WIDTH, MARGIN, ENGINE, GAP, PARTING, ROOM = 2000, 56, 150, 10, 44, 6
 LARGEST, WORDS = 384, 430
+#: Number of frames of a film on the sheet.
+FILM_FRAMES = 8
 
 #: Description of each consensus setting.
 CONSENSUS_TEXT = {
@@ -101,7 +105,7 @@ def _selected_rows(dataset: DatasetReader, task: str, count: int) -> Iterator[tu
     """
     units = dataset.units(task)
     chosen = _spaced_keys(list(dataset.rows(task, ["index", "question", "engine"])), count)
-    rows = [_decode(row) for row in dataset.rows(task, only={index for index, _ in chosen})]
+    rows = [_decode(row, dataset.folder) for row in dataset.rows(task, only={index for index, _ in chosen})]
     for which in chosen:
         same = [row for row in rows if (row["index"], row["question"]) == which]
         yield sorted(same, key=lambda r: dataset.engines.index(r["engine"])), units
@@ -119,8 +123,15 @@ def _spaced_keys(keys: list[Row], count: int) -> list[tuple[int, int]]:
     return [best[i * len(best) // shown] for i in range(shown)]
 
 
-def _decode(row: Row) -> Row:
-    return row | {name: [decode_image(p["bytes"]) for p in row[name]] for name in PICTURES}
+def _decode(row: Row, folder: Path) -> Row:
+    """Return a row with decoded pictures, and with the `strip` of its film: a caption and a picture of some frames."""
+    film, strip = shown_film(folder, row), list[tuple[str, Picture]]()
+    if film is not None:
+        frames = read_frames(folder, film.path)
+        for k in np.unique(np.linspace(0, len(frames) - 1, FILM_FRAMES).round().astype(int)):
+            shown = "" if k < film.count else ", not shown"
+            strip.append((f"{film.start + k / film.rate:.2f} s{shown}", Image.fromarray(frames[k])))
+    return row | {name: [decode_image(p["bytes"]) for p in row[name]] for name in PICTURES} | {"strip": strip}
 
 
 # ---------------------------------------------------------------- questions
@@ -137,7 +148,18 @@ def _question(rows: list[Row], units: dict[str, str]) -> Picture:
     for heading, same in groupby(rows, key=_heading):
         lines.append(_headings(heading, side))
         lines += [_row(row, side) for row in same]
-    return typeset.vstack([typeset.vstack(head, 6), typeset.vstack(lines, 8), _reasons(rows)], 16)
+    strips = [typeset.vstack([_strip(row) for row in rows if row["strip"]], 8)] if any(r["strip"] for r in rows) else []
+    return typeset.vstack([typeset.vstack(head, 6), typeset.vstack(lines, 8), *strips, _reasons(rows)], 16)
+
+
+def _strip(row: Row) -> Picture:
+    """Return frames of a row's film under their times, those of the context and of what then happens."""
+    side = (_inner_width() - ENGINE - (len(row["strip"]) - 1) * GAP) // len(row["strip"]) - GAP
+    frames = [
+        typeset.vstack([typeset.paragraph(words, TINY, side), _resized(picture, side)], 2)
+        for words, picture in row["strip"]
+    ]
+    return typeset.hstack([typeset.paragraph(f"film, {row['engine']}", TINY, ENGINE), *frames], GAP)
 
 
 def _factors(row: Row, units: dict[str, str]) -> str:

@@ -11,10 +11,10 @@ from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
-#: Content security policy: own script and style, pictures of the same folder, requests to the own server.
+#: Content security policy: own script and style, pictures and films of the same folder, requests to the own server.
 _POLICY = (
     "default-src 'none'; script-src {script}; style-src {style}; img-src 'self' data: blob: file:; "
-    "connect-src 'self'; form-action 'none'; base-uri 'none'"
+    "media-src 'self' data: file:; connect-src 'self'; form-action 'none'; base-uri 'none'"
 )
 
 

@@ -91,7 +91,7 @@ class GroupFilms:
         apart = pairwise(points, widths_of([_areas(film, objects) for film in films])) if objects else None
         _require_apart(row, apart)
         paths = [film_path(row.task, row.block, row.engine, index) for index in members]
-        made = FilmSet(self._columns(row, own, objects, apart, paths))
+        made = FilmSet(self._columns(row, answer, own, objects, apart, paths))
         for index, path, film in zip(members, paths, films, strict=True):
             made.files[path] = film.content
             made.files[film_path(row.task, row.block, row.engine, index, ".ids.mkv")] = film.ids
@@ -148,11 +148,18 @@ class GroupFilms:
         made.columns["film_engines"].append(engine)
 
     def _columns(
-        self, row: QuestionRow, own: DrawnFilm, objects: list[str], apart: Array | None, paths: list[str]
+        self,
+        row: QuestionRow,
+        answer: PictureAnswer,
+        own: DrawnFilm,
+        objects: list[str],
+        apart: Array | None,
+        paths: list[str],
     ) -> Row:
         width, height = working_size(*self._settings.size)
         return {
             "film": film_path(row.task, row.block, row.engine, row.index),
+            "film_camera": answer.camera,
             "film_rate": self._settings.rate,
             "film_start": own.times.times[0],
             "film_context": own.times.context,

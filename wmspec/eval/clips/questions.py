@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import is_within, read_bytes
-from wmspec.dataset.build.reader import REPAIR_HINT, DatasetReader
-from wmspec.dataset.film.codec import Frames, Ids, pyav
+from wmspec.dataset.build.films import read_frames
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.film.codec import Ids
 from wmspec.dataset.film.distances import shrunk_ids, working_size
 from wmspec.eval.clips.reference import Reference, WholeFilm
 from wmspec.eval.models.question import QuestionIdentity, Selection
@@ -121,39 +118,11 @@ def reference_of(dataset: DatasetReader, question: FilmQuestion) -> Reference:
 
 def read_film(dataset: DatasetReader, path: str, size: tuple[int, int], context: int) -> WholeFilm:
     """Return a film of the dataset in a size (px)."""
-    frames = read_frames(dataset, path, size)
+    frames = read_frames(dataset.folder, path, size)
     ids = shrunk_ids(_read_ids(dataset, f"{path.removesuffix('.mkv')}.ids.mkv"), size)
     return WholeFilm(frames, ids, context)
 
 
-def read_frames(dataset: DatasetReader, path: str, size: tuple[int, int] | None = None) -> Frames:
-    """Return the frames (n, h, w, 3) of a film, in its own size or scaled to `size` (px). Raises WmsError."""
-    av = pyav()
-    try:
-        with av.open(io.BytesIO(_content(dataset, path))) as container:
-            stream = container.streams.video[0]
-            stream.thread_count = 1
-            frames = [_scaled(frame, size) for frame in container.decode(stream)]
-        return np.stack(frames)
-    except (av.FFmpegError, IndexError, ValueError) as error:
-        raise WmsError(f"a damaged film ({error})", FilePlace(str(dataset.folder / path)), REPAIR_HINT) from None
-
-
-def _scaled(frame: object, size: tuple[int, int] | None) -> NDArray[np.uint8]:
-    if size is None:
-        return frame.to_ndarray(format="rgb24")  # type: ignore[attr-defined,no-any-return]
-    made = frame.reformat(width=size[0], height=size[1], format="rgb24", interpolation="AREA")  # type: ignore[attr-defined]
-    return made.to_ndarray()  # type: ignore[no-any-return]
-
-
 def _read_ids(dataset: DatasetReader, path: str) -> Ids:
-    frames = read_frames(dataset, path).astype(np.int16)
+    frames = read_frames(dataset.folder, path).astype(np.int16)
     return frames[..., 0] + 256 * frames[..., 1] - np.int16(1)
-
-
-def _content(dataset: DatasetReader, path: str) -> bytes:
-    """Return the content of a film. Raises WmsError if it is missing, or lies outside the dataset."""
-    file = dataset.folder / path
-    if not is_within(dataset.folder, file):
-        raise WmsError("this film is missing", FilePlace(str(file)), REPAIR_HINT)
-    return read_bytes(file)

@@ -14,10 +14,11 @@ import numpy as np
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_within, read_bytes
+from wmspec.dataset.build.films import read_frames
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import Frames
 from wmspec.eval.clips.normalise import Begins
-from wmspec.eval.clips.questions import FilmQuestion, read_frames
+from wmspec.eval.clips.questions import FilmQuestion
 from wmspec.eval.clips.read import BadClip, Clip, ClipReader
 from wmspec.eval.clips.reference import Reference
 
@@ -138,7 +139,7 @@ def _engine(source: Baseline, question: FilmQuestion, reference: Reference) -> F
     if not question.engines:
         raise BadClip("no other engine has films of this question")
     path = question.film_of(question.own, question.engines[0])
-    return read_frames(source.dataset, path)[1 : 1 + reference.count]
+    return read_frames(source.dataset.folder, path)[1 : 1 + reference.count]
 
 
 def _frozen(source: Baseline, question: FilmQuestion, reference: Reference) -> Frames:  # noqa: ARG001
@@ -178,7 +179,7 @@ def _swap(source: Baseline, question: FilmQuestion, reference: Reference) -> Fra
     if not others:
         raise BadClip("the dataset has no other group")
     other = others[question.index % len(others)]
-    frames = read_frames(source.dataset, other.film)[other.context :]
+    frames = read_frames(source.dataset.folder, other.film)[other.context :]
     return frames[np.minimum(np.arange(reference.count), len(frames) - 1)]
 
 

@@ -20,11 +20,12 @@ import numpy as np
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes
+from wmspec.dataset.build.films import read_frames
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import Frames
 from wmspec.dataset.film.distances import Array
 from wmspec.eval.clips import results as clip_results
-from wmspec.eval.clips.questions import FilmQuestion, read_frames, selected
+from wmspec.eval.clips.questions import FilmQuestion, selected
 from wmspec.eval.clips.run import ClipResult, Progress, results_about
 from wmspec.eval.models import results
 from wmspec.eval.models.question import Selection
@@ -61,7 +62,7 @@ class FunctionSurprises:
     def of(self, question: FilmQuestion, others: dict[int, FilmQuestion]) -> Array:
         """Return the surprises of a closed set; each is computed once."""
         if question.films not in self._known:
-            films = [read_frames(self._dataset, path) for path in question.films]
+            films = [read_frames(self._dataset.folder, path) for path in question.films]
             texts = [others.get(option, question).text for option in range(len(films))]
             self._known = {question.films: self._matrix(films, texts, question)}
         return self._known[question.films]

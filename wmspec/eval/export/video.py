@@ -16,10 +16,11 @@ from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.resources import resource
 from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
+from wmspec.dataset.build.films import read_frames
 from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import encode_mp4
-from wmspec.eval.clips.questions import FilmQuestion, read_frames, selected
+from wmspec.eval.clips.questions import FilmQuestion, selected
 from wmspec.eval.export.folder import MARK_FILE, Folder
 from wmspec.eval.models.question import Selection
 
@@ -114,7 +115,7 @@ def _write(
 ) -> dict[str, Any]:
     """Write the pictures of a question; return its line of `prompts.csv`."""
     name = question.file_name
-    frames = read_frames(dataset, question.film)[: question.context]
+    frames = read_frames(dataset.folder, question.film, count=question.context)
     folder.path(f"first/{name}.png").write_bytes(encode_png(frames[-1], 6))
     folder.path(f"context/{name}.mp4").write_bytes(encode_mp4(frames, question.rate))
     for number, frame in enumerate(frames if every_frame else ()):

@@ -35,10 +35,13 @@ def page(dataset: DatasetReader, per_task: int, path: Path, replies: GalleryRepl
         decode_image(content).save(out, "WEBP", quality=WEBP_QUALITY, method=4)
         return f"data:image/webp;base64,{base64.b64encode(out.getvalue()).decode()}"
 
+    def film_inside(content: bytes) -> str:
+        return f"data:video/mp4;base64,{base64.b64encode(content).decode()}"
+
     dataset.intact()
     with with_remedies(path):
         make_folders(path.parent)
-        questions = list(records(dataset, per_task, inside, replies))
+        questions = list(records(dataset, per_task, inside, replies, film_inside))
         path.write_text(html(about(dataset, replies) | {"questions": questions}), encoding="utf-8")
     return len(questions)
 
@@ -57,18 +60,24 @@ def folder(
     """
 
     def beside(task: str, content: bytes) -> str:  # noqa: ARG001  signature of `Put`
-        name = f"{hashlib.sha256(content).hexdigest()[:20]}.{image_format(content).lower()}"
         decode_image(content)
-        place = path / "pictures" / name[:2] / name
+        return stored("pictures", content, image_format(content).lower())
+
+    def film_beside(content: bytes) -> str:
+        return stored("films", content, "mp4")
+
+    def stored(kind: str, content: bytes, suffix: str) -> str:
+        name = f"{hashlib.sha256(content).hexdigest()[:20]}.{suffix}"
+        place = path / kind / name[:2] / name
         if not place.exists():
             make_folders(place.parent)
             place.write_bytes(content)
-        return f"pictures/{name[:2]}/{name}"
+        return f"{kind}/{name[:2]}/{name}"
 
     dataset.intact()
     with with_remedies(path):
         make_folders(path)
-        questions = list(_split_details(path, list(records(dataset, per_task, beside, replies)), inside))
+        questions = list(_split_details(path, list(records(dataset, per_task, beside, replies, film_beside)), inside))
         path.joinpath("index.html").write_text(
             html(about(dataset, replies) | {"questions": questions}), encoding="utf-8"
         )

@@ -223,8 +223,17 @@
     const pictures = run.options.some((option) => "src" in option);
     const options = run.options.map((option, i) => choice(q, run, option, i, revealed));
     return make("div", { class: "run" }, make("div", { class: "engine" }, run.engine, drawn),
-      make("div", { class: "looks" }, make("div", { class: "strip" }, looks),
+      make("div", { class: "looks" }, make("div", { class: "strip" }, film(run, revealed), looks),
         make("div", { class: pictures ? "strip" : "words", role: "group", "aria-label": `Options, ${run.engine}` }, options)));
+  }
+
+  /** The film of a run: what is shown; once the truth is known, also what happens. */
+  function film(run, revealed) {
+    if (!run.film) return null;
+    const said = `${run.film.span}${revealed ? ", and what happens" : ""}`;
+    return make("figure", { class: "film" },
+      make("video", { src: revealed ? run.film.whole : run.film.shown, controls: true, loop: true, playsinline: true, preload: "metadata", "aria-label": `Film: ${said}, ${run.engine}` }),
+      make("figcaption", {}, said));
   }
 
   function choice(q, run, option, i, revealed) {

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from itertools import groupby
 from typing import Any
 
+from wmspec.dataset.build.films import shown_film
 from wmspec.dataset.build.format_units import format_reading, format_value
 from wmspec.dataset.build.reader import CHANNELS, DatasetReader
 from wmspec.dataset.build.rows import Row
@@ -16,6 +17,8 @@ Record = dict[str, Any]
 
 #: Stores a picture for the page, under a task's name, and returns its URL.
 StorePicture = Callable[[str, bytes], str]
+#: Stores a film (mp4) for the page, and returns its URL.
+StoreFilm = Callable[[bytes], str]
 
 
 #: Maximum number of rejected instances listed.
@@ -55,9 +58,21 @@ def about(dataset: DatasetReader, replies: GalleryReplies = NO_REPLIES) -> Recor
 
 
 def records(
-    dataset: DatasetReader, per_task: int, put: StorePicture, replies: GalleryReplies = NO_REPLIES
+    dataset: DatasetReader,
+    per_task: int,
+    put: StorePicture,
+    replies: GalleryReplies = NO_REPLIES,
+    put_film: StoreFilm | None = None,
 ) -> Iterator[Record]:
-    """Yield the records of at most `per_task` instances of each task, evenly spaced."""
+    """Yield the records of at most `per_task` instances of each task, evenly spaced; without `put_film`, no films."""
+
+    def films(row: Row) -> Record | None:
+        film = shown_film(dataset.folder, row)
+        if film is None or put_film is None:
+            return None
+        span = f"{film.camera}, {film.start:.3g} s to {film.end:.3g} s"
+        return {"shown": put_film(film.mp4()), "whole": put_film(film.mp4(whole=True)), "span": span}
+
     for task in dataset.tasks:
         units = dataset.units(task)
         kept = sorted({row["index"] for row in dataset.rows(task, ["index"])})
@@ -66,11 +81,16 @@ def records(
         columns = [name for name in dataset.columns(task) if name == IDS or name not in CHANNELS]
         rows = sorted(dataset.rows(task, columns, chosen), key=lambda r: (r["index"], r["question"]))
         for _, same in groupby(rows, key=lambda r: (r["index"], r["question"])):
-            yield _record(list(same), units, dataset.engines, put, replies)
+            yield _record(list(same), units, dataset.engines, put, films, replies)
 
 
 def _record(
-    rows: list[Row], units: dict[str, str], engines: tuple[str, ...], put: StorePicture, replies: GalleryReplies
+    rows: list[Row],
+    units: dict[str, str],
+    engines: tuple[str, ...],
+    put: StorePicture,
+    films: Callable[[Row], Record | None],
+    replies: GalleryReplies,
 ) -> Record:
     first = rows[0]
     margins = [row["margin"] for row in rows if row["margin"] is not None]
@@ -86,7 +106,10 @@ def _record(
         "accuracy": _accuracy([reply for row in rows for reply in replies.of(row["id"])]),
         "answer": _answer(first),
         "agreement": _agreement(rows),
-        "runs": [_run(row, put, replies) for row in sorted(rows, key=lambda r: engines.index(r["engine"]))],
+        "runs": [
+            _run(row, put, replies) | {"film": films(row)}
+            for row in sorted(rows, key=lambda r: engines.index(r["engine"]))
+        ],
     }
 
 

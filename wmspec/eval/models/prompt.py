@@ -9,7 +9,7 @@ import tomllib
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.resources import resource
@@ -21,7 +21,9 @@ Part = Literal["pictures", "question", "option_words", "option_pictures", "instr
 #: Permitted placeholders of each text.
 _PLACEHOLDERS = {
     "picture": {"number"},
-    "clip": {"pictures"},
+    "picture_at": {"number", "time"},
+    "clip": {"pictures", "seconds", "times"},
+    "clip_film": {"begin", "end"},
     "montage": {"pictures"},
     "montage_options": {"pictures", "labels"},
     "options_alone": {"labels"},
@@ -48,7 +50,9 @@ class Texts(_Model):
     """The texts of a template; an empty one omits its line."""
 
     picture: str
+    picture_at: str
     clip: str
+    clip_film: str
     montage: str
     montage_options: str
     options_alone: str
@@ -81,11 +85,15 @@ class Texts(_Model):
 
 
 class Prompt(_Model):
-    """A template: system prompt, order of parts, presentation of pictures, and texts."""
+    """A template: system prompt, order of parts, presentation of pictures, and texts.
+
+    Of a film, at most `frames` pictures are shown.
+    """
 
     system: str
     parts: tuple[Part, ...]
-    pictures: Literal["separate", "montage", "clip"]
+    pictures: Literal["separate", "montage", "frames", "clip"]
+    frames: int = Field(ge=2, le=1000)
     labels: LabelKinds
     texts: Texts
 

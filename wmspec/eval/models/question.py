@@ -7,15 +7,31 @@ from dataclasses import dataclass
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.rng import bits
+from wmspec.dataset.build.films import ShownFilm, shown_film
 from wmspec.dataset.build.images import as_png
 from wmspec.dataset.build.reader import PICTURES, DatasetReader
 from wmspec.dataset.build.rows import Row
 from wmspec.eval.models.splits import DEFAULT_SPLITS, Splits, factors_of
 
 _COLUMNS = (
-    "id", "task", "dimension", "question_name", "engine", "index", "block", "text", "option_text", "option_name",
-    "answer", "answer_number", "answer_unit", "answer_within",
-)  # fmt: skip
+    "id",
+    "task",
+    "dimension",
+    "question_name",
+    "engine",
+    "index",
+    "block",
+    "text",
+    "option_text",
+    "option_name",
+    "answer",
+    "answer_number",
+    "answer_unit",
+    "answer_within",
+    "context_time",
+    "context_camera",
+)
+_FILM_COLUMNS = ("film", "film_camera", "film_rate", "film_start", "film_context")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -56,7 +72,7 @@ class Question(QuestionIdentity):
 
     `options` are the words of each option, None for a picture, which is then in `pictures`; `names` identify their
     meaning. `answer` is the position of the true option. For an open question, without options, it is None, and a reply
-    is right `within` of `number` (SI `unit`).
+    is right `within` of `number` (SI `unit`). `times` (s) and `cameras` are those of the pictures in `context`.
     """
 
     text: str
@@ -68,6 +84,9 @@ class Question(QuestionIdentity):
     number: float | None
     unit: str
     within: float | None
+    times: tuple[float, ...] = ()
+    cameras: tuple[str, ...] = ()
+    film: ShownFilm | None = None
 
     @property
     def in_words(self) -> bool:
@@ -142,17 +161,18 @@ def questions(dataset: DatasetReader, ids: Collection[str], pictures: bool = Tru
     Raises WmsError if a shard cannot be read.
     """
     expected = set(ids)
-    columns = (*_COLUMNS, *PICTURES) if pictures else _COLUMNS
+    films = _FILM_COLUMNS if dataset.film is not None else ()
+    columns = (*_COLUMNS, *films, *(PICTURES if pictures else ()))
     tasks = {id.partition("/")[0] for id in expected}
     for task in dataset.tasks:
         if task in tasks:
             indices = {row["index"] for row in dataset.rows(task, ("id", "index")) if row["id"] in expected}
             for row in dataset.rows(task, columns, indices):
                 if row["id"] in expected:
-                    yield question(row)
+                    yield question(row, shown_film(dataset.folder, row))
 
 
-def question(row: Row) -> Question:
+def question(row: Row, film: ShownFilm | None = None) -> Question:
     """Return the question of a dataset row; without pictures if the row was read without them.
 
     Raises WmsError if a picture is damaged.
@@ -174,4 +194,7 @@ def question(row: Row) -> Question:
         number=row["answer_number"],
         unit=row["answer_unit"] or "",
         within=row["answer_within"],
+        times=tuple(row["context_time"]),
+        cameras=tuple(row["context_camera"]),
+        film=film,
     )

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Literal
 
 from wmspec.eval.models.ablation import Ablation, Words, option_words
-from wmspec.eval.models.montage import encode_video, montage
+from wmspec.eval.models.montage import VIDEO_RATE, encode_video, montage
 from wmspec.eval.models.prompt import Labels, Prompt
 from wmspec.eval.models.question import Question
 from wmspec.eval.replies import LETTERS
@@ -38,6 +38,10 @@ class Clip:
 
 
 Part = Text | Picture | Clip
+
+
+def _seconds(time: float) -> str:
+    return f"{time:.2f}"
 
 
 @dataclass(frozen=True)
@@ -122,13 +126,40 @@ class Ask:
         shown = () if self.ablation == "question" else self.question.context
         if self.prompt.pictures == "montage":
             yield from self._sheet(shown)
+        elif self.prompt.pictures == "frames":
+            yield from self._labelled_with_times(shown)
         elif self.prompt.pictures == "clip" and len(shown) > 1:
-            yield self._line("clip", pictures=len(shown))
-            yield Clip(encode_video(shown))
+            yield from self._clip(shown)
         else:
             for number, png in enumerate(shown, 1):
                 yield self._line("picture", number=number)
                 yield Picture(png)
+
+    def _labelled_with_times(self, shown: tuple[bytes, ...]) -> Iterator[Part]:
+        """Yield the pictures of the film, then those of other cameras; without a film, the context pictures."""
+        film = self.question.film if shown else None
+        timed = list(zip(self.question.times, shown, strict=False))
+        if film is not None:
+            others = zip(self.question.cameras, timed, strict=True)
+            timed = film.pictures(self.prompt.frames) + [each for camera, each in others if camera != film.camera]
+        for number, (time, png) in enumerate(timed, 1):
+            yield self._line("picture_at", number=number, time=_seconds(time))
+            yield Picture(png)
+
+    def _clip(self, shown: tuple[bytes, ...]) -> Iterator[Part]:
+        """Yield the film in real time, then pictures of other cameras; without a film, the context pictures as one."""
+        film = self.question.film
+        if film is None:
+            times = ", ".join(map(_seconds, self.question.times))
+            yield self._line("clip", pictures=len(shown), seconds=f"{1 / VIDEO_RATE:g}", times=times)
+            yield Clip(encode_video(shown))
+            return
+        yield self._line("clip_film", begin=_seconds(film.start), end=_seconds(film.end))
+        yield Clip(film.mp4())
+        pictures = zip(self.question.cameras, shown, strict=True)
+        for number, png in enumerate((png for camera, png in pictures if camera != film.camera), 1):
+            yield self._line("picture", number=number)
+            yield Picture(png)
 
     def _sheet(self, shown: tuple[bytes, ...]) -> Iterator[Part]:
         options = [(self.label(place), self.question.pictures[which]) for place, which in self._pictured()]

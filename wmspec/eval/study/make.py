@@ -46,13 +46,13 @@ def make(dataset: DatasetReader, options: StudyOptions, folder: Path) -> Study:
     Raises WmsError if the dataset lacks a task or engine, or if the folder has answers to another study.
     """
     dataset.intact()
-    pictures = folder / PAGE_FOLDER / "pictures"
+    shown = folder / PAGE_FOLDER
     chosen = dict(_chosen_questions(dataset, options))
     if "question" not in chosen.values():
         raise WmsError("the dataset has no questions for a study; `wmspec view` shows what it has")
     with with_remedies(folder):
-        make_folders(pictures)
-        items = [_item(question, chosen[question.id], pictures) for question in questions(dataset, chosen)]
+        make_folders(shown / "pictures")
+        items = [_item(question, chosen[question.id], shown) for question in questions(dataset, chosen)]
     items += _checks(options)
     study = Study(
         title=dataset.folder.resolve().name,
@@ -95,13 +95,18 @@ def _pick_engine(by_engine: dict[str, str], turn: int) -> str:
     return by_engine[engines[turn % len(engines)]]
 
 
-def _item(question: Question, kind: Kind, pictures: Path) -> Item:
+def _item(question: Question, kind: Kind, shown: Path) -> Item:
+    film, pictures = question.film, shown / "pictures"
+    beside = [
+        png for png, camera in zip(question.context, question.cameras, strict=True) if not film or camera != film.camera
+    ]
     return Item(
         id=question.id,
         kind=kind,
         task=question.task,
         text=question.text,
-        context=tuple(_write_picture(png, pictures) for png in question.context),
+        context=tuple(_write_picture(png, pictures) for png in beside),
+        film=_write(film.mp4(), "mp4", shown / "films") if film else "",
         words=tuple(word for word in question.options if word is not None),
         pictures=tuple(_write_picture(png, pictures) for png in question.pictures),
         answer=question.answer,
@@ -119,9 +124,14 @@ def _item(question: Question, kind: Kind, pictures: Path) -> Item:
 def _write_picture(png: bytes, folder: Path) -> str:
     """Write a picture under a name that reveals nothing about it."""
     load_image(png, "PNG")
-    name = f"{hashlib.sha256(png).hexdigest()[:20]}.png"
+    return _write(png, "png", folder)
+
+
+def _write(content: bytes, suffix: str, folder: Path) -> str:
+    name = f"{hashlib.sha256(content).hexdigest()[:20]}.{suffix}"
     if not (folder / name).exists():
-        (folder / name).write_bytes(png)
+        make_folders(folder)
+        (folder / name).write_bytes(content)
     return name
 
 

@@ -27,7 +27,7 @@ class _Model(BaseModel):
 
 
 class Item(_Model):
-    """A question of a dataset with the names of its pictures, or an attention check.
+    """A question of a dataset with the names of its pictures and of its film, or an attention check.
 
     `answer` is the position of the true option among `words` or `pictures`, None for an open question.
     """
@@ -37,6 +37,7 @@ class Item(_Model):
     task: str
     text: str
     context: tuple[str, ...] = ()
+    film: str = ""
     words: tuple[str, ...] = ()
     pictures: tuple[str, ...] = ()
     answer: int | None = None
@@ -119,7 +120,7 @@ class Study(_Model):
 
 
 def _public(item: Item) -> dict[str, Any]:
-    fields = item.model_dump(include={"kind", "task", "text", "context", "words", "pictures"})
+    fields = item.model_dump(include={"kind", "task", "text", "context", "film", "words", "pictures"})
     practice = {"answer": item.answer, "truth": _truth(item)} if item.kind == "practice" else {}
     return fields | {"unit": item.shown_unit, "open": not item.options} | practice
 

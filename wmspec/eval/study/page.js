@@ -117,7 +117,15 @@
 
   let current = null;
 
-  /** The seconds since the pictures were there, and those of them in which the page was not seen. */
+  /** Play a film once. Returns when it has ended, or cannot be played; the viewer starts it if the browser may not. */
+  const played = (film) => new Promise((done) => {
+    film.addEventListener("ended", done, { once: true });
+    film.addEventListener("error", () => { trouble("The film cannot be shown. Please reload this page."); }, { once: true });
+    film.addEventListener("canplaythrough", () => { film.play().catch(() => {}); }, { once: true });
+    film.load();
+  });
+
+  /** The seconds since the pictures were there and the film had ended, and those of them in which the page was not seen. */
   function clock(form) {
     let began = performance.now(), away = 0, left = document.hidden ? began : null;
     const change = () => {
@@ -126,10 +134,12 @@
       else if (left !== null) { away += now - left; left = null; }
     };
     document.addEventListener("visibilitychange", change);
-    Promise.allSettled([...form.querySelectorAll("img")].map((image) => image.decode())).then(() => {
+    const films = [...form.querySelectorAll("video")].map(played), pictures = [...form.querySelectorAll("img")].map((image) => image.decode());
+    Promise.allSettled([...pictures, ...films]).then(() => {
       began = performance.now();
       away = 0;
       if (left !== null) left = began;
+      form.querySelector("fieldset").disabled = false;
       form.dataset.ready = "";
     });
     return () => {
@@ -163,9 +173,10 @@
     const looks = q.context.map((name, i) => make("figure", {},
       make("img", { src: `pictures/${name}`, alt: word("picture", { number: i + 1 }) }),
       q.context.length > 1 ? make("figcaption", {}, word("picture", { number: i + 1 })) : null));
+    if (q.film) looks.unshift(make("figure", { class: "film" }, make("video", { src: `films/${q.film}`, controls: true, playsinline: true, preload: "auto", "aria-label": word("film") })));
     const kind = q.kind === "practice" ? make("p", { class: "good" }, word("practice")) : null;
     const shown = show([kind, make("h1", { id: "question" }, q.text), looks.length ? make("div", { class: "pictures" }, looks) : null,
-      make("fieldset", { "aria-labelledby": "question" }, make("legend", {}, word(q.open ? "your_answer" : "choose")), q.open ? number(q) : choices(q))],
+      make("fieldset", { "aria-labelledby": "question", disabled: Boolean(q.film) }, make("legend", {}, word(q.open ? "your_answer" : "choose")), q.open ? number(q) : choices(q))],
       word("next"), { ready: false });
     const { form, button } = current, stop = clock(form);
     form.dataset.step = q.step;
@@ -197,6 +208,7 @@
 
   function preload(q) {
     for (const name of q ? [...q.context, ...q.pictures] : []) new Image().src = `pictures/${name}`;
+    if (q?.film) make("video", { src: `films/${q.film}`, preload: "auto" });
   }
 
   // ------------------------------------------------------------ from consent to the end

@@ -68,6 +68,8 @@ def _instructions(item: Item) -> str:
     """Return the default instructions of a task, from its first question."""
     shown = len(item.context)
     looks = f"{shown} pictures of a scene" if shown > 1 else "a picture of a scene" if shown else "a question"
+    if item.film:
+        looks = "a short film of a scene" + (f", and {looks}" if shown else "")
     if item.pictures:
         does = f"choose one of {len(item.pictures)} other pictures"
     elif item.words:
@@ -75,7 +77,8 @@ def _instructions(item: Item) -> str:
     else:
         does = "give a number"
     numbered = " They are numbered in their order." if shown > 1 else ""
-    return f"In this part you see {looks}.{numbered} Read the question, then {does}.\n"
+    first = " You can choose when it has ended, and play it again." if item.film else ""
+    return f"In this part you see {looks}.{numbered} Read the question, then {does}.{first}\n"
 
 
 def _read(path: Path) -> str:

@@ -38,8 +38,10 @@ class StudyServer(BoundedServer):
         """
         self.study: Study = load(folder)
         self.page = page.html(self.study, folder, served=True).encode()
-        shown = {name for item in self.study.items for name in (*item.context, *item.pictures)}
-        self.pictures = {f"/pictures/{name}": folder / PAGE_FOLDER / "pictures" / Path(name).name for name in shown}
+        items, shown = self.study.items, folder / PAGE_FOLDER
+        pictures = {name for item in items for name in (*item.context, *item.pictures)}
+        self.files = {f"/pictures/{name}": shown / "pictures" / Path(name).name for name in pictures}
+        self.files |= {f"/films/{item.film}": shown / "films" / Path(item.film).name for item in items if item.film}
         self.store = AnswerStore(folder / store.ANSWERS_FILE, self.study, shares)
         self.is_local = _is_loopback(host)
         try:
@@ -66,6 +68,19 @@ def _is_loopback(host: str) -> bool:
         return host == "localhost"
 
 
+def _part_of(content: bytes, requested: str) -> tuple[HTTPStatus, bytes, dict[str, str]]:
+    """Return the part of a file that a `Range` header names, with its headers; the whole file for any other header.
+
+    Some browsers play films only if they can ask for parts (RFC 9110, section 14).
+    """
+    match = re.fullmatch(r"bytes=(\d{1,12})-(\d{0,12})", requested, re.ASCII)
+    if match is None or int(match[1]) >= len(content) or (match[2] and int(match[2]) < int(match[1])):
+        return HTTPStatus.OK, content, {"Accept-Ranges": "bytes"}
+    first, last = int(match[1]), min(int(match[2] or len(content)), len(content) - 1)
+    headers = {"Accept-Ranges": "bytes", "Content-Range": f"bytes {first}-{last}/{len(content)}"}
+    return HTTPStatus.PARTIAL_CONTENT, content[first : last + 1], headers
+
+
 class _Handler(BaseHTTPRequestHandler):
     """One connection."""
 
@@ -75,19 +90,21 @@ class _Handler(BaseHTTPRequestHandler):
     timeout = CONNECTION_TIMEOUT
 
     def do_GET(self) -> None:
-        """Send the page, or one of its pictures; no other file is accessible."""
+        """Send the page, or one of its pictures or films; no other file is accessible."""
         path = self.path.partition("?")[0]
         if not self._has_own_host():
             return
         if path == "/":
             self._send(HTTPStatus.OK, self.server.page, "text/html; charset=utf-8")
-        elif path in self.server.pictures:
+        elif path in self.server.files:
             try:
-                content = read_bytes(self.server.pictures[path], FILE_BYTES)
+                content = read_bytes(self.server.files[path], FILE_BYTES)
             except OSError:
                 self._refuse(HTTPStatus.NOT_FOUND, "not here")
                 return
-            self._send(HTTPStatus.OK, content, "image/png", "public, max-age=86400")
+            kind = "video/mp4" if path.startswith("/films/") else "image/png"
+            status, content, part = _part_of(content, self.headers.get("Range", ""))
+            self._send(status, content, kind, "public, max-age=86400", part)
         else:
             self._refuse(HTTPStatus.NOT_FOUND, "not here")
 
@@ -152,7 +169,9 @@ class _Handler(BaseHTTPRequestHandler):
     def _json(self, status: HTTPStatus, value: dict[str, Any]) -> None:
         self._send(status, json.dumps(value).encode(), "application/json")
 
-    def _send(self, status: HTTPStatus, content: bytes, kind: str, cache: str = "no-store") -> None:
+    def _send(
+        self, status: HTTPStatus, content: bytes, kind: str, cache: str = "no-store", part: dict[str, str] | None = None
+    ) -> None:
         self.send_response(status)
         for name, value in (
             ("Content-Type", kind),
@@ -161,6 +180,7 @@ class _Handler(BaseHTTPRequestHandler):
             ("X-Content-Type-Options", "nosniff"),
             ("X-Frame-Options", "DENY"),
             ("Referrer-Policy", "no-referrer"),
+            *(part or {}).items(),
             *((("Connection", "close"),) if self.close_connection else ()),
         ):
             self.send_header(name, value)

@@ -1,0 +1,87 @@
+"""Reads the films of a dataset folder."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import is_within, read_bytes
+from wmspec.dataset.build.images import encode_png
+from wmspec.dataset.build.reader import REPAIR_HINT
+from wmspec.dataset.film.codec import Frames, encode_mp4, pyav
+
+
+def read_frames(folder: Path, path: str, size: tuple[int, int] | None = None, count: int | None = None) -> Frames:
+    """Return the frames (n, h, w, 3) of a film, or its first `count`, in its own size or scaled to `size` (px).
+
+    Raises WmsError if the film is missing, damaged, or outside the folder.
+    """
+    av = pyav()
+    file = folder / path
+    if not is_within(folder, file):
+        raise WmsError("this film is missing", FilePlace(str(file)), REPAIR_HINT)
+    try:
+        with av.open(io.BytesIO(read_bytes(file))) as container:
+            stream = container.streams.video[0]
+            stream.thread_count = 1
+            frames = [_scaled(frame, size) for frame in islice(container.decode(stream), count)]
+        return np.stack(frames)
+    except (OSError, av.FFmpegError, IndexError, ValueError) as error:
+        raise WmsError(f"a damaged film ({error})", FilePlace(str(file)), REPAIR_HINT) from None
+
+
+def _scaled(frame: Any, size: tuple[int, int] | None) -> NDArray[np.uint8]:
+    if size is not None:
+        frame = frame.reformat(width=size[0], height=size[1], format="rgb24", interpolation="AREA")
+    made: NDArray[np.uint8] = frame.to_ndarray(format="rgb24")
+    return made
+
+
+@dataclass(frozen=True)
+class ShownFilm:
+    """The part of a film that a question shows: `count` frames, `rate` a second, from `start` (s) on, of one camera."""
+
+    folder: Path
+    path: str
+    camera: str
+    rate: int
+    start: float
+    count: int
+
+    @property
+    def end(self) -> float:
+        """The time (s) of the last frame."""
+        return self.start + (self.count - 1) / self.rate
+
+    def pictures(self, most: int) -> list[tuple[float, bytes]]:
+        """Return the times (s) and pictures (PNG) of at most `most` frames, evenly spaced, the first and last included.
+
+        Raises WmsError if the film is damaged.
+        """
+        frames = read_frames(self.folder, self.path, count=self.count)
+        last = len(frames) - 1
+        chosen = sorted({round(i * last / max(most - 1, 1)) for i in range(min(most, len(frames)))} | {last})
+        return [(self.start + k / self.rate, encode_png(frames[k])) for k in chosen[-most:]]
+
+    def mp4(self, *, whole: bool = False) -> bytes:
+        """Return the film as an MP4 in real time, with `whole` also what then happens.
+
+        Raises WmsError if it is damaged.
+        """
+        return encode_mp4(read_frames(self.folder, self.path, count=None if whole else self.count), self.rate)
+
+
+def shown_film(folder: Path, row: dict[str, Any]) -> ShownFilm | None:
+    """Return the film that a dataset row shows; None for a row without."""
+    if not row.get("film"):
+        return None
+    camera, rate, start, count = (row[f"film_{name}"] for name in ("camera", "rate", "start", "context"))
+    return ShownFilm(folder, row["film"], camera, rate, start, count)

@@ -1,0 +1,115 @@
+"""The audit of films: clips that need no model must score as they should."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.audit.model import Finding
+from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.clips.decide import decide
+from wmspec.eval.clips.measure import measure
+from wmspec.eval.clips.questions import FilmQuestion, film_questions, reference_of
+from wmspec.eval.clips.read import BadClip
+from wmspec.eval.clips.reference import Reference
+from wmspec.eval.clips.sources import BASELINES, Baseline, open_baseline
+from wmspec.eval.models.question import Selection
+
+#: The name of the check.
+CHECK = "films"
+#: Number of closed sets of each task whose clips are scored.
+SETS_PER_TASK = 3
+#: Least share of right answers of true futures, and share of answers of clips without a future that is too large.
+MIN_RIGHT, TOO_MANY_ANSWERS = 0.99, 0.05
+#: By this much above chance, a clip of constant velocities may be right.
+LINEAR_MARGIN = 0.05
+#: The baselines that must be right, and those that must answer nothing.
+TRUE_FUTURES, NO_FUTURES = ("oracle", "engine"), ("frozen", "blend", "swap")
+
+
+@dataclass
+class _Score:
+    """How many clips of a baseline were read, answered and right; and the sum of the chances of guessing."""
+
+    read: int = 0
+    answered: int = 0
+    right: int = 0
+    chance: float = 0.0
+
+
+def film_findings(dataset: DatasetReader) -> list[Finding]:
+    """Return the findings about the films of each task; none for a dataset without films.
+
+    At most `SETS_PER_TASK` closed sets of a task are scored. Raises WmsError if OpenCV is missing.
+    """
+    if dataset.film is None:
+        return []
+    every, findings = list[FilmQuestion](), list[Finding]()
+    for task in dataset.tasks:
+        try:
+            every += film_questions(dataset, Selection((task,)).ids(dataset))
+        except WmsError as error:
+            findings.append(Finding(CHECK, task, "fails", str(error)))
+    for task in dict.fromkeys(question.task for question in every):
+        try:
+            findings += _findings(dataset, task, every)
+        except WmsError as error:
+            findings.append(Finding(CHECK, task, "fails", str(error)))
+    return findings
+
+
+def _findings(dataset: DatasetReader, task: str, every: list[FilmQuestion]) -> Iterator[Finding]:
+    """Yield the findings about the films of a task."""
+    sets = _sets([question for question in every if question.task == task])
+    sources = {name: open_baseline(name, dataset, every) for name in BASELINES}
+    scores = {name: _Score() for name in BASELINES}
+    for questions in sets:
+        reference = reference_of(dataset, questions[0])
+        for question in questions:
+            for name, source in sources.items():
+                _score(source, question, reference, scores[name])
+    yield from (_judged(task, name, score) for name, score in scores.items() if score.read)
+    moving = [question.moving for questions in sets for question in questions]
+    if moving:
+        what = f"in the part that is shown, something moves in {min(moving)} frames or more"
+        yield Finding(CHECK, task, "holds" if min(moving) else "fails", what)
+
+
+def _sets(questions: list[FilmQuestion]) -> list[list[FilmQuestion]]:
+    """Return some closed sets, spread over the task; their questions have the same order of options."""
+    sets: dict[tuple[str, ...], list[FilmQuestion]] = {}
+    for question in questions:
+        films = tuple(sorted(question.films))
+        same = replace(question, films=films, answer=films.index(question.films[question.answer]))
+        sets.setdefault(films, []).append(same)
+    found = list(sets.values())
+    count = min(SETS_PER_TASK, len(found))
+    return [found[i * len(found) // count] for i in range(count)]
+
+
+def _score(source: Baseline, question: FilmQuestion, reference: Reference, score: _Score) -> None:
+    """Add the clip of a question; a baseline without one is left out."""
+    try:
+        clip, begins = source.clip(question, 0, reference)
+    except BadClip:
+        return
+    choice = decide(measure(clip, reference, question.own, begins), question.rate).choice
+    score.read += 1
+    score.answered += choice is not None
+    score.right += choice == question.answer
+    score.chance += 1 / len(question.films)
+
+
+def _judged(task: str, name: str, score: _Score) -> Finding:
+    """Return the finding about a baseline."""
+    right, answered, chance = (float(n) / score.read for n in (score.right, score.answered, score.chance))
+    if name in TRUE_FUTURES:
+        what, good = f"{right:.0%} right, {MIN_RIGHT:.0%} required", right >= MIN_RIGHT
+    elif name in NO_FUTURES:
+        what, good = f"{answered:.0%} answered, less than {TOO_MANY_ANSWERS:.0%} required", answered < TOO_MANY_ANSWERS
+    else:
+        limit = chance + LINEAR_MARGIN
+        good = right <= limit + 1e-9
+        what = f"{right:.0%} right, at most {limit:.0%} required: constant velocities must not be enough"
+    return Finding(CHECK, task, "holds" if good else "fails", f"`clips:@{name}`: {what} ({score.read:,} clips)")
