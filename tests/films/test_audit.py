@@ -1,4 +1,4 @@
-"""The audit of films: true futures are right, clips without a future answer nothing, and constant velocity is reported."""
+"""The audit of films: true futures are right, clips without a future answer nothing, and linear motion is reported."""
 
 from __future__ import annotations
 

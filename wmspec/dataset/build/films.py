@@ -67,9 +67,8 @@ class ShownFilm:
         Raises WmsError if the film is damaged.
         """
         frames = read_frames(self.folder, self.path, count=self.count)
-        last = len(frames) - 1
-        chosen = sorted({round(i * last / max(most - 1, 1)) for i in range(min(most, len(frames)))} | {last})
-        return [(self.start + k / self.rate, encode_png(frames[k])) for k in chosen[-most:]]
+        chosen = np.linspace(0, len(frames) - 1, min(most, len(frames))).round().astype(int)
+        return [(self.start + float(k) / self.rate, encode_png(frames[k])) for k in chosen]
 
     def mp4(self, *, whole: bool = False) -> bytes:
         """Return the film as an MP4 in real time, with `whole` also what then happens.
