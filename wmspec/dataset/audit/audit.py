@@ -67,8 +67,7 @@ def audit(
 
     Tasks are distributed over `workers` processes, or run in this one if `workers` is 0; the result is the same. A task
     with a damaged file gets no further checks. `progress` is called after every task. `more` returns the findings of
-    further checks. Raises WmsError if the folder
-    holds no finished dataset, or if one of its files may not be read.
+    further checks. Raises WmsError if the folder holds no finished dataset, or if one of its files may not be read.
     """
     dataset = DatasetReader.open(folder)
     gathered = _Results(check_files(dataset))

@@ -82,5 +82,5 @@ def shown_film(folder: Path, row: dict[str, Any]) -> ShownFilm | None:
     """Return the film that a dataset row shows; None for a row without."""
     if not row.get("film"):
         return None
-    camera, rate, start, count = (row[f"film_{name}"] for name in ("camera", "rate", "start", "context"))
-    return ShownFilm(folder, row["film"], camera, rate, start, count)
+    camera = row.get("film_camera", "")  # the first datasets with films do not say it
+    return ShownFilm(folder, row["film"], camera, row["film_rate"], row["film_start"], row["film_context"])

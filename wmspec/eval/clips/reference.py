@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.dataset.film.codec import Frames, Ids
-from wmspec.dataset.film.distances import END_FRAMES, Array, object_points, widths_of
+from wmspec.dataset.film.distances import Array, object_points, widths_of
 from wmspec.eval.clips.packages import opencv
 from wmspec.eval.clips.pixels import gradients, motion_masks, thumbnails
-from wmspec.eval.clips.segment import Palette, palette, united
+from wmspec.eval.clips.segment import Palette, palette
 
 Mask = NDArray[np.bool_]
 
@@ -114,19 +114,11 @@ class Reference:
 
     @cached_property
     def palettes(self) -> dict[int, Palette]:
-        """The colours of everything that moves, by body; bodies that are hardly seen are left out.
-
-        Those of the last frames are added, because the action `paint` may change colours shortly before the end.
-        """
-        made: dict[int, Palette] = {}
-        for part in (slice(self.films[0].context - 1, None, 4), slice(-END_FRAMES, None)):
-            frames = np.concatenate([film.frames[part] for film in self.films])
-            ids = np.concatenate([film.ids[part] for film in self.films])
-            for body in dict.fromkeys((*self.objects, *self.moving)):
-                found = palette(frames, ids == body)
-                if found is not None:
-                    made[body] = found if body not in made else united(made[body], found)
-        return made
+        """The colours of everything that moves, by body; bodies that are hardly seen are left out."""
+        frames = np.concatenate([film.frames[film.context - 1 :: 4] for film in self.films])
+        ids = np.concatenate([film.ids[film.context - 1 :: 4] for film in self.films])
+        made = {body: palette(frames, ids == body) for body in dict.fromkeys((*self.objects, *self.moving))}
+        return {body: colours for body, colours in made.items() if colours is not None}
 
     def places(self, option: int) -> Array:
         """Return where each object (n, 2) is in the last frame of a context (px); NaN if it is not seen."""

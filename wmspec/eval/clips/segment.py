@@ -56,12 +56,6 @@ def palette(frames: Frames, masks: Mask) -> Palette | None:
     return np.asarray(centres[shares >= MIN_SHARE], np.float32)
 
 
-def united(palette: Palette, more: Palette) -> Palette:
-    """Return a palette with those colours of another that it lacks."""
-    lacking = [c for c in more if _weighted(palette - c, PALETTE_LIGHTNESS).min() > MIN_FOREGROUND]
-    return np.asarray([*palette, *lacking], np.float32)
-
-
 def distance_to(picture: NDArray[np.float32], colours: Palette) -> NDArray[np.float32]:
     """Return the distance (h, w) of each pixel (Lab) from the nearest colour of a palette."""
     gaps = [_weighted(picture - colour, PALETTE_LIGHTNESS) for colour in colours]

@@ -14,24 +14,10 @@ from wmspec.dataset.build.rows import Row
 from wmspec.eval.models.splits import DEFAULT_SPLITS, Splits, factors_of
 
 _COLUMNS = (
-    "id",
-    "task",
-    "dimension",
-    "question_name",
-    "engine",
-    "index",
-    "block",
-    "text",
-    "option_text",
-    "option_name",
-    "answer",
-    "answer_number",
-    "answer_unit",
-    "answer_within",
-    "context_time",
-    "context_camera",
-)
-_FILM_COLUMNS = ("film", "film_camera", "film_rate", "film_start", "film_context")  # fmt: skip
+    "id", "task", "dimension", "question_name", "engine", "index", "block", "text", "option_text", "option_name",
+    "answer", "answer_number", "answer_unit", "answer_within", "context_time", "context_camera",
+)  # fmt: skip
+_FILM_COLUMNS = ("film", "film_camera", "film_rate", "film_start", "film_context")
 
 
 @dataclass(frozen=True)

@@ -120,7 +120,7 @@
   /** Play a film once. Returns when it has ended, or cannot be played; the viewer starts it if the browser may not. */
   const played = (film) => new Promise((done) => {
     film.addEventListener("ended", done, { once: true });
-    film.addEventListener("error", () => { trouble("The film cannot be shown. Please reload this page."); }, { once: true });
+    film.addEventListener("error", () => { trouble(word("no_film")); }, { once: true });
     film.addEventListener("canplaythrough", () => { film.play().catch(() => {}); }, { once: true });
     film.load();
   });
