@@ -64,12 +64,14 @@ class World:
                 at, (linear, angular) = self.qvel[body], rigid.damping
                 model.dof_damping[at : at + 6] = [linear * rigid.mass] * 3 + [angular * m for m in rigid.moments]
 
-    def kick(self, body: int, linear: Any, angular: Any) -> None:
-        """Set the velocities of a free body."""
+    def kick(self, body: int, linear: Any, angular: Any, at: Any = None) -> None:
+        """Set the velocities of a free body, and its pose if `at` is given."""
         self.stir()
-        at, turn = self.qvel[body], self.data.qpos[self.qpos[body] + 3 : self.qpos[body] + 7]
-        self.data.qvel[at : at + 3] = linear
-        self.data.qvel[at + 3 : at + 6] = rotate(conjugate(turn), angular)
+        place, speed = self.qpos[body], self.qvel[body]
+        if at is not None:
+            self.data.qpos[place : place + 7] = at
+        self.data.qvel[speed : speed + 3] = linear
+        self.data.qvel[speed + 3 : speed + 6] = rotate(conjugate(self.data.qpos[place + 3 : place + 7]), angular)
 
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
         """Return a function that resets kinematic bodies to their paths before step i."""

@@ -189,9 +189,12 @@ class World:
             base |= {"collisionMargin": 0.0}
         pybullet.changeDynamics(part[0], -1, physicsClientId=self.client, **base)
 
-    def kick(self, body: int, linear: Any, angular: Any) -> None:
-        """Set the velocities of a free body."""
+    def kick(self, body: int, linear: Any, angular: Any, at: Any = None) -> None:
+        """Set the velocities of a free body, and its pose if `at` is given."""
         self.stir()
+        if at is not None:
+            place, turn = list(at[:3]), xyzw(at[3:])
+            pybullet.resetBasePositionAndOrientation(self.ids[body][0], place, turn, physicsClientId=self.client)
         pybullet.resetBaseVelocity(self.ids[body][0], list(linear), list(angular), physicsClientId=self.client)
 
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:

@@ -177,9 +177,11 @@ class World:
         rates = [limb.rate[0] if moving and limb.rate else 0.0 for limb in order]
         articulation.set_qvel(np.array(rates, np.float32))
 
-    def kick(self, body: int, linear: Any, angular: Any) -> None:
-        """Set the velocities of a free body."""
+    def kick(self, body: int, linear: Any, angular: Any, at: Any = None) -> None:
+        """Set the velocities of a free body, and its pose if `at` is given."""
         self.stir()
+        if at is not None:
+            self.parts[body].entity.set_pose(frame(at))
         self.parts[body].set_linear_velocity(np.array(linear, np.float32))
         self.parts[body].set_angular_velocity(np.array(angular, np.float32))
 

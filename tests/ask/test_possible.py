@@ -41,6 +41,8 @@ def possibility(odd: str, engine: str = "pybullet", pace: str = FAST) -> Questio
         ("vanish(ball) at 0.5 s", "impossible"),
         ("stop(ball) at 0.3 s", "impossible"),
         ("stop(ball) at 0.05 s", "possible"),
+        ("teleport(ball, to: (0, 5 cm)) at 0.5 s", "impossible"),
+        ("teleport(ball, to: (-25 cm, 0)) at 0.05 s", "possible"),
         ("pass_through(ball, wall) for 0.9 s", "impossible"),
         ("pass_through(ball, wall) for 0.2 s", "possible"),
     ],

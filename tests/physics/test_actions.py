@@ -75,7 +75,10 @@ def test_a_turning_paddle_sweeps_a_ball_along(execute: Execute) -> None:
 def test_what_is_placed_elsewhere_pushes_nothing_on_its_way(execute: Execute) -> None:
     """The ball lies between the two places; then the cube goes on from where it was put."""
     ball = body("ball", Sphere(0.05), (0.5, 0, 0.05))
-    actions = (Teleport("t", "b", 0.2011, AWAY), Glide("g", "b", 0.3, 0.5, np.array([0, 1.0, 0])))
+    actions = (
+        Teleport("t", "b", 0.2011, AWAY.position, AWAY.orientation),
+        Glide("g", "b", 0.3, 0.5, np.array([0, 1.0, 0])),
+    )
     trace = execute(scene(floor(), ball, body("b", CUBE, (0, 0, 0.05), motion="kinematic"), actions=actions))
     assert np.allclose(trace.position[:48, 2], [0, 0, 0.05])
     assert np.allclose(trace.position[50:72, 2], AWAY.position)
@@ -242,13 +245,58 @@ def test_a_passage_within_another_stays_open(execute: Execute) -> None:
 
 def test_a_glide_goes_on_from_where_a_teleport_puts_the_body(execute: Execute) -> None:
     glide = Glide("g", "b", 0.1, 0.9, np.array([1.0, 0, 0]))
-    jump = Teleport("t", "b", 0.5, Pose(np.array([2.0, 1.0, 1.0]), UPRIGHT))
+    jump = Teleport("t", "b", 0.5, np.array([2.0, 1.0, 1.0]))
     trace = execute(scene(body("b", CUBE, (0, 0, 1), motion="kinematic"), duration=1, actions=(glide, jump)))
     t = trace.time
     assert np.abs(trace.position[t < 0.5, 0, 0] - np.clip(t[t < 0.5] - 0.1, 0, None)).max() < 1e-9
     after = trace.position[t > 0.5, 0]
     assert np.abs(after[:, 0] - (2.0 + np.clip(t[t > 0.5] - 0.5, 0, 0.4))).max() < 1e-9
     assert np.allclose(after[:, 1:], 1.0)
+
+
+@pytest.mark.parametrize("turned", [None, turn((0, 0, 1), 1.0)])
+def test_what_flies_goes_on_from_where_a_teleport_puts_it(execute: Execute, turned: np.ndarray | None) -> None:
+    """It falls and spins as before: positions and speeds are those of the flight, 2 m to the side."""
+    flying = body("b", CUBE, (0, 0, 5), velocity=(1.0, 0, 2.0), spin=(0, 0, 3.0))
+    jump = Teleport("t", "b", 0.3011, np.array([1.0, 2.0, 4.0]), turned)
+    trace = execute(scene(flying, duration=0.6, actions=(jump,)))
+    t, at = trace.time, 0.3011
+    flight = np.stack([t, 0 * t, 5 + 2 * t - G * t**2 / 2], axis=1)
+    start = np.array([at, 0, 5 + 2 * at - G * at**2 / 2])
+    there = np.where((t < at)[:, None], flight, flight - start + [1.0, 2.0, 4.0])
+    assert np.abs(trace.position[:, 0] - there).max() < 0.005, "jumps are at whole steps of the engine"
+    assert np.abs(trace.linear_velocity[:, 0] - [[1, 0, 2 - G * s] for s in t]).max() < 0.02
+    assert np.allclose(trace.angular_velocity[:, 0], [0, 0, 3.0], atol=5e-3)
+    after = 3 * t if turned is None else 1.0 + 3 * (t - at)
+    angle = np.where(t < at, 3 * t, after)
+    assert np.abs(trace.orientation[:, 0, 3] - np.sin(angle / 2)).max() < 0.01
+
+
+def test_what_rolls_rolls_on_elsewhere_and_what_rests_is_woken(execute: Execute) -> None:
+    ball = body("ball", Sphere(0.05), (0, 0, 0.05), velocity=(1.0, 0, 0), spin=(0, 20.0, 0))
+    rests = body("rests", CUBE, (0, 2, 0.05))
+    wall = body("wall", Box((0.02, 0.2, 0.2)), (0.8, 1.0, 0.2), motion="static")
+    jumps = (
+        Teleport("t", "ball", 0.3, np.array([0, 1.0, 0.05])),
+        Teleport("u", "rests", 0.3, np.array([0, 3.0, 0.55])),
+    )
+    trace = execute(scene(floor(), ball, rests, wall, duration=1.2, actions=jumps))
+    names = trace.bodies
+    x, before = trace.position[:, names.index("ball")], trace.time < 0.3
+    assert np.allclose(x[before, 0], trace.time[before], atol=0.01)
+    assert np.allclose(x[~before & (trace.time < 0.9), 0], trace.time[~before & (trace.time < 0.9)] - 0.3, atol=0.01)
+    (met,) = [c.start for c in trace.contacts if {c.first, c.second} == {"ball", "wall"}]
+    assert met == pytest.approx(0.3 + 0.73, abs=0.02)
+    z = trace.position[:, names.index("rests"), 2]
+    falling = (trace.time >= 0.3) & (trace.time < 0.6)
+    assert np.allclose(z[falling], 0.55 - G * (trace.time[falling] - 0.3) ** 2 / 2, atol=0.01)
+    assert z[-1] == pytest.approx(0.05, abs=2e-3)
+
+
+def test_a_body_cannot_be_teleported_while_it_is_held(execute: Execute) -> None:
+    jump = Teleport("t", "b", 0.1, np.array([1.0, 0, 1.0]))
+    with pytest.raises(WmsError, match=r"'b' is held until 0.2 s"):
+        execute(scene(body("b", CUBE, (0, 0, 1)), actions=(jump, Release("r", "b", 0.2))))
 
 
 @pytest.mark.parametrize("way", [0.0, 0.7])

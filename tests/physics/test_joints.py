@@ -26,6 +26,7 @@ from wmspec.sim.scene.model import (
     Release,
     Scene,
     Steer,
+    Teleport,
     Trace,
 )
 from wmspec.sim.scene.model.transform import compose, inverse, rotate
@@ -306,6 +307,8 @@ def test_what_cannot_be_done_to_jointed_bodies_is_refused(execute: Execute) -> N
     hinge = joint("j", "hinge", None, a, (0, 0, 0))
     with pytest.raises(WmsError, match="'a' has joints; give it an impulse"):
         execute(scene(a, joints=(hinge,), actions=(Launch("go", "a", 0, np.zeros(3), np.zeros(3)),)))
+    with pytest.raises(WmsError, match="'a' has joints; only bodies without joints can be teleported"):
+        execute(scene(a, joints=(hinge,), actions=(Teleport("go", "a", 0, np.ones(3)),)))
     with pytest.raises(WmsError, match=r"/World/b: .* violate its joints"):
         execute(scene(b, joints=(joint("j", "hinge", None, b, (0, 0, 0)),)))
     with pytest.raises(WmsError, match="action go: there is no joint 'j' with a drive"):

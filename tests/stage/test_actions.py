@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from tests.stage.stages import assert_same, stage
 from wmspec.core.diagnostics import StageError
-from wmspec.sim.scene.model import Follow, Force, Impulse, Pose, Release, Teleport
+from wmspec.sim.scene.model import Follow, Force, Impulse, Release, Teleport
 from wmspec.sim.usd import read
 
 BODIES = """
@@ -39,8 +39,11 @@ def test_each_verb() -> None:
     ends = np.array([[1.0, 0, 0, 0], [0, 0, 0, 1]])
     assert_same(action("follow", "cart", turns), Follow("a", "cart", 0.5, times, points, ends))
     place = "uniform double3 wms:position = (1, 2, 3)\nuniform quatd wms:orientation = (0, 1, 0, 0)"
-    pose = Pose(np.array([1.0, 2, 3]), np.array([0.0, 1, 0, 0]))
-    assert_same(action("teleport", "cart", place), Teleport("a", "cart", 0.5, pose))
+    for body in ("cart", "ball"):
+        turned = Teleport("a", body, 0.5, np.array([1.0, 2, 3]), np.array([0.0, 1, 0, 0]))
+        assert_same(action("teleport", body, place), turned)
+        kept = Teleport("a", body, 0.5, np.array([1.0, 2, 3]), None)
+        assert_same(action("teleport", body, place.split("\n", maxsplit=1)[0]), kept)
     hit = "uniform double3 wms:impulse = (1, 2, 3)"
     assert_same(action("impulse", "ball", hit), Impulse("a", "ball", 0.5, np.array([1.0, 2, 3])))
     push = "uniform double wms:duration = 2\nuniform double3 wms:force = (1, 2, 3)"
@@ -50,18 +53,20 @@ def test_each_verb() -> None:
 
 def test_places_are_metres_in_the_axes_of_the_stage() -> None:
     """A stage in centimetres, Y up: its y is our z, and what is not turned on it is turned by 90 degrees here."""
-    found = action("teleport", "cart", "uniform double3 wms:position = (1, 2, 3)", meters=0.01, up="Y")
+    place = "uniform double3 wms:position = (1, 2, 3)\nuniform quatd wms:orientation = (1, 0, 0, 0)"
+    found = action("teleport", "cart", place, meters=0.01, up="Y")
     assert isinstance(found, Teleport)
-    assert_allclose(found.pose.position, (1, -3, 2), atol=1e-12)
-    assert_allclose(found.pose.orientation, (HALF, HALF, 0, 0), atol=1e-12)
-    assert_same(found.pose.orientation, read(stage(BODIES, up="Y")).bodies[1].pose.orientation)
+    assert_allclose(found.position, (1, -3, 2), atol=1e-12)
+    assert found.orientation is not None
+    assert_allclose(found.orientation, (HALF, HALF, 0, 0), atol=1e-12)
+    assert_same(found.orientation, read(stage(BODIES, up="Y")).bodies[1].pose.orientation)
 
 
 WAY = "uniform double[] wms:times = %s\nuniform double3[] wms:points = [(0, 0, 0), (1, 2, 3)]"
 REFUSED = {
     "static": ("impulse", "rock", "", "impulse needs a dynamic body, but /World/rock is static"),
     "kinematic": ("release", "cart", "", "release needs a dynamic body"),
-    "dynamic": ("teleport", "ball", "", "teleport needs a kinematic body"),
+    "dynamic": ("glide", "ball", "", "glide needs a kinematic body"),
     "short": ("follow", "cart", WAY % "[0]", "1 wms:times, 2 wms:points"),
     "backwards": ("follow", "cart", WAY % "[0, -1]", "expected increasing times"),
     "late": ("follow", "cart", WAY % "[1, 2]", "expected increasing times"),

@@ -222,6 +222,8 @@ def test_a_drive_is_in_radians_and_an_action_changes_its_target() -> None:
         ((DOOR, joint("j", "hinge", of="door", at=(0, 0, 0), target=1, stiffness=0)), "its stiffness is 0"),
         ((DOOR, joint("j", "hinge", of="door", at=(0, 0, 0)),
           action("a", "launch", object="door", direction=0, speed=1)), "a joint holds `door`"),
+        ((DOOR, joint("j", "hinge", of="door", at=(0, 0, 0)),
+          action("a", "teleport", object="door", to=(1, 0, 1))), "a joint holds `door`"),
         ((POST, DOOR, joint("j", "hinge", of="door", to="post", at=(0, 0, 0)),
           action("a", "glide", object="door", direction=0, speed=1, duration=1)), "`door` is carried by `a`"),
         ((BALL, DOOR, joint("j", "hinge", of="door", to="ball", at=(0, 0, 0)),
@@ -357,8 +359,22 @@ def test_each_way_begins_where_the_last_one_ended() -> None:
     assert isinstance(three, Teleport)
     assert isinstance(four, Follow)
     np.testing.assert_allclose(two.points[[0, -1]], [(0.4, 0.1, 0.05), (0.4, 0.4, 0.05)], atol=1e-12)
-    np.testing.assert_allclose(three.pose.position, (-0.5, 0.5, 0.05))
-    np.testing.assert_allclose(four.points[0], three.pose.position)
+    np.testing.assert_allclose(three.position, (-0.5, 0.5, 0.05))
+    np.testing.assert_allclose(four.points[0], three.position)
+
+
+def test_what_is_only_teleported_moves_freely_if_it_is_solid() -> None:
+    jump = action("a", "teleport", object="ball", to=(1, 0))
+    made = scene(BALL, jump)
+    (ball,) = (body for body in made.bodies if body.name == "ball")
+    assert ball.motion == "dynamic"
+    assert isinstance(made.actions[0], Teleport)
+    assert made.actions[0].orientation is None, "it keeps the one it has then"
+    turned = scene(BALL, action("a", "teleport", object="ball", to=(1, 0), yaw=0.0)).actions[0]
+    assert isinstance(turned, Teleport)
+    assert turned.orientation is not None
+    mark = thing("object", "ball", shape="sphere", size=0.1, at=(0.2, 0.1, 0.05), solid=False)
+    assert [body.motion for body in scene(mark, jump).bodies if body.name == "ball"] == ["kinematic"]
 
 
 def test_actions_whose_order_is_changed_exchange_their_turns() -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 from wmspec.compile.layout.evaluator import INHERITED
-from wmspec.compile.layout.motion import CARRYING
+from wmspec.compile.layout.motion import PLACING
 from wmspec.core.memoize import LRU
 from wmspec.lang.check.ir.evaluate import subexpressions
 from wmspec.lang.check.ir.ir import Call, Choices, Entity, Expr, Property, Ref, TaskSpec, Value
@@ -176,7 +176,7 @@ class Dependencies:
             return
         for owner in self._named(action.properties["object"].value):
             yield f"{owner}.pose"
-            for move in self._acting(CARRYING, owner):
+            for move in self._acting(PLACING, owner):
                 yield from (f"{move.name}.{name}" for name in ("there", "yaw", *move.properties))
 
     def _robots(self) -> Iterator[str]:
@@ -205,7 +205,7 @@ class Dependencies:
                 yield from (f"{thing.name}.{name}" for name in ("there", "start", *thing.properties))
             elif thing.kind == "object":
                 yield from (f"{thing.name}.{name}" for name in ("pose", "form", "present", "drawn", "solid"))
-            elif thing.kind == "action" and thing.verb in CARRYING and not thing.of:
+            elif thing.kind == "action" and thing.verb in PLACING and not thing.of:
                 yield from (f"{thing.name}.{name}" for name in ("there", "object"))
 
     # ------------------------------------------------------------ who is who

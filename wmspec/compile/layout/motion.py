@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: Verbs that move an object along a fixed path, which makes it kinematic.
 CARRYING = tuple(name for name, verb in VERBS.items() if verb.carries)
+#: Verbs that tell where an object is. `teleport` makes only objects kinematic that cannot move freely: those not solid.
+PLACING = (*CARRYING, "teleport")
 
 
 @dataclass(frozen=True)
@@ -35,14 +37,16 @@ def carriers(values: Evaluator) -> dict[str, str]:
     """Return the carried (kinematic) objects, each with one of the actions that carry it."""
     carrying: dict[str, str] = {}
     for action in values.spec.things:
-        if action.kind == "action" and not action.of and action.verb in CARRYING and values.is_present(action.name):
-            carrying.setdefault(values.reference(action.name, "object"), action.name)
+        if action.kind == "action" and not action.of and action.verb in PLACING and values.is_present(action.name):
+            owner = values.reference(action.name, "object")
+            if action.verb in CARRYING or not values.flag(owner, "solid"):
+                carrying.setdefault(owner, action.name)
     return carrying
 
 
 def carrier_sources(spec: TaskSpec) -> frozenset[str]:
     """Return the sources that determine which objects are carried."""
-    acting = (t.name for t in spec.things if t.kind == "action" and not t.of and t.verb in CARRYING)
+    acting = (t.name for t in spec.things if t.kind == "action" and not t.of and t.verb in PLACING)
     return frozenset(f"{name}.{what}" for name in acting for what in ("there", "object"))
 
 
@@ -50,7 +54,7 @@ def placement_before(values: Evaluator, action: Entity) -> Placement:
     """Return where the object of a carrying action is when the action begins."""
     owner = values.reference(action.name, "object")
     stand = Placement(values.pose(owner), values.number(owner, "yaw"))
-    moves = sorted((a for verb in CARRYING for a in values.actions_on(verb, owner)), key=lambda a: _start(values, a))
+    moves = sorted((a for verb in PLACING for a in values.actions_on(verb, owner)), key=lambda a: _start(values, a))
     for move in moves[: next(i for i, m in enumerate(moves) if m.name == action.name)]:
         stand = placement_after(values, move, stand)
         if move.verb == "teleport":

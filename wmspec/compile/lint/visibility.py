@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import pieces
-from wmspec.compile.layout.motion import CARRYING, carriers, heading_of, placement_after, placement_before, timed_path
+from wmspec.compile.layout.motion import PLACING, carriers, heading_of, placement_after, placement_before, timed_path
 from wmspec.compile.layout.solids import Box, bounds, corners
 from wmspec.core.space import Vector, add, cross, dot, heading_vector, scale
 from wmspec.lang.check.ir.evaluate import subexpressions
@@ -86,7 +86,7 @@ def swept_boxes(values: Evaluator, name: str) -> Iterator[Box]:
         low = (low[0], low[1], min(low[2], 0.0))  # it may fall to the ground
     yield low, high
     here = values.pose(name).position
-    for verb in (*CARRYING, "launch", "slide"):
+    for verb in (*PLACING, "launch", "slide"):
         for action in values.actions_on(verb, name):
             for there in _reached_points(values, action):
                 gone = add(there, scale(-1.0, here))
@@ -96,7 +96,7 @@ def swept_boxes(values: Evaluator, name: str) -> Iterator[Box]:
 def _reached_points(values: Evaluator, action: Entity) -> tuple[Vector, ...]:
     """Return the extreme positions that an action takes its object to."""
     name, verb = action.name, action.verb
-    if verb in CARRYING:
+    if verb in PLACING:
         stand = placement_before(values, action)
         through = timed_path(values, action, stand.pose.position)[0] if verb == "follow" else ()
         return (*through, placement_after(values, action, stand).pose.position)

@@ -43,11 +43,9 @@ def _require_able(action: Entity, target: str, values: Evaluator, carried: dict[
     if values.flag(target, "fixed") and action.verb != "paint":
         raise ImpossibleValue(f"`{target}` is fixed, so nothing can {action.verb} it", action.place)
     if action.verb not in motion.CARRYING and target in carried and not VERBS[action.verb].allows_carried:
-        jumps = values.spec.thing(carried[target]).verb == "teleport"
-        instead = "move it with `glide`, which goes on after a teleport" if jumps else "use verbs that carry it"
         what = f"`{target}` is carried by `{carried[target]}`, so `{action.verb}` cannot move it"
-        raise ImpossibleValue(what, action.place, f"{instead}, or none of them")
-    if {"launch", "vanish"} & {action.verb, VERBS[action.verb].staged} and has_joint(values, target):
+        raise ImpossibleValue(what, action.place, "use verbs that carry it, or none of them")
+    if {"launch", "vanish", "teleport"} & {action.verb, VERBS[action.verb].staged} and has_joint(values, target):
         remedy = "use `impulse`" if action.verb == "launch" else "leave out the joint, or this"
         raise ImpossibleValue(f"a joint holds `{target}`, so it cannot {action.verb}", action.place, remedy)
 
@@ -152,12 +150,13 @@ def follow(prim: Prim, action: Entity, values: Evaluator) -> None:
 
 
 def teleport(prim: Prim, action: Entity, values: Evaluator) -> None:
-    """Set another pose at once."""
-    name = action.name
-    pose = motion.teleport_target(values, action, motion.placement_before(values, action)).pose
+    """Set another pose at once. What keeps its turn has none here: when it moves freely, only the engine knows it."""
+    name, before = action.name, motion.placement_before(values, action)
+    pose = motion.teleport_target(values, action, before).pose
     sources = (f"{name}.to", f"{name}.yaw", f"{name}.way")
     _vector(prim, "wms:position", pose.position, *sources)
-    prim.set("wms:orientation", "quatd", pose.orientation, *sources, uniform=True)
+    if values.has(name, "yaw") or pose.orientation != before.pose.orientation:
+        prim.set("wms:orientation", "quatd", pose.orientation, *sources, uniform=True)
 
 
 # ---------------------------------------------------------------- at once, in the midst of it

@@ -47,7 +47,7 @@ def add_object(doc: Document, name: str, values: Evaluator, carriers: frozenset[
     body.set("xformOp:orient", "quatd", pose.orientation, f"{name}.pose")
     body.set("xformOpOrder", "token[]", ("xformOp:translate", "xformOp:orient"), uniform=True)
     if carriers and not fixed:
-        body.set("physics:kinematicEnabled", "bool", carried, f"{name}.fixed", *carriers)
+        body.set("physics:kinematicEnabled", "bool", carried, f"{name}.fixed", f"{name}.solid", *carriers)
     if belt:
         _set_surface_velocity(body, name, values)
     if values.has(name, "damping"):

@@ -35,6 +35,7 @@ from wmspec.sim.scene.model import (
     Pose,
     Release,
     Scene,
+    Teleport,
     Trace,
     Vanish,
 )
@@ -200,7 +201,7 @@ def _spins(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
             yield f"`{name}` spins, its energy wrong from {trace.time[off][0]:.3g} s on"
 
 
-_PUSHES = (Launch, Impulse, Force, Release, Vanish, PassThrough)
+_PUSHES = (Launch, Impulse, Force, Release, Vanish, PassThrough, Teleport)
 
 
 def _energy(scene: Scene, trace: Trace, i: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -33,7 +33,7 @@ MOTIONS = {
     Launch: _FREE,
     Glide: _MOVED,
     Follow: _MOVED,
-    Teleport: _MOVED,
+    Teleport: (*_FREE, *_MOVED),
     Impulse: _FREE,
     Force: _FREE,
     Release: _FREE,
@@ -88,8 +88,8 @@ def _numbers(action: Action) -> list[ArrayLike]:
             return [action.start, action.times, action.points]
         case Follow():
             return [action.start, action.times, action.points, np.asarray(action.orientations)]
-        case Teleport():
-            return [action.start, action.pose.position, action.pose.orientation]
+        case Teleport(position=what, orientation=turn):
+            return [action.start, what, *([] if turn is None else [turn])]
         case Impulse():
             return [action.start, action.impulse]
         case Paint():
@@ -110,7 +110,7 @@ def sequence(scene: Scene) -> Iterator[Diagnostic]:
         )
     releases = {action.body: action for action in scene.actions if isinstance(action, Release)}
     for action in scene.actions:
-        if isinstance(action, Launch | Impulse | Force | Vanish) and action.body in releases:
+        if isinstance(action, Launch | Impulse | Force | Vanish | Teleport) and action.body in releases:
             release = releases[action.body]
             if action.start < release.start:
                 yield Diagnostic(

@@ -25,7 +25,6 @@ from wmspec.sim.scene.model import (
     Launch,
     Paint,
     PassThrough,
-    Pose,
     Release,
     Steer,
     Teleport,
@@ -107,8 +106,9 @@ def _follow(prim: Usd.Prim, body: str, world: StageFrame) -> Follow:
 
 def _teleport(prim: Usd.Prim, body: str, world: StageFrame) -> Teleport:
     at = world.direction(value(prim, "wms:position", Gf.Vec3d(0)))
-    turn = _orientation(prim, value(prim, "wms:orientation", Gf.Quatd(1)), world)
-    return Teleport(prim.GetName(), body, seconds(prim, "wms:start"), Pose(at, turn))
+    turn = value(prim, "wms:orientation")
+    turned = None if turn is None else _orientation(prim, turn, world)
+    return Teleport(prim.GetName(), body, seconds(prim, "wms:start"), at, turned)
 
 
 def _impulse(prim: Usd.Prim, body: str, world: StageFrame) -> Impulse:

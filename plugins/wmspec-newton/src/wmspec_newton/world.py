@@ -114,10 +114,12 @@ class World:
                     speeds[at : at + len(limb.rate)] = limb.rate
         newton.eval_fk(self.model, self.now.joint_q, self.now.joint_qd, self.now)
 
-    def kick(self, body: int, linear: Any, angular: Any) -> None:
-        """Set the velocities of a free body."""
-        at = self.rates[self.joints[body]]
-        self.now.joint_qd.numpy()[at : at + 6] = [*linear, *angular]
+    def kick(self, body: int, linear: Any, angular: Any, at: Any = None) -> None:
+        """Set the velocities of a free body, and its pose if `at` is given."""
+        if at is not None:
+            self.place(body, at)
+        speed = self.rates[self.joints[body]]
+        self.now.joint_qd.numpy()[speed : speed + 6] = [*linear, *angular]
 
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
         """Return a function that resets kinematic bodies to their paths before step i."""
@@ -165,11 +167,15 @@ class World:
             self.weigh(body, HEAVY, [HEAVY] * 3)
         self.rest(body)
         if at is not None:
-            pose = np.asarray(at)[[0, 1, 2, *XYZW]]
-            q = self.coordinates[self.joints[body]]
-            self.now.joint_q.numpy()[q : q + 7] = pose
-            self.now.body_q.numpy()[self.links[body]] = pose
+            self.place(body, at)
         self.push(body, -HEAVY * np.array(self.assembly.gravity), np.zeros(3))
+
+    def place(self, body: int, at: Any) -> None:
+        """Set the pose of a free body."""
+        pose = np.asarray(at)[[0, 1, 2, *XYZW]]
+        q = self.coordinates[self.joints[body]]
+        self.now.joint_q.numpy()[q : q + 7] = pose
+        self.now.body_q.numpy()[self.links[body]] = pose
 
     def rest(self, body: int) -> None:
         """Reset the joint of a body to its start, at rest."""

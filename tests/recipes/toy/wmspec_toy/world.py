@@ -31,7 +31,9 @@ class World:
         pairs = set(combinations(self.solid, 2)) - non_colliding_pairs(scene)
         self.pairs = [(i, j) for i, j in pairs if can_collide(self.bodies[i], self.bodies[j])]
 
-    def kick(self, body: int, linear: Any, angular: Any) -> None:
+    def kick(self, body: int, linear: Any, angular: Any, at: Any = None) -> None:
+        if at is not None:
+            self.position[body], self.turn[body] = np.array(at[:3]), np.array(at[3:])
         self.velocity[body], self.momentum[body] = linear, self.inertia(body) @ angular
 
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:

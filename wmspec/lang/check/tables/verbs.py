@@ -88,13 +88,13 @@ VERBS: dict[str, Verb] = {
         lasts=True, author="wmspec.compile.stage.actions:follow", carries=True,
     ),
     "teleport": Verb(
-        "puts the object somewhere else at once",
+        "puts the object somewhere else at once; what moves goes on from there with its velocity",
         {
             "object": _OBJECT,
             "to": PropertySpec((POINT2, POINT3, PLACE), "where to, as in its `at`"),
             "yaw": PropertySpec((AN_ANGLE,), "how it is turned there; as before if left out", optional=True),
         },
-        lasts=False, author="wmspec.compile.stage.actions:teleport", carries=True, violates=True,
+        lasts=False, author="wmspec.compile.stage.actions:teleport", allows_carried=True, violates=True,
     ),
     "impulse": Verb(
         "strikes the object in its centre of mass",

@@ -222,7 +222,8 @@ def jointed_bodies(scene: Scene) -> frozenset[str]:
 
 def moving_kinematic_bodies(scene: Scene) -> frozenset[str]:
     """Return the names of the kinematic bodies that move."""
-    return frozenset(a.body for a in scene.actions if isinstance(a, Glide | Follow | Teleport))
+    moved = (a.body for a in scene.actions if isinstance(a, Glide | Follow | Teleport))
+    return frozenset(name for name in moved if not _dynamic(scene.bodies, name))
 
 
 def _dynamic(bodies: Sequence[Body], name: str) -> bool:

@@ -11,7 +11,7 @@ from wmspec.core.places import PrimPlace
 from wmspec.sim.scene.joints.articulations import jointed_bodies, moving_kinematic_bodies, trees
 from wmspec.sim.scene.joints.mimics import misplaced_mimics
 from wmspec.sim.scene.joints.momentum import inconsistent_velocities
-from wmspec.sim.scene.model import Body, Drive, Joint, Launch, Release, Scene, Vanish
+from wmspec.sim.scene.model import Body, Drive, Joint, Launch, Release, Scene, Teleport, Vanish
 
 
 def problems(scene: Scene) -> Iterator[Diagnostic]:
@@ -69,10 +69,10 @@ def _tied(scene: Scene) -> Iterator[Diagnostic]:
     yield from inconsistent_velocities(scene)
     yield from misplaced_mimics(scene)
     for action in scene.actions:
-        if isinstance(action, Launch | Vanish) and action.body in tied:
-            remedy = (
-                "give it an impulse instead" if isinstance(action, Launch) else "only bodies without joints can vanish"
-            )
+        if isinstance(action, Launch | Vanish | Teleport) and action.body in tied:
+            deed = "vanish" if isinstance(action, Vanish) else "be teleported"
+            push = isinstance(action, Launch)
+            remedy = "give it an impulse instead" if push else f"only bodies without joints can {deed}"
             yield Diagnostic(f"'{action.body}' has joints", PrimPlace(f"action {action.name}"), remedy)
     releases = {a.body: a.start for a in scene.actions if isinstance(a, Release)}
     for tree in trees(scene):

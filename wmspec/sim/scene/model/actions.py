@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from wmspec.sim.scene.model.geometry import Array, Pose
+from wmspec.sim.scene.model.geometry import Array
 
 
 @dataclass(frozen=True)
@@ -51,12 +51,16 @@ class Follow:
 
 @dataclass(frozen=True)
 class Teleport:
-    """Places a kinematic body at `pose` at `start` (s)."""
+    """Places a body at `position` (3,) m at `start` (s); a dynamic one keeps its velocities.
+
+    `orientation` (4,): None keeps the one it has.
+    """
 
     name: str
     body: str
     start: float
-    pose: Pose
+    position: Array
+    orientation: Array | None = None
 
 
 @dataclass(frozen=True)

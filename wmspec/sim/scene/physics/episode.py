@@ -65,6 +65,26 @@ class Hold:
 
 
 @dataclass(frozen=True)
+class Jump:
+    """Places the frame of the dynamic `body` at `position` before step number `step`; it keeps its velocities.
+
+    Without an `orientation` it keeps that too.
+    """
+
+    step: int
+    body: int
+    position: Vector
+    orientation: Vector | None = None
+
+    def landing(self, mount: Any, state: Any) -> Any:
+        """Return the new pose (7,) of the centre of mass, given its `state` (13,) and the body frame in it (7,)."""
+        turn = state[3:7]
+        if self.orientation is not None:
+            turn = multiply(np.array(self.orientation), conjugate(mount[3:]))
+        return np.concatenate([np.array(self.position) - rotate(turn, mount[:3]), turn])
+
+
+@dataclass(frozen=True)
 class Grip:
     """Ties the dynamic `body` to the kinematic body `hand` from step `first` to `last`.
 
@@ -174,6 +194,7 @@ class Episode:
     grips: tuple[Grip, ...] = ()
     untouchable: tuple[int, ...] = ()
     passages: tuple[Passage, ...] = ()
+    jumps: tuple[Jump, ...] = ()
 
     @property
     def step(self) -> float:
@@ -198,8 +219,8 @@ class Recording:
 class World(Protocol):
     """The operations that an engine implements, for numbered bodies in their centre-of-mass frames."""
 
-    def kick(self, body: int, linear: Any, angular: Any) -> None:
-        """Set the velocities of a dynamic body."""
+    def kick(self, body: int, linear: Any, angular: Any, at: Any = None) -> None:
+        """Set the velocities of a dynamic body, and its pose if `at` (7,) is given."""
 
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
         """Return a function that moves the kinematic bodies in step i; it is called before that step.
@@ -276,7 +297,7 @@ def kinematic_recording(episode: Episode) -> Recording | None:
     """
     steps = (episode.samples - 1) * episode.substeps
     free = {kick.body for kick in episode.kicks}  # only engines know the velocities of jointed bodies
-    if episode.dynamic and (steps or not free.issuperset(episode.dynamic)):
+    if episode.dynamic and (steps or episode.jumps or not free.issuperset(episode.dynamic)):
         return None
     states = scripted_states(episode)
     for kick in episode.kicks:
@@ -299,11 +320,12 @@ def event_steps(episode: Episode) -> set[int]:
     held = (i for hold in episode.holds for i in range(hold.first, hold.until + 1))
     taken = {step for grip in episode.grips for step in (grip.first, grip.last)}
     open_ = (step for passage in episode.passages for step in (passage.first, passage.last))
-    return {*held, *taken, *open_, *(kick.step for kick in episode.kicks), *(aim.step for aim in episode.aims)}
+    sudden: tuple[Kick | Aim | Jump, ...] = (*episode.kicks, *episode.aims, *episode.jumps)
+    return {*held, *taken, *open_, *(event.step for event in sudden)}
 
 
 def apply_events(world: World, episode: Episode, i: int) -> list[Kick]:
-    """Apply holds, drive targets and kicks before step `i`; return the kicks."""
+    """Apply holds, drive targets, jumps and kicks before step `i`; return the kicks."""
     for hold in episode.holds:
         if hold.first <= i < hold.until:
             world.hold(hold.body, hold.at)
@@ -316,6 +338,11 @@ def apply_events(world: World, episode: Episode, i: int) -> list[Kick]:
         pair = {passage.body, passage.through}
         others = (p for p in episode.passages if {p.body, p.through} == pair)
         world.collide(passage.body, passage.through, not any(p.first <= i < p.last for p in others))
+    away = {hold.body for hold in episode.holds if hold.first <= i < hold.until}
+    for jump in (jump for jump in episode.jumps if jump.step == i and jump.body not in away):
+        state = np.asarray(world.state(jump.body))
+        pose = jump.landing(np.array(episode.mounts[jump.body]), state)
+        world.kick(jump.body, state[7:10], state[10:], pose)
     kicks = [kick for kick in episode.kicks if kick.step == i]
     for kick in kicks:  # engines fall by g h² too much in the first step; half a step less of g makes flight exact
         half_fall = np.array(episode.gravity) * (episode.step / 2)

@@ -54,7 +54,7 @@ def track(scene: Scene, index: int, steps_per_second: int) -> KinematicPath:
             parts.append(part.since(parts[-1].time))
     for vanish in (a for a in scene.actions if isinstance(a, Vanish) and a.body == body.name):
         left = _rest(
-            ceil(vanish.start * steps_per_second - _STEP_EPSILON) / steps_per_second,
+            first_step(vanish.start, steps_per_second) / steps_per_second,
             Pose(vanished_position(index), np.array(parts[0].turn)),
         )
         parts = [*(part for part in parts if part.time < left.time), left]
@@ -67,6 +67,11 @@ def track(scene: Scene, index: int, steps_per_second: int) -> KinematicPath:
         tuple(part.spin for part in parts),
         floats(np.array(body.surface_velocity)),
     )
+
+
+def first_step(time: float, steps_per_second: int) -> int:
+    """Return the number of the first step that begins at `time` (s) or later."""
+    return ceil(time * steps_per_second - _STEP_EPSILON)
 
 
 def vanished_position(index: int) -> Array:
@@ -130,9 +135,13 @@ def _parts(move: Move, here: Pose, steps_per_second: int) -> list[PathPiece]:
             going = PathPiece(move.start, floats(here.position), floats(here.orientation), floats(move.velocity), _REST)
             return [going, _rest(move.stop, going.at(move.stop))]
         case Teleport():
-            return [_rest(ceil(move.start * steps_per_second - _STEP_EPSILON) / steps_per_second, move.pose)]
+            return [_rest(first_step(move.start, steps_per_second) / steps_per_second, _placed(move, here))]
         case Follow():
             return _followed(move, here)
+
+
+def _placed(move: Teleport, here: Pose) -> Pose:
+    return Pose(move.position, here.orientation if move.orientation is None else move.orientation)
 
 
 def _followed(move: Follow, here: Pose) -> list[PathPiece]:
@@ -149,7 +158,7 @@ def _last(move: Move, here: Pose) -> PathPiece:
     """Return the rest after a move that starts at pose `here`."""
     match move:
         case Teleport():
-            return _rest(move.start, move.pose)
+            return _rest(move.start, _placed(move, here))
         case Follow():
             return _rest(move.stop, Pose(move.points[-1], _turns(move, here)[-1]))
         case Glide():

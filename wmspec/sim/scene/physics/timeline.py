@@ -10,10 +10,21 @@ import numpy as np
 from wmspec.sim.scene import model
 from wmspec.sim.scene.joints.articulations import jointed_bodies, trees
 from wmspec.sim.scene.joints.com_frame import body_frame_in_com, com_frame
-from wmspec.sim.scene.model import Body, Force, Impulse, Launch, PassThrough, Release, Scene, Steer, Vanish
+from wmspec.sim.scene.model import (
+    Body,
+    Force,
+    Impulse,
+    Launch,
+    PassThrough,
+    Release,
+    Scene,
+    Steer,
+    Teleport,
+    Vanish,
+)
 from wmspec.sim.scene.model.numbers import floats, pose_numbers
-from wmspec.sim.scene.physics.episode import Aim, Drag, Episode, Grip, Hold, Kick, Passage, Push
-from wmspec.sim.scene.physics.paths import track, vanished_position
+from wmspec.sim.scene.physics.episode import Aim, Drag, Episode, Grip, Hold, Jump, Kick, Passage, Push
+from wmspec.sim.scene.physics.paths import first_step, track, vanished_position
 
 _REST = (0.0, 0.0, 0.0)
 
@@ -40,6 +51,7 @@ def episode(scene: Scene, steps_per_second: int) -> Episode:
         grips=grips(scene, rate),
         untouchable=tuple(i for i, body in enumerate(scene.bodies) if not any(geom.collides for geom in body.geoms)),
         passages=passages(scene, rate),
+        jumps=jumps(scene, rate),
     )
 
 
@@ -77,6 +89,21 @@ def vanished_holds(scene: Scene, rate: int) -> tuple[Hold, ...]:
         )
         for action in sorted((a for a in scene.actions if isinstance(a, Vanish)), key=lambda a: a.start)
         if scene.bodies[i := index[action.body]].motion == "dynamic"
+    )
+
+
+def jumps(scene: Scene, rate: int) -> tuple[Jump, ...]:
+    """Return the teleports of dynamic bodies in order of time."""
+    index = _index(scene)
+    return tuple(
+        Jump(
+            first_step(action.start, rate),
+            index[action.body],
+            floats(action.position),
+            None if action.orientation is None else floats(action.orientation),
+        )
+        for action in sorted((a for a in scene.actions if isinstance(a, Teleport)), key=lambda a: a.start)
+        if scene.bodies[index[action.body]].motion == "dynamic"
     )
 
 
