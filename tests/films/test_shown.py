@@ -26,7 +26,7 @@ def question(films: Path) -> Question:
 def parts(question: Question, name: str) -> list[Part]:
     """The parts before the words of the question."""
     every = list(Ask(question, prompt.load(name)).request.parts)
-    return every[: every.index(Text(question.text))]
+    return every[: every.index(Text(question.film.text if question.film else question.text))]
 
 
 def test_frames_are_those_of_the_film_under_their_times(question: Question) -> None:
@@ -39,6 +39,15 @@ def test_frames_are_those_of_the_film_under_their_times(question: Question) -> N
         assert label == Text(f"Picture {k + 1}, at {film.start + k / film.rate:.2f} s:")
         assert isinstance(picture, Picture)
         assert np.array_equal(np.asarray(Image.open(io.BytesIO(picture.content))), frames[k])
+
+
+def test_the_question_is_about_the_film(question: Question) -> None:
+    film = question.film
+    assert film is not None
+    asked = "Which picture shows the scene 0.7 seconds after the end of the film?"
+    assert film.text in {f"A {tone} ball rolls on a table. {asked}" for tone in ("red", "blue")}
+    blind = Ask(question, prompt.load("frames"), ablation="pictures").request.parts
+    assert Text(question.text) in blind
 
 
 def test_of_a_long_film_the_first_and_last_pictures_remain(question: Question, tmp_path: Path) -> None:

@@ -47,7 +47,10 @@ def _scaled(frame: Any, size: tuple[int, int] | None) -> NDArray[np.uint8]:
 
 @dataclass(frozen=True)
 class ShownFilm:
-    """The part of a film that a question shows: `count` frames, `rate` a second, from `start` (s) on, of one camera."""
+    """The part of a film that a question shows: `count` frames, `rate` a second, from `start` (s) on, of one camera.
+
+    `scene` describes it in words. The answer is seen `wait` (s) after its last frame.
+    """
 
     folder: Path
     path: str
@@ -55,6 +58,13 @@ class ShownFilm:
     rate: int
     start: float
     count: int
+    scene: str
+    wait: float
+
+    @property
+    def text(self) -> str:
+        """What is asked about the film; the text of the row is about the pictures."""
+        return f"{self.scene} Which picture shows the scene {self.wait:.2g} seconds after the end of the film?"
 
     @property
     def end(self) -> float:
@@ -83,4 +93,6 @@ def shown_film(folder: Path, row: dict[str, Any]) -> ShownFilm | None:
     if not row.get("film"):
         return None
     camera = row.get("film_camera", "")  # the first datasets with films do not say it
-    return ShownFilm(folder, row["film"], camera, row["film_rate"], row["film_start"], row["film_context"])
+    rate, count = row["film_rate"], row["film_context"]
+    wait = (row["film_answer"] - count + 1) / rate - row["film_offset"]
+    return ShownFilm(folder, row["film"], camera, rate, row["film_start"], count, row["film_text"], wait)

@@ -17,7 +17,9 @@ _COLUMNS = (
     "id", "task", "dimension", "question_name", "engine", "index", "block", "text", "option_text", "option_name",
     "answer", "answer_number", "answer_unit", "answer_within", "context_time", "context_camera",
 )  # fmt: skip
-_FILM_COLUMNS = ("film", "film_camera", "film_rate", "film_start", "film_context")
+_FILM_COLUMNS = (
+    "film", "film_camera", "film_rate", "film_start", "film_context", "film_answer", "film_offset", "film_text",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

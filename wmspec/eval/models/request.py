@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
+from wmspec.dataset.build.films import ShownFilm
 from wmspec.eval.models.ablation import Ablation, Words, option_words
 from wmspec.eval.models.montage import VIDEO_RATE, encode_video, montage
 from wmspec.eval.models.prompt import Labels, Prompt
@@ -116,6 +117,12 @@ class Ask:
         parts = (part for name in self.prompt.parts for part in writers[name]())
         return Request(self.prompt.system, tuple(part for part in parts if part != Text("")))
 
+    @property
+    def _film(self) -> ShownFilm | None:
+        """The film, if it is shown."""
+        shown = self.prompt.pictures in ("frames", "clip") and self.ablation not in ("pictures", "question")
+        return self.question.film if shown else None
+
     def _line(self, name: str, **values: object) -> Text:
         return Text(self.prompt.texts.line(name, **values))
 
@@ -137,7 +144,7 @@ class Ask:
 
     def _labelled_with_times(self, shown: tuple[bytes, ...]) -> Iterator[Part]:
         """Yield the pictures of the film, then those of other cameras; without a film, the context pictures."""
-        film = self.question.film if shown else None
+        film = self._film
         timed = list(zip(self.question.times, shown, strict=False))
         if film is not None:
             others = zip(self.question.cameras, timed, strict=True)
@@ -148,7 +155,7 @@ class Ask:
 
     def _clip(self, shown: tuple[bytes, ...]) -> Iterator[Part]:
         """Yield the film in real time, then pictures of other cameras; without a film, the context pictures as one."""
-        film = self.question.film
+        film = self._film
         if film is None:
             times = ", ".join(map(_seconds, self.question.times))
             yield self._line("clip", pictures=len(shown), seconds=f"{1 / VIDEO_RATE:g}", times=times)
@@ -177,7 +184,12 @@ class Ask:
         return [(place, which) for place, which in enumerate(self.order) if self.words[which] is None]
 
     def _question(self) -> Iterator[Part]:
-        yield self._line("without_question") if self.ablation == "question" else Text(self.question.text)
+        if self.ablation == "question":
+            yield self._line("without_question")
+        elif self._film is not None:
+            yield Text(self._film.text)
+        else:
+            yield Text(self.question.text)
 
     def _option_words(self) -> Iterator[Part]:
         if self.question.in_words and self.ablation != "options":

@@ -104,7 +104,7 @@ def _item(question: Question, kind: Kind, shown: Path) -> Item:
         id=question.id,
         kind=kind,
         task=question.task,
-        text=question.text,
+        text=film.text if film else question.text,
         context=tuple(_write_picture(png, pictures) for png in beside),
         film=_write(film.mp4(), "mp4", shown / "films") if film else "",
         words=tuple(word for word in question.options if word is not None),
