@@ -44,8 +44,8 @@ def test_frames_are_those_of_the_film_under_their_times(question: Question) -> N
 def test_the_question_is_about_the_film(question: Question) -> None:
     film = question.film
     assert film is not None
-    asked = "Which picture shows the scene 0.7 seconds after the end of the film?"
-    assert film.text in {f"A {tone} ball rolls on a table. {asked}" for tone in ("red", "blue")}
+    ending = "Which picture shows the scene 0.7 seconds after the end of the film?"
+    assert film.text in {f"A {tone} ball rolls on a table. {ending}" for tone in ("red", "blue")}
     blind = Ask(question, prompt.load("frames"), ablation="pictures").request.parts
     assert Text(question.text) in blind
 
