@@ -142,7 +142,7 @@ docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
 	@echo "The site: $(CURDIR)/out/site/index.html"
 
-# OTHERS: scores of engines that are no backends, and their versions: OTHERS='out/newton.json newton=1.8.0'.
+# OTHERS: scores of engines that are not in .venv, and their versions: OTHERS='out/newton.json newton=1.8.0'.
 conformance: setup
 	@mkdir -p out
 	-$(BIN)/wmspec conformance --json > out/conformance.json

@@ -2,7 +2,7 @@
 
 python -m tools.conformance SCORES.json... [ENGINE=VERSION]...
 
-Give versions for engines without a backend in wmspec, scored by `usdphysics-conformance score --json`.
+Give versions for engines that are not installed here, scored elsewhere or by `usdphysics-conformance score --json`.
 """
 
 from __future__ import annotations

@@ -17,9 +17,12 @@ import wmspec
 from usdphysics_conformance import all_cases
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.conformance import score_engine
+from wmspec.sim.usd import read
+from wmspec_newton import execute_all
 
 ROOM = "use room\n\ntask t : custom.motion {\n  factor value in [%s]\n%s\n  horizon %s s\n  observe front at [0 s]\n}\n"
 BALL = "object ball { shape: sphere  size: 6 cm  mass: 100 g  color: red  on: floor }"
+BOX = BALL.replace("sphere  size: 6 cm", "box  size: 8 cm")
 DROP = "action go = drop(ball, height: 20 cm) at 0 s"
 
 
@@ -106,7 +109,35 @@ def test_another_engine_draws() -> None:
     assert one.run("newton").frame("front", 0.0, renderer="mujoco").shape[2] == 3
 
 
-@pytest.mark.parametrize("task", ["slide", "arm_push"])
+WORLDS = """
+  object ball { shape: sphere  size: value  mass: 100 g  color: red  damping: 3 Hz  restitution: 0.5  on: floor }
+  object wall { shape: box  size: (4 cm, 40 cm, 30 cm)  on: floor at (12 cm, 0 cm)  fixed: true }
+  object pulled { shape: box  size: 6 cm  mass: 100 g  color: red  on: floor at (-30 cm, 30 cm) }
+  object falling { shape: box  size: value  mass: 200 g  color: blue  friction: 0.1  on: floor at (-40 cm, -30 cm) }
+  action fall = drop(falling, height: 1 cm) at 20 ms
+  action go = launch(ball, direction: right, speed: 2 m/s) at 10 ms
+  action pull = force(pulled, direction: right, force: 2 N) for 60 ms
+"""
+
+
+def test_the_worlds_of_a_batch_move_as_alone() -> None:
+    instances = wmspec.load(text=ROOM % ("6 cm, 8 cm, 10 cm", WORLDS, "0.08"))
+    alone = [one.run("newton").trace for one in instances]
+    together = execute_all([read(one.stage()) for one in instances], device="cpu")
+    for one, other in zip(alone, together, strict=True):
+        assert np.ptp(one.position, axis=0).max() > 0.05
+        np.testing.assert_allclose(one.position, other.position, atol=1e-3)  # 32-bit contacts
+        assert {(c.first, c.second) for c in one.contacts} == {(c.first, c.second) for c in other.contacts}
+
+
+def test_scenes_of_other_structure_are_executed_in_the_order_that_is_given() -> None:
+    balls, boxes = (wmspec.load(text=ROOM % ("1", f"  {text}\n  {DROP}", 0.02)) for text in (BALL, BOX))
+    scenes = [read(one.stage()) for task in (balls, boxes, balls) for one in task]
+    first, second, third = execute_all(scenes, device="cpu")
+    assert first.position.tobytes() == third.position.tobytes() != second.position.tobytes()
+
+
+@pytest.mark.parametrize("task", ["slide"])
 def test_answers_of_the_catalogue_are_those_of_mujoco(task: str) -> None:
     specs = Path(wmspec.__file__).parent / "specs"
     found = sorted(specs.rglob(f"{task}.wms")) or sorted((specs.parents[1] / "specs").rglob(f"{task}.wms"))

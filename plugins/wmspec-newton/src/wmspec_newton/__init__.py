@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from wmspec.core.diagnostics import WmsError
 from wmspec.sim.scene.model import Renderer, Scene, Trace
 
 from .info import INFO as info
 
-__all__ = ["execute", "info", "native", "renderer"]
+__all__ = ["execute", "execute_all", "info", "native", "renderer"]
 __version__ = "0.2.0"
 
 
@@ -19,6 +21,17 @@ def execute(scene: Scene) -> Trace:
     from . import physics
 
     return physics.execute(scene)
+
+
+def execute_all(scenes: Sequence[Scene], device: str | None = None) -> list[Trace]:
+    """Return the traces of scenes, those of equal structure executed together, as worlds of one model.
+
+    `device` of Warp: by default the GPU, if there is one, else the processor. Raises WmsError for a scene that Newton
+    does not support, EngineError if Newton fails.
+    """
+    from . import batch
+
+    return batch.execute_all(scenes, device)
 
 
 def renderer(scene: Scene, width: int, height: int) -> Renderer:  # noqa: ARG001  the interface of engines

@@ -10,13 +10,14 @@ from wmspec.sim.scene.script import episode_script
 from . import build
 from .contacts import constraint_solref, contacts, limit_gains
 from .physics import prepare
-from .world import NEVER, XYZW, World
+from .world import MOST_DENSE, NEVER, XYZW, World, options
 
 PARTS = (
     *(CollisionShape, Rigid, Link, LoopClosure, MimicConstraint, Assembly),
     build.Built,
     *(build.build, build.add_link, build.add_joint, build.add_shape, build.hull, build.add_pairs),
     *(build.compose, build.transform),
+    options,
     World,
 )
 
@@ -28,6 +29,7 @@ def native(scene: Scene) -> dict[str, str]:
         "HEAVY": build.HEAVY,
         "WORLD": build.WORLD,
         "XYZW": XYZW,
+        "MOST_DENSE": MOST_DENSE,
         "NEVER": NEVER,
         "ASSEMBLY": whole,
         "EPISODE": timeline,

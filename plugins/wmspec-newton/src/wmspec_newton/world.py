@@ -17,8 +17,22 @@ from .build import HEAVY, WORLD, build
 with silence():
     import newton
 
+MOST_DENSE = 60  # degrees of freedom of which MuJoCo-Warp can make a dense Jacobian
 NEVER = -1e3  # m: a margin at which shapes never touch
 XYZW = [4, 5, 6, 3]  # from a pose (x, y, z, w, i, j, k) to Newton's order of quaternions
+
+
+def options(assembly: Assembly, model: Any) -> dict[str, Any]:
+    """Return the options of the solver."""
+    return {
+        "solver": "newton",
+        "integrator": "implicitfast" if any(limb.drive for tree in assembly.trees for limb in tree) else "euler",
+        "cone": "elliptic",
+        "jacobian": "dense" if model.joint_dof_count <= MOST_DENSE * max(1, model.world_count) else "sparse",
+        "iterations": 100,
+        "tolerance": 1e-10,
+        "enable_multiccd": True,
+    }
 
 
 class World:
@@ -31,36 +45,22 @@ class World:
     def __init__(self, assembly: Assembly, grips: tuple[Grip, ...], contacts: Any, limits: Any, ties: Any) -> None:
         self.assembly, self.step_size = assembly, assembly.step
         built = build(assembly, contacts, limits)
-        self.links, self.joints = built.links, built.joints
+        self.builder, self.links, self.joints, self.shapes = built.builder, built.links, built.joints, built.shapes
         self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
-        self.tie(built.builder, grips, ties)
-        self.model = built.builder.finalize(device="cpu")
-        self.model.set_gravity(tuple(assembly.gravity))
-        self.solver = newton.solvers.SolverMuJoCo(
-            self.model,
-            use_mujoco_cpu=True,
-            solver="newton",
-            integrator="implicitfast" if any(limb.drive for tree in assembly.trees for limb in tree) else "euler",
-            cone="elliptic",
-            jacobian="dense",
-            iterations=100,
-            tolerance=1e-10,
-            enable_multiccd=True,
-            njmax=4000,
-            nconmax=1000,
-        )
-        self.now, self.after, self.control = self.model.state(), self.model.state(), self.model.control()
-        newton.eval_fk(self.model, self.model.joint_q, self.model.joint_qd, self.now)
-        self.data = self.solver.mj_data
-        shapes = self.solver.mjc_geom_to_newton_shape.numpy()[0]
-        self.number = np.array([built.shapes.get(int(shape), -1) for shape in shapes])
-        self.coordinates = self.model.joint_q_start.numpy()
-        self.rates = self.model.joint_qd_start.numpy()
-        self.start = self.now.joint_q.numpy().copy()
-        self.start_poses = self.now.body_q.numpy().copy()
         self.held: set[int] = set()
         self.met: set[tuple[int, int]] = set()
-        self.damp()
+        self.tie(self.builder, grips, ties)
+        self.enter()
+
+    def enter(self) -> None:
+        """Make the model and its solver, and set the start."""
+        self.model = self.builder.finalize(device="cpu")
+        self.model.set_gravity(tuple(self.assembly.gravity))
+        self.solver = newton.solvers.SolverMuJoCo(
+            self.model, use_mujoco_cpu=True, njmax=4000, nconmax=1000, **options(self.assembly, self.model)
+        )
+        self.now, self.after, self.control = self.model.state(), self.model.state(), self.model.control()
+        self.data = self.solver.mj_data
         self.begin()
 
     def tie(self, builder: Any, grips: tuple[Grip, ...], ties: Any) -> None:
@@ -88,31 +88,43 @@ class World:
             pair, line = (self.joints[gear.body], self.joints[gear.leader]), (gear.offset, gear.ratio)
             newton.solvers.mujoco.add_equality_joint(builder, *pair, polycoef=line, solref=ties)
 
+    def freedom(self, body: int) -> int:
+        """Return the number of the first degree of freedom of a body in MuJoCo."""
+        return int(self.solver.mj_qd_start.numpy()[self.joints[body]])
+
+    def begin(self) -> None:
+        """Read the numbers of coordinates and shapes, and set damping and the initial velocities of jointed bodies."""
+        newton.eval_fk(self.model, self.model.joint_q, self.model.joint_qd, self.now)
+        self.number = np.array([self.shapes.get(int(shape), -1) for shape in self.order()])
+        self.coordinates, self.rates = self.model.joint_q_start.numpy(), self.model.joint_qd_start.numpy()
+        self.start, self.start_poses = self.now.joint_q.numpy().copy(), self.now.body_q.numpy().copy()
+        self.damp()
+        speeds = self.now.joint_qd.numpy()
+        for limb in (limb for tree in self.assembly.trees for limb in tree):
+            at = self.rates[self.joints[limb.body]]
+            if limb.kind == "free" and self.assembly.bodies[limb.body].velocity:
+                speeds[at : at + 6] = self.assembly.bodies[limb.body].velocity
+            elif limb.kind == "ball" and limb.rate:  # in the joint frame, not in that of the body
+                speeds[at : at + 3] = rotate(conjugate(np.array(limb.below[3:])), np.array(limb.rate))
+            elif limb.rate:
+                speeds[at : at + len(limb.rate)] = limb.rate
+        newton.eval_fk(self.model, self.now.joint_q, self.now.joint_qd, self.now)
+
+    def order(self) -> Any:
+        """Return Newton's number of each shape of MuJoCo."""
+        return self.solver.mjc_geom_to_newton_shape.numpy()[0]
+
+    def column(self, name: str) -> Any:
+        """Return an array of MuJoCo's model or data, into which one may write."""
+        return getattr(self.data if name == "eq_active" else self.solver.mj_model, name)
+
     def damp(self) -> None:
         """Set the damping of free bodies, which Newton's free joints do not have."""
         for number, body in enumerate(self.assembly.bodies):
             if body.motion == "dynamic" and number not in self.trees and any(body.damping):
                 at, (linear, angular) = self.freedom(number), body.damping
                 rates = [linear * body.mass] * 3 + [angular * moment for moment in body.moments]
-                self.solver.mj_model.dof_damping[at : at + 6] = rates
-
-    def freedom(self, body: int) -> int:
-        """Return the number of the first degree of freedom of a body in MuJoCo."""
-        return int(self.solver.mj_qd_start.numpy()[self.joints[body]])
-
-    def begin(self) -> None:
-        """Set the initial velocities of jointed bodies."""
-        speeds = self.now.joint_qd.numpy()
-        for tree in self.assembly.trees:
-            for limb in tree:
-                at = self.rates[self.joints[limb.body]]
-                if limb.kind == "free" and self.assembly.bodies[limb.body].velocity:
-                    speeds[at : at + 6] = self.assembly.bodies[limb.body].velocity
-                elif limb.kind == "ball" and limb.rate:  # in the joint frame, not in that of the body
-                    speeds[at : at + 3] = rotate(conjugate(np.array(limb.below[3:])), np.array(limb.rate))
-                elif limb.rate:
-                    speeds[at : at + len(limb.rate)] = limb.rate
-        newton.eval_fk(self.model, self.now.joint_q, self.now.joint_qd, self.now)
+                self.column("dof_damping")[at : at + 6] = rates
 
     def kick(self, body: int, linear: Any, angular: Any, at: Any = None) -> None:
         """Set the velocities of a free body, and its pose if `at` is given."""
@@ -150,7 +162,7 @@ class World:
         """Set whether two bodies collide: with a margin far below zero, MuJoCo finds no contact of a pair."""
         model = self.solver.mj_model
         bodies = np.sort(self.number[np.stack([model.pair_geom1, model.pair_geom2], axis=1)], axis=1)
-        model.pair_margin[(bodies == sorted((one, other))).all(axis=1)] = 0.0 if collides else NEVER
+        self.column("pair_margin")[(bodies == sorted((one, other))).all(axis=1)] = 0.0 if collides else NEVER
 
     def hold(self, body: int, at: Any = None) -> None:
         """Reset a dynamic body to its start or to `at`.
@@ -199,18 +211,22 @@ class World:
         self.model.body_inv_mass.numpy()[link] = 1 / mass
         self.model.body_inertia.numpy()[link] = np.diag(moments)
         self.model.body_inv_inertia.numpy()[link] = np.diag(1 / np.asarray(moments))
+        self.reweigh()
+
+    def reweigh(self) -> None:
+        """Tell the solver that masses have changed."""
         self.solver.notify_model_changed(newton.ModelFlags.BODY_INERTIAL_PROPERTIES)
 
     def grip(self, number: int, grip: Grip, anchors: Any) -> None:
         """Tie points of a hand to anchors in the frame of a body."""
         for tie, point, anchor in zip(self.grips[number], grip.points, anchors, strict=True):
-            self.solver.mj_model.eq_data[tie, :6] = [*point, *anchor]
-            self.data.eq_active[tie] = 1
+            self.column("eq_data")[tie, :6] = [*point, *anchor]
+            self.column("eq_active")[tie] = 1
 
     def loose(self, number: int, grip: Grip) -> None:  # noqa: ARG002  the interface of worlds
         """Release a grip."""
         for tie in self.grips[number]:
-            self.data.eq_active[tie] = 0
+            self.column("eq_active")[tie] = 0
 
     def step(self) -> None:
         """Advance one step. Raises FloatingPointError if MuJoCo warns, after which it silently resets."""
@@ -226,12 +242,16 @@ class World:
         pose, speed = self.now.body_q.numpy()[link], self.now.body_qd.numpy()[link]
         return np.concatenate([pose[:3], pose[[6, 3, 4, 5]], speed]).astype(float)
 
+    def contacts(self) -> tuple[Any, Any]:
+        """Return MuJoCo's shapes (n, 2) and the gaps (n,), m, of the contacts of the last step."""
+        return self.data.contact.geom, self.data.contact.dist
+
     def touching(self) -> set[tuple[int, int]]:
         """Return the pairs that touched in the last step."""
-        contact = self.data.contact
-        pairs = np.sort(self.number[contact.geom], axis=1).tolist()
+        shapes, gaps = self.contacts()
+        pairs = np.sort(self.number[shapes], axis=1).tolist()
         near = set(map(tuple, pairs))
-        close = {tuple(pair) for pair, gap in zip(pairs, contact.dist.tolist(), strict=True) if gap < TOUCH_BEGIN}
+        close = {tuple(pair) for pair, gap in zip(pairs, gaps.tolist(), strict=True) if gap < TOUCH_BEGIN}
         met = close | (near & self.met)
         if met != self.met:  # an equal set is the same object, which makes intervals quick to find
             self.met = met

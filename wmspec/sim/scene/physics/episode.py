@@ -6,7 +6,7 @@ Imports numpy only: native scripts contain a copy of these definitions. All numb
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -264,6 +264,28 @@ class World(Protocol):
 
 def play(world: World, episode: Episode) -> Recording:
     """Execute the episode in a new world."""
+    (recording,) = play_together([world], [episode], world.step)
+    return recording
+
+
+def play_together(worlds: Sequence[World], episodes: Sequence[Episode], step: Callable[[], None]) -> list[Recording]:
+    """Execute each episode in its new world; `step` advances all worlds, those of finished episodes too."""
+    running = {i: perform(*both) for i, both in enumerate(zip(worlds, episodes, strict=True))}
+    recordings: dict[int, Recording] = {}
+    while True:
+        for i, one in list(running.items()):
+            try:
+                next(one)
+            except StopIteration as end:
+                recordings[i] = end.value
+                del running[i]
+        if not running:
+            return [recordings[i] for i in range(len(worlds))]
+        step()
+
+
+def perform(world: World, episode: Episode) -> Generator[None, None, Recording]:
+    """Execute the episode in a new world; yield where the world is to make a step, and return the recording."""
     if (recording := kinematic_recording(episode)) is not None:
         return recording
     steps, states = (episode.samples - 1) * episode.substeps, scripted_states(episode)
@@ -285,7 +307,7 @@ def play(world: World, episode: Episode) -> Recording:
             break
         drive(i)
         apply_forces(world, episode, i)
-        world.step()
+        yield
         touching.append(world.touching())
     return Recording(to_body_frames(states, episode), touching, broken_grips(episode, held, states))
 
