@@ -81,7 +81,7 @@ def main() -> None:
         *table(heads, rows),
     ]
     text = PAGE.read_text(encoding="utf-8")
-    PAGE.write_text(SECTION.sub(lambda _: "\n".join(lines), text), encoding="utf-8")
+    PAGE.write_text(SECTION.sub(lambda _: "\n".join(lines), text, count=1), encoding="utf-8")
 
 
 if __name__ == "__main__":
