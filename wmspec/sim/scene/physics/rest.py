@@ -14,8 +14,10 @@ from wmspec.sim.scene.model.transform import rotate
 from wmspec.sim.scene.physics.rigid import Rigid
 
 REST_SPEED, REST_SPIN = 5e-5, 5e-4  # m/s and rad/s: resting bodies creep by up to 1.2e-5 m/s
+JITTER_SPEED, JITTER_SPIN = 1e-3, 1e-2  # m/s and rad/s: tiles that lie on tiles tremble in place
 REST_CHECKS, CHECK_STEPS = 24, 8  # a body rests after 24 checks in a row, one every 8 steps: 0.1 s
 REACH = 0.01  # m: at larger distances no engine pushes
+HORIZON = 1024  # steps that are examined at once while everything rests
 WINDOW = 16  # steps for which distant kinematic bodies stay where they are
 FASTEST_FALL = 0.1  # m/s: speed gained in a window
 
@@ -31,6 +33,9 @@ class Rest:
         self.boxes = np.array([bounding_box(body) for body in bodies])
         self.radii = np.linalg.norm(np.abs(self.boxes).max(axis=1), axis=1)
         self.window = WINDOW * step
+        period = REST_CHECKS * CHECK_STEPS * step
+        self.drift = np.array([REST_SPEED * period / 2] * 3 + [REST_SPIN * period / 4] * 4)  # m, and quaternions
+        self.anchor: Any = None
         self.led: list[int] = []
         self.idle, self.checks, self.steps, self.until = False, 0, 0, 0
         self.clear: Any = None
@@ -46,7 +51,7 @@ class Rest:
 
     def wake(self) -> None:
         """Leave out no step until everything rests again."""
-        self.idle, self.checks, self.clear, self.until = False, 0, None, 0
+        self.idle, self.checks, self.clear, self.until, self.anchor = False, 0, None, 0, None
 
     def skips(self, i: int, state: Callable[[int], Any]) -> bool:
         """Whether step `i` changes nothing. `state` returns the state of a body."""
@@ -54,7 +59,7 @@ class Rest:
             return False
         if not self.led:
             return True
-        if self.clear is None:
+        if self.clear is None or i >= len(self.clear):
             self.clear = self.clearance(i, state)
         if self.clear[i]:
             return True
@@ -62,19 +67,30 @@ class Rest:
         return False
 
     def check(self, state: Callable[[int], Any], held: bool) -> None:
-        """Examine the bodies after a step. Nothing rests while a body is `held`."""
+        """Examine the bodies after a step: whether they tremble at most, and stay where they began to.
+
+        They stay as near as a body with constant acceleration that reaches the speed of rest. Nothing rests while a
+        body is `held`.
+        """
         self.steps += 1
         if self.steps % CHECK_STEPS or not self.dynamic:
             return
-        self.checks = 0 if held or any(map(is_moving, map(state, self.dynamic))) else self.checks + 1
-        self.idle = self.checks >= REST_CHECKS
+        if held or any(map(is_moving, map(state, self.dynamic))):
+            self.checks, self.anchor = 0, None
+        else:
+            poses = np.array([state(body)[:7] for body in self.dynamic])
+            if self.anchor is None or (np.abs(poses - self.anchor) > self.drift).any():
+                self.checks, self.anchor = 0, poses
+            self.checks += 1
+        self.idle = self.checks > REST_CHECKS
 
     def clearance(self, first: int, state: Callable[[int], Any]) -> Any:
-        """Return for each step (T,) whether no moving kinematic body is near a dynamic one; steps before `first` are
-        skipped.
+        """Return for each step until `HORIZON` after `first` whether no moving kinematic body is near a dynamic one.
+
+        Steps before `first` count as clear.
         """
-        places = self.places[first:]
-        moves = (places != places[:1]).any(axis=2) | self.speeds[first:].any(axis=2)
+        places, speeds = (whole[first : first + HORIZON] for whole in (self.places, self.speeds))
+        moves = (places != places[:1]).any(axis=2) | speeds.any(axis=2)
         near = np.zeros(moves.shape, bool)
         for body in self.dynamic:
             pose = np.asarray(state(body))[:7]
@@ -101,11 +117,11 @@ class Rest:
 
 
 def is_moving(state: Any) -> bool:
-    """Whether a body with this state (13,) is faster than resting bodies creep."""
+    """Whether a body with this state (13,) is faster than resting bodies tremble."""
     _, _, _, _, _, _, _, u, v, w, p, q, r = state
-    if max(abs(u), abs(v), abs(w)) > REST_SPEED:
+    if max(abs(u), abs(v), abs(w)) > JITTER_SPEED:
         return True
-    return bool(max(abs(p), abs(q), abs(r)) > REST_SPIN)
+    return bool(max(abs(p), abs(q), abs(r)) > JITTER_SPIN)
 
 
 def bounding_box(body: Rigid) -> Any:
