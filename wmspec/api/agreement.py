@@ -196,7 +196,7 @@ def crosscheck(
     limits = tuple((s.name, tolerances(tolerance, s.tolerances)) for s in specs)
     job = SweepConfig(tuple((s.name, to_json(s)) for s in specs), every[0].seed, engines, limits)
     results = _cache(cache, job, chosen)
-    with progress(sum(min(sample, len(task)) for task in chosen), "crosschecking") as advance:
+    with progress(sum(len(task.design.sample(sample)) for task in chosen), "crosschecking") as advance:
         settings = PoolConfig(1, timeout, workers) if callable(workers) else worker_settings(workers, timeout, engines)
         swept = sweep(specs, sample, job, settings, advance, results, deadline)
     return Agreement(
