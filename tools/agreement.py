@@ -42,7 +42,7 @@ def measured(records: Sequence[Record], engine: str | None = None) -> Iterator[s
     pairs = [" ".join(line["engines"]) for line in next(iter(rows.values()))]
     heads = ("task", *pairs, *(f"{pair}, before gates" for pair in pairs), "within tolerance", "largest gap")
     yield from table(heads, (row(*r) for r in rows.items()))
-    yield "First the answers of the questions that are asked, then those of all, before any gate; then the episodes,"
+    yield "First the answers of the kept questions, then those of all questions before any gate; then the episodes,"
     yield "counterfactuals included, and of all pairs together, in which everything is within tolerance.\n"
     yield from disagreements(instances)
 

@@ -63,7 +63,7 @@ class ShownFilm:
 
     @property
     def text(self) -> str:
-        """What is asked about the film; the text of the row is about the pictures."""
+        """The question about the film; the text of the row is about the pictures."""
         return f"{self.scene} Which picture shows the scene {self.wait:.2g} seconds after the end of the film?"
 
     @property

@@ -88,7 +88,7 @@ VERBS: dict[str, Verb] = {
         lasts=True, author="wmspec.compile.stage.actions:follow", carries=True,
     ),
     "teleport": Verb(
-        "puts the object somewhere else at once; what moves goes on from there with its velocity",
+        "puts the object somewhere else at once; a moving object keeps its velocity",
         {
             "object": _OBJECT,
             "to": PropertySpec((POINT2, POINT3, PLACE), "where to, as in its `at`"),

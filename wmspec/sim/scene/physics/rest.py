@@ -20,6 +20,11 @@ REACH = 0.01  # m: at larger distances no engine pushes
 HORIZON = 1024  # steps that are examined at once while everything rests
 WINDOW = 16  # steps for which distant kinematic bodies stay where they are
 FASTEST_FALL = 0.1  # m/s: speed gained in a window
+#: The constants that a native script copies.
+CONSTANTS = (
+    "REST_SPEED", "REST_SPIN", "JITTER_SPEED", "JITTER_SPIN", "REST_CHECKS", "CHECK_STEPS", "REACH", "HORIZON",
+    "WINDOW", "FASTEST_FALL",
+)  # fmt: skip
 
 
 class Rest:
