@@ -52,3 +52,28 @@ def test_strict_and_missing_files_are_refused(tmp_path: Path) -> None:
     ):
         result = CliRunner().invoke(run_command, [str(tmp_path / file), *options])
         assert message in str(result.exception)
+
+
+def test_meshes_lie_below_the_current_folder_or_that_of_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("robots", "meshes"):
+        (tmp_path / name).mkdir()
+    trimesh.creation.box((0.2, 0.2, 0.4)).export(tmp_path / "meshes/m.stl")
+    shape = '<geometry><mesh filename="package://meshes/m.stl"/></geometry>'
+    (tmp_path / "robots/a.urdf").write_text(
+        f'<robot name="r"><link name="a"><visual>{shape}</visual><collision>{shape}</collision></link></robot>'
+    )
+    monkeypatch.chdir(tmp_path / "robots")
+    result = CliRunner().invoke(run_command, ["a.urdf"])
+    assert "below the current folder or that of the file; run wmspec in a folder above both" in str(result.exception)
+    monkeypatch.chdir(tmp_path)
+    assert final(Path("robots/a.urdf"))["a"][2] == pytest.approx(0.2, abs=2e-3)
+
+
+def test_a_mesh_in_millimetres_is_reported(tmp_path: Path) -> None:
+    trimesh.creation.box((200, 400, 600)).export(tmp_path / "a.stl")
+    result = CliRunner().invoke(run_command, [str(tmp_path / "a.stl"), "--for", "0.1s"])
+    assert result.exit_code == 0
+    assert "the mesh of `a` is 600 m long" in result.output
+    assert "units: mm" in result.output

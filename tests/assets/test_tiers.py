@@ -89,6 +89,19 @@ def test_a_frame_with_nothing_behind_it_does_not_matter(tmp_path: Path) -> None:
     assert not made(tmp_path).joints
 
 
+@pytest.mark.parametrize(("first", "second", "reported"), [(0.0, 0.1, True), (0.1, 0.0, False)])
+def test_moments_of_a_link_without_mass_are_left_out(
+    tmp_path: Path, first: float, second: float, reported: bool
+) -> None:
+    """Those of a root, which is fixed, bear on nothing."""
+    written(tmp_path, link("root", 0, first), link("b"), link("c", 0, second), joint("j", "root", "b"),
+            joint("k", "b", "c"))  # fmt: skip
+    messages = [d.message for d in warnings(tmp_path)]
+    expected = "`link c`: a link of mass 0 with moments of inertia is not supported: they are left out"
+    assert any(expected in m for m in messages) == reported
+    assert any("moments of inertia" in m for m in messages) == reported
+
+
 # ---------------------------------------------------------------- inertias
 
 
@@ -289,3 +302,65 @@ def test_motors_planes_and_tendons_are_reported_once_a_kind(tmp_path: Path) -> N
     assert "no position or velocity actuator needs a control: left out (here and 1 more)" in messages
     assert "`fixed` tendons are not supported: left out" in messages
     assert "`armature` (96 % of the inertia that the joint moves) is not supported" in messages
+
+
+def test_keyframes_and_constraints_are_reported_by_name(tmp_path: Path) -> None:
+    body = '<body name="b"><joint name="j"/><geom size=".1"/></body>'
+    more = (
+        '<keyframe><key name="home" qpos=".5"/></keyframe>'
+        '<equality><joint name="stop" joint1="j"/><connect name="pin" body1="b" anchor="0 0 0"/></equality>'
+    )
+    mjcf(tmp_path, body, more)
+    messages = [d.message for d in warnings(tmp_path, file="a.xml")]
+    assert ["`key home`" in m for m in messages].count(True) == 1
+    assert any("keyframes are not supported: the start is that without them" in m for m in messages)
+    assert any("`joint stop`: `joint` constraints are not supported: left out" in m for m in messages)
+    assert any("`connect pin`: `connect` constraints are not supported: left out" in m for m in messages)
+    assert len(warnings(tmp_path, "strict: true", "a.xml")) == 3
+    mjcf(tmp_path, body, '<keyframe><key name="late" time="1"/></keyframe>')
+    assert not warnings(tmp_path, file="a.xml")
+
+
+@pytest.mark.parametrize(
+    ("gravity", "reported"), [("0 0 0", True), ("0 0 -1.6", True), ("0 0 -9.8", False), ("1 0 -9.81", True)]
+)
+def test_another_gravity_is_reported(tmp_path: Path, gravity: str, reported: bool) -> None:
+    mjcf(tmp_path, BODY, before=f'<option gravity="{gravity}"/>')
+    assert bool(warnings(tmp_path, file="a.xml")) == reported
+
+
+def test_properties_of_a_free_joint_are_reported(tmp_path: Path) -> None:
+    free = '<joint name="root" type="free" damping="1" armature="2"/>'
+    mjcf(tmp_path, f'<body name="x">{free}<geom type="box" size=".1 .1 .1"/></body>')
+    messages = [d.message for d in warnings(tmp_path, file="a.xml")]
+    assert len(messages) == 2
+    assert "`damping` of a free joint is not supported: left out" in messages[0]
+    assert "`armature` of a free joint is not supported: left out" in messages[1]
+
+
+@pytest.mark.parametrize(("gear", "most"), [("2", 3.0), ("-2", 3.0), ("0.25", 2.5)])
+def test_the_force_on_a_joint_limits_its_actuator(tmp_path: Path, gear: str, most: float) -> None:
+    held = '<joint name="j" actuatorfrcrange="-3 4"/>'
+    servo = f'<actuator><position joint="j" kp="9" gear="{gear}" forcerange="-10 10"/></actuator>'
+    mjcf(tmp_path, f'<body name="x">{held}<geom type="box" size=".1 .1 .1"/></body>', servo)
+    (joint,) = made(tmp_path, file="a.xml").joints
+    assert joint.drive is not None
+    assert joint.drive.max_force == pytest.approx(most)
+
+
+def test_a_force_limit_beside_a_damper_limits_both(tmp_path: Path) -> None:
+    servo = '<actuator><position joint="j" kp="9" kv="1" forcerange="-10 10"/></actuator>'
+    mjcf(tmp_path, '<body name="x"><joint name="j" damping="2"/><geom type="box" size=".1 .1 .1"/></body>', servo)
+    (warning,) = warnings(tmp_path, file="a.xml")
+    assert "the force limit of an actuator beside a spring or damper" in warning.message
+    assert "it limits their sum" in warning.message
+    (joint,) = made(tmp_path, file="a.xml").joints
+    assert joint.drive is not None
+    found = (joint.drive.stiffness, joint.drive.damping, joint.drive.max_force)
+    assert found == pytest.approx((9, 3, 10))
+
+
+def test_a_world_without_contacts_has_shapes_that_do_not_collide(tmp_path: Path) -> None:
+    mjcf(tmp_path, BODY, before='<option><flag contact="disable"/></option>')
+    assert not warnings(tmp_path, file="a.xml")
+    assert [g.collides for g in named(made(tmp_path, file="a.xml"), "it").geoms] == [False]

@@ -68,6 +68,17 @@ def test_an_actuator_adds_to_the_spring_of_its_joint(tmp_path: Path) -> None:
     assert joint.drive.target == pytest.approx(1 / 3, rel=1e-6)
 
 
+def test_a_limit_beside_a_spring_limits_both(tmp_path: Path) -> None:
+    limit = "double mjc:forceRange:min = -4\ndouble mjc:forceRange:max = 5"
+    found = scene(tmp_path, mjc(limit), driven=True)
+    assert found.joints[0].drive is not None
+    assert found.joints[0].drive.max_force == 4
+    (note,) = found.notes
+    assert "it limits their sum" in note.message
+    with pytest.raises(StageError, match="the force limit of an actuator"):
+        scene(tmp_path, mjc(limit), driven=True, strict=True)
+
+
 def test_a_newton_actuator_is_a_drive(tmp_path: Path) -> None:
     text = (
         'def NewtonActuator "n" ( prepend apiSchemas = ["NewtonPDControlAPI", "NewtonMaxEffortClampingAPI"] )\n{\n'

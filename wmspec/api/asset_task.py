@@ -28,17 +28,23 @@ _SPEC = """task run : custom {{
 _GROUND = "  object floor_ { shape: box  size: (40 m, 40 m, 10 cm)  at: (0, 0, -5 cm)  fixed: true  color: mist }\n"
 _PLANE = re.compile(rb"""type\s*=\s*["']plane["']""")
 _DEFAULT_SECONDS = 2.0
+#: Codes of what is wrong with the file, with the generated scene, and with the size of a mesh.
+_FILE, _SCENE, _SIZE = "WMS2", "WMS6", "WMS606"
 
 
 def asset_task(path: Path, seconds: float | None = None, *, strict: bool = False, tell: Tell = warn) -> Task:
     """Return the task of a URDF, MJCF or mesh file, lasting 2 s or `seconds`.
 
-    The file stands on a ground. MJCF keeps its own place, on a ground at height 0 if it has a plane. Warnings go to
-    `tell`. Raises WmsError if the file cannot be read, or, if `strict`, not exactly.
+    The file stands on a ground. MJCF keeps its own place, on a ground at height 0 if it has a plane. Its meshes lie
+    below the current folder if the file does, else below the folder of the file. Warnings go to `tell`. Raises WmsError
+    if the file cannot be read, or, if `strict`, not exactly.
     """
     if not path.is_file():
         raise WmsError("there is no such file", FilePlace(str(path)))
-    if '"' in path.name or "\\" in path.name:
+    whole = path.resolve()
+    folder = Path.cwd() if whole.is_relative_to(Path.cwd()) else whole.parent
+    file = whole.relative_to(folder).as_posix()
+    if '"' in file or "\\" in file:
         raise WmsError("a file with such a name cannot be run", FilePlace(str(path)), "rename it")
     native = path.suffix.lower() == ".xml"
     ground = _GROUND if not native or _PLANE.search(read_bytes(path, FILE_BYTES)) else ""
@@ -46,22 +52,26 @@ def asset_task(path: Path, seconds: float | None = None, *, strict: bool = False
     text = _SPEC.format(
         ground=ground,
         name=f"{name}_" if name in ("floor_", "front", "end", "index") else name,
-        file=path.name,
+        file=file,
         place="at: (0, 0, 0)" if native else "on: floor_ at (0, 0)",
         seconds=f"{seconds or _DEFAULT_SECONDS:.9g}",
     )
-    check = TextCheck(text, path.parent / f"{path.stem}.wms")
-    found = check.diagnosis(tried=False).diagnostics
+    check = TextCheck(text, folder / f"{path.stem}.wms")
+    tried = check.diagnosis(tried=path.suffix.lower() in FILES["file"]).diagnostics
+    found = tuple(d for d in tried if not d.code.startswith(_SCENE) or d.code == _SIZE)
     found = without_approximations(found) if strict else found
     if not check.tasks or any(d.severity == "error" for d in found):
         raise SpecError.of(_about_file(d, path) for d in found if d.severity == "error")
     for diagnostic in found:
-        if diagnostic.code.startswith("WMS2"):  # others are about the generated text
+        if diagnostic.code.startswith(_FILE) or diagnostic.code == _SIZE:
             tell(_about_file(diagnostic, path).render())
     return check.tasks[0]
 
 
 def _about_file(diagnostic: Diagnostic, path: Path) -> Diagnostic:
-    """Return a diagnostic without its place in the generated text."""
+    """Return a diagnostic without its place in the generated text, and without a spec's folder."""
     place = None if path.name in diagnostic.message else FilePlace(str(path))
+    if (below := "below the spec's folder") in diagnostic.message:
+        message = diagnostic.message.replace(below, "below the current folder or that of the file")
+        return replace(diagnostic, message=message, place=place, notes=(), help="run wmspec in a folder above both")
     return replace(diagnostic, place=place, notes=())

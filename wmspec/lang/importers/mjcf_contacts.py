@@ -45,6 +45,8 @@ class Contacts:
         geoms = range(first, first + int(m.body_geomnum[body]))
         kinds = self._compiled.mujoco.mjtGeom
         left_out = (kinds.mjGEOM_PLANE, kinds.mjGEOM_HFIELD)
+        if not self._compiled.has_contacts:
+            return frozenset()
         pairs = ((int(m.geom_contype[g]), int(m.geom_conaffinity[g])) for g in geoms if m.geom_type[g] not in left_out)
         return frozenset(pair for pair in pairs if any(pair))
 
@@ -58,7 +60,7 @@ class Contacts:
 
     def _against_others(self) -> None:
         """Report geoms that collide within the asset and not with other objects."""
-        for g in range(int(self._m.ngeom)):
+        for g in range(int(self._m.ngeom) if self._compiled.has_contacts else 0):
             own = int(self._m.geom_contype[g]), int(self._m.geom_conaffinity[g])
             if any(own) and not _collide(own, _OTHERS):
                 what = "geoms that collide with the asset alone, by contype and conaffinity, are not supported"

@@ -58,7 +58,7 @@ class Geoms:
             return None
         here = Pose(np.array(m.geom_pos[i], np.float64), np.array(m.geom_quat[i], np.float64))
         alpha = self._alpha(i)
-        solid = bool(m.geom_contype[i] or m.geom_conaffinity[i])
+        solid = self._compiled.has_contacts and bool(m.geom_contype[i] or m.geom_conaffinity[i])
         drawn = m.geom_group[i] <= _DRAWN and alpha > 0
         if not (solid or drawn):
             return None

@@ -12,7 +12,7 @@ import numpy as np
 from wmspec.lang.importers.mjcf_model import Compiled
 from wmspec.lang.importers.model import Faults, Joint
 from wmspec.lang.importers.turns import X
-from wmspec.sim.scene.joints.servos import UnsupportedActuator, combined, servo
+from wmspec.sim.scene.joints.servos import SHARED_LIMIT, UnsupportedActuator, combined, servo, shares_limit
 from wmspec.sim.scene.model import Drive, Pose
 
 _Kind = Literal["hinge", "slider", "ball", "free"]
@@ -43,6 +43,7 @@ class Joints:
         m, e = self._m, self._compiled.joints[j]
         kind = self._kinds[int(m.jnt_type[j])]
         if kind == "free":
+            self._free(j)
             return Joint(f"{body} free", e.where, kind, parent, child, here, np.zeros(3), X)
         name = self._own[j] = self.name(j, body)
         self._dry(j)
@@ -64,6 +65,15 @@ class Joints:
             target = float(m.qpos_spring[m.jnt_qposadr[j]]) - start if stiffness else None
             stiffness, damping = self._positive(j, stiffness, damping)
         return Joint(name, e.where, kind, parent, child, here, at, axis, low, high, damping, stiffness, target)
+
+    def _free(self, j: int) -> None:
+        """Report properties of a free joint, which are left out."""
+        m, where, first = self._m, self._compiled.joints[j].where, int(self._m.jnt_dofadr[j])
+        dof = slice(first, first + 6)
+        own = {"damping": m.dof_damping[dof], "armature": m.dof_armature[dof], "frictionloss": m.dof_frictionloss[dof]}
+        for name in (name for name, values in {**own, "stiffness": m.jnt_stiffness[j]}.items() if np.any(values)):
+            what = f"`{name}` of a free joint is not supported"
+            self._faults.approximate(where, what, "left out", "set `damping` of the link")
 
     def _positive(self, j: int, stiffness: float, damping: float) -> tuple[float, float]:
         if min(stiffness, damping) < 0:
@@ -107,6 +117,8 @@ class Joints:
                 joint = joints.get(name)
                 if joint is None or joint.kind not in ("hinge", "slider"):
                     raise UnsupportedActuator("of no hinge or slide is not supported")
+                if shares_limit(_spring(joint), own):
+                    self._faults.approximate(where, SHARED_LIMIT, "it limits their sum", "")
                 joints[name] = _driven(joint, own)
             except UnsupportedActuator as error:
                 self._faults.approximate(where, f"an actuator {error}", "left out", "let the spec exert a `force`")
@@ -122,19 +134,27 @@ class Joints:
         ):
             raise UnsupportedActuator("of this type is not supported")
         control = _range(m.actuator_ctrlrange[a]) if m.actuator_ctrllimited[a] else None
-        force = _range(m.actuator_forcerange[a]) if m.actuator_forcelimited[a] else None
         bias = [float(x) for x in m.actuator_biasprm[a, :3]] if affine else [0.0, 0.0, 0.0]
         j = int(m.actuator_trnid[a, 0])
-        made = servo(float(m.actuator_gainprm[a, 0]), bias, float(m.actuator_gear[a, 0]), control, force)
+        gear = float(m.actuator_gear[a, 0])
+        made = servo(float(m.actuator_gainprm[a, 0]), bias, gear, control, self._force_range(a, j, gear))
         start = float(m.qpos0[m.jnt_qposadr[j]])
         return self._own.get(j, ""), replace(made, target=made.target - start if made.stiffness else 0.0)
 
+    def _force_range(self, a: int, j: int, gear: float) -> tuple[float, float] | None:
+        """Return the range of an actuator's force, also limited by the range of the force on its joint."""
+        m, own = self._m, (-math.inf, math.inf)
+        if m.actuator_forcelimited[a]:
+            own = _range(m.actuator_forcerange[a])
+        if m.jnt_actfrclimited[j] and gear:
+            low, high = sorted(x / gear for x in _range(m.jnt_actfrcrange[j]))
+            own = max(own[0], low), min(own[1], high)
+        return own if math.isfinite(max(own)) or math.isfinite(min(own)) else None
+
 
 def _driven(joint: Joint, own: Drive) -> Joint:
-    """Return a joint with a drive added to its spring and damper. Raises UnsupportedActuator if no drive equals it."""
-    most = math.inf if joint.strength is None else joint.strength
-    spring = Drive(joint.stiffness, joint.damping, joint.target or 0.0, joint.pace, most)
-    made = combined(spring, own)
+    """Return a joint with a drive added to its spring and damper."""
+    made = combined(_spring(joint), own)
     return replace(
         joint,
         stiffness=made.stiffness,
@@ -143,6 +163,12 @@ def _driven(joint: Joint, own: Drive) -> Joint:
         pace=made.velocity,
         strength=made.max_force if math.isfinite(made.max_force) else None,
     )
+
+
+def _spring(joint: Joint) -> Drive:
+    """Return the spring and damper of a joint as a drive."""
+    most = math.inf if joint.strength is None else joint.strength
+    return Drive(joint.stiffness, joint.damping, joint.target or 0.0, joint.pace, most)
 
 
 def _range(numbers: Sequence[float]) -> tuple[float, float]:

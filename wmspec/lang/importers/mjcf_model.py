@@ -20,7 +20,10 @@ _REMOVABLE = frozenset({"geom", "joint", "freejoint", "inertial", "mesh", "mater
 
 
 class Compiled:
-    """A compiled model: MuJoCo's `model`, and the place of each body, joint, geom and actuator in the files."""
+    """A compiled model: MuJoCo's `model`, and the place of each body, joint, geom and actuator in the files.
+
+    `has_contacts` is whether geoms can collide at all.
+    """
 
     def __init__(self, mujoco: Any, spec: Any, model: Any, source: Source) -> None:
         self.mujoco, self.model, self.source = mujoco, model, source
@@ -28,6 +31,7 @@ class Compiled:
         self.joints = [self._element(j) for j in sorted(spec.joints, key=lambda j: j.id)]
         self.geoms = [self._element(g) for g in sorted(spec.geoms, key=lambda g: g.id)]
         self.actuators = [self._element(a) for a in sorted(spec.actuators, key=lambda a: a.id)]
+        self.has_contacts = not int(model.opt.disableflags) & int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
         self.meshes = {mesh.name: mesh for mesh in spec.meshes}
 
     def _element(self, of: Any) -> Element:

@@ -6,6 +6,7 @@ lead back from its messages and objects to the places in the files.
 
 from __future__ import annotations
 
+import math
 import posixpath
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -26,13 +27,17 @@ FileResolver = Callable[[Element, str, bool], str]
 #: Maximum depth and number of included files.
 _MAX_INCLUDES = 100
 #: Sections that bear neither on motion nor on pictures of the asset, or that the spec sets.
-_IGNORED = ("size", "visual", "statistic", "sensor", "keyframe", "custom", "extension")
+_IGNORED = ("size", "visual", "statistic", "sensor", "custom", "extension")
 #: Elements of bodies without an effect here.
 _MARKS = ("light", "camera", "site", "plugin")
 _SOFT = ("flexcomp", "composite", "flex")
 _FILES = ("meshdir", "texturedir", "assetdir", "strippath")
 #: Settings of `compiler` that do not apply: links keep their names, and visual geometry is drawn.
 _SETTINGS = (*_FILES, "fusestatic", "discardvisual", "usethread")
+#: Gravity (m/s²) of a spec that sets none.
+_GRAVITY = 9.81
+#: What a keyframe sets at the start.
+_START = frozenset({"qpos", "qvel", "act", "ctrl", "mpos", "mquat"})
 _ACTUATED = "actuators that act on no joint are not supported"
 
 
@@ -124,9 +129,6 @@ class Preparation:
                 return None
             case "compiler":
                 return Element(e.tag, {k: v for k, v in e.attributes.items() if k not in _SETTINGS}, e.line, e.file)
-            case "option":
-                self._option(e)
-                return None
             case "default":
                 return self._defaults(e)
             case "asset":
@@ -137,23 +139,33 @@ class Preparation:
                 return self._actuators(e)
             case "contact":
                 return self._contact(e)
-            case "equality" | "tendon" | "deformable":
-                self._left_out(e)
+            case "option":
+                return self._option(e)
+            case "keyframe" | "equality" | "tendon" | "deformable":
+                report = self._keyframes if e.tag == "keyframe" else self._left_out
+                report(e)
                 return None
         return e
 
-    def _option(self, e: Element) -> None:
-        """Report settings of the world that would change motion; the spec sets gravity."""
+    def _option(self, e: Element) -> Element:
+        """Return the flag of contacts. Report other settings that would change motion, and gravity unlike a spec's."""
+        gravity = _numbers(e.attributes.get("gravity", ""))
+        if len(gravity) == 3 and math.dist(gravity, (0.0, 0.0, -_GRAVITY)) > 0.01 * _GRAVITY:
+            what = f"a gravity of ({', '.join(f'{x:g}' for x in gravity)}) m/s² in a file is not supported"
+            self._faults.approximate(e.where, what, "that of the spec", "write `world { gravity: ... }` in a spec")
         for name in ("density", "viscosity", "wind"):
             if any(word not in ("0", "0.0") for word in e.attributes.get(name, "").split()):
                 self._faults.approximate(
                     e.where, f"`{name}` of the medium is not supported", "left out", "set `damping`"
                 )
-        for flags in e.all("flag"):
-            for name in ("contact", "gravity", "limit", "spring", "damper", "actuation"):
-                if flags.attributes.get(name) == "disable":
+        for flag in e.all("flag"):
+            for name in ("gravity", "limit", "spring", "damper", "actuation"):
+                if flag.attributes.get(name) == "disable":
                     what = f"a world without `{name}` is not supported"
-                    self._faults.approximate(flags.where, what, "left out", "change the elements themselves")
+                    self._faults.approximate(flag.where, what, "left out", "change the elements themselves")
+        flags = ((f, f.attributes["contact"]) for f in e.all("flag") if "contact" in f.attributes)
+        kept = [Element("flag", {"contact": said}, f.line, f.file) for f, said in flags]
+        return Element(e.tag, {}, e.line, e.file, kept)
 
     def _defaults(self, e: Element) -> Element:
         dropped = ("site", "camera", "light", "tendon", "equality", "skin", *_SOFT)
@@ -208,6 +220,13 @@ class Preparation:
             what = "contacts of two geoms with properties of their own are not supported"
             self._faults.approximate(pair.where, what, "they collide as other geoms do", "set `friction` of the links")
         return Element(e.tag, {}, e.line, e.file, e.all("exclude"))
+
+    def _keyframes(self, section: Element) -> None:
+        """Report keyframes that would change the start."""
+        for e in section.all("key"):
+            if _START.intersection(e.attributes):
+                help = "set `start` of the joints, and `velocity` of the links"
+                self._faults.approximate(e.where, "keyframes are not supported", "the start is that without them", help)
 
     def _left_out(self, section: Element) -> None:
         for e in section.children:
@@ -274,6 +293,14 @@ class Preparation:
         mesh.attributes["file"] = name
         source.assets[name], source.files[name] = content, path
         return True
+
+
+def _numbers(text: str) -> list[float]:
+    """Return the numbers of an attribute; none if they are no numbers."""
+    try:
+        return [float(word) for word in text.split()]
+    except ValueError:
+        return []
 
 
 def _stem(e: Element) -> str:

@@ -45,19 +45,23 @@ def _asset(robot: Element, read: Reader, find: MeshResolver) -> Asset:
     if len(elements) > MAX_LINKS or shapes > MAX_SHAPES:
         what = f"has more than {MAX_LINKS} links or {MAX_SHAPES} shapes"
         raise read.faults.stop(robot.where, what, "make it simpler")
-    make_link = Links(read, find, named_materials(robot)).link
+    of_links = Links(read, find, named_materials(robot))
     make_joint = Joints(read).joints
     links: dict[str, Link] = {}
     joints: dict[str, Joint] = {}
     for e in elements:
         _once(read, e, links)
-        links.setdefault(e.attributes.get("name", ""), make_link(e))
+        links.setdefault(e.attributes.get("name", ""), of_links.link(e))
     for e in robot.all("joint"):
         _once(read, e, joints)
         for joint, frame in make_joint(e):
             joints.setdefault(joint.name, joint)
             if frame is not None:
                 links.setdefault(frame.name, frame)
+    held = {joint.child for joint in joints.values()}
+    for name in (name for name in of_links.ignored_moments if name in held):
+        what = "a link of mass 0 with moments of inertia is not supported"
+        read.faults.approximate(of_links.ignored_moments[name], what, "they are left out", "set them to 0, or its mass")
     return Asset(links, joints)
 
 

@@ -64,7 +64,7 @@ class Joints:
         self.read.known(e, ("name", "type"), (*children, *_IGNORED, "mimic"))
         for mimic in e.all("mimic"):
             what = "a joint that mimics another is not supported in a spec"
-            self.read.faults.approximate(mimic.where, what, "it does not follow", "let the spec drive it")
+            self.read.faults.approximate(e.where, what, "it does not follow", "let the spec drive it")
             self.read.known(mimic, ("joint", "multiplier", "offset"))
         ends = [self.read.only(e, end) for end in ("parent", "child")]
         for end in ends:

@@ -41,12 +41,16 @@ _OTHERS = ("self_collision_checking", "self_filter", "verbose", "sensor", "audio
 
 
 class Links:
-    """Converts links; `materials` collects the named materials."""
+    """Converts links; `materials` collects the named materials.
+
+    `ignored_moments` has the place of each link without mass that has moments of inertia.
+    """
 
     def __init__(self, read: Reader, find: MeshResolver, materials: dict[str, Element]) -> None:
         self.read = read
         self.find = find
         self.materials = materials
+        self.ignored_moments: dict[str, FilePlace] = {}
 
     def link(self, e: Element) -> Link:
         """Return a link with all its shapes; an equal visual and collision are one shape."""
@@ -102,9 +106,11 @@ class Links:
         kg = self.read.number(mass, "value")
         if kg < 0:
             self.read.faults.add(mass.where, f"a mass of {kg:g} kg", "make it 0 or more")
-        if kg <= 0:
-            return None, True
         values = [0.0] * 6 if inertia is None else [self.read.number(inertia, name, 0.0) for name in _INERTIA]
+        if kg <= 0:
+            if any(values):
+                self.ignored_moments[link.attributes.get("name", "")] = link.where
+            return None, True
         xx, yy, zz, xy, xz, yz = values
         here, tensor = origin(self.read, e), np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
         axes, moments = principal(tensor)

@@ -13,7 +13,7 @@ from dataclasses import replace
 from pxr import Usd
 
 from wmspec.core.diagnostics import Report
-from wmspec.sim.scene.joints.servos import UnsupportedActuator, combined, servo
+from wmspec.sim.scene.joints.servos import SHARED_LIMIT, UnsupportedActuator, combined, servo, shares_limit
 from wmspec.sim.scene.model import Drive, Joint
 from wmspec.sim.usd.prims import applied_schemas, targets, value
 from wmspec.sim.usd.substitutions import STRICT, Substitutions
@@ -32,18 +32,23 @@ def with_actuators(
     """Return the joints by path with the drives of their actuators; other actuators are recorded and left out."""
     made = dict(joints)
     left_out: dict[str, list[Usd.Prim]] = {}
+    shared: list[Usd.Prim] = []
     for prim in prims:
         try:
             path, own = _mujoco(prim) if prim.GetTypeName() == "MjcActuator" else _newton(prim)
             if path not in made or made[path].kind not in ("hinge", "slider"):
                 raise UnsupportedActuator("of no hinge or slider of a dynamic body is not supported")
-            made[path] = replace(made[path], drive=combined(made[path].drive, own))
+            drive = combined(made[path].drive, own)
+            if shares_limit(made[path].drive, own):
+                shared.append(prim)
+            made[path] = replace(made[path], drive=drive)
         except UnsupportedActuator as error:
             left_out.setdefault(str(error), []).append(prim)
-    for reason, those in left_out.items():
+    kinds = [(f"an actuator {reason}", those, "left out") for reason, those in left_out.items()]
+    for what, those, instead in (*kinds, *([(SHARED_LIMIT, shared, "it limits their sum")] if shared else [])):
         others = f" (here and on {len(those) - 1} other prims)" if len(those) > 1 else ""
         with problems.collect_errors():
-            notes.record(those[0], f"an actuator {reason}{others}", "left out", _REMEDY)
+            notes.record(those[0], f"{what}{others}", instead, _REMEDY)
     return made
 
 

@@ -41,12 +41,22 @@ def servo(
 
 
 def combined(first: Drive | None, second: Drive) -> Drive:
-    """Return the sum of two drives of a joint. Raises UnsupportedActuator if no drive equals it."""
+    """Return the sum of two drives of a joint; the smaller force limit holds for it. Raises UnsupportedActuator."""
     if first is None or not (first.stiffness or first.damping):
         return second
-    if first.weightless or math.isfinite(first.max_force) or math.isfinite(second.max_force):
-        raise UnsupportedActuator("beside another drive or a spring of its joint, with limited force, is not supported")
+    if first.weightless:
+        raise UnsupportedActuator("beside a drive by acceleration is not supported")
     stiffness, damping = first.stiffness + second.stiffness, first.damping + second.damping
     target = (first.stiffness * first.target + second.stiffness * second.target) / stiffness if stiffness else 0.0
     speed = (first.damping * first.velocity + second.damping * second.velocity) / damping if damping else 0.0
-    return Drive(stiffness, damping, target, speed)
+    return Drive(stiffness, damping, target, speed, min(first.max_force, second.max_force))
+
+
+def shares_limit(first: Drive | None, second: Drive) -> bool:
+    """Whether the sum of two drives limits the force of both, though only one has that limit."""
+    acts = first is not None and bool(first.stiffness or first.damping)
+    return acts and math.isfinite(min(first.max_force if first else math.inf, second.max_force))
+
+
+SHARED_LIMIT = "the force limit of an actuator beside a spring or damper of its joint is not supported"
+"""What is reported where limits are shared."""
