@@ -1,4 +1,4 @@
-"""Paradigms that need what-ifs, causes, sets of actions and conditions: their specs keep their instances."""
+"""Paradigms that need hidden things, what-ifs, sets of actions and conditions: their specs keep their instances."""
 
 from pathlib import Path
 
@@ -15,14 +15,14 @@ from wmspec.runtime.questions.cross_validation import CrossValidation
 from wmspec.runtime.questions.model import QuestionRow, Rejected
 
 ROOT = Path(__file__).parents[2]
-NAMES = ("billiard", "clevrer_counterfactual", "clevrer_explanatory", "felled_tower", "piloty_tower", "see_saw")
-SPECS = [ROOT / f"specs/paradigms/{name}.wms" for name in NAMES]
-SPECS += sorted((ROOT / "tests/data/rewritten").glob("*.wms"))
+SPECS = sorted((ROOT / "tests/data/rewritten").glob("*.wms"))
+#: Those of many pictures are tested where slow tests run.
+QUICK = [pytest.param(p, marks=pytest.mark.slow) if p.stem in {"nav_memory", "shell"} else p for p in SPECS]
 #: Instances of a quick test, and of one in all engines; the share of them that is kept at least.
-FEW, MANY, LEAST = 3, 10, 0.9
+FEW, MANY, LEAST = 1, 10, 0.9
 
 
-@pytest.mark.parametrize("path", SPECS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", QUICK, ids=lambda path: path.stem)
 def test_the_spec_has_no_mistakes_and_keeps_what_it_asks(path: Path) -> None:
     spec, report = task_of(path), Report()
     dry_run(spec, report)

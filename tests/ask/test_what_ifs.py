@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from tests.ask.asking import pair
+from tests.ask.asking import one, pair
 from tests.engines import ENGINES
 from tests.language.specs import task_from
 from wmspec.compile.design.depend import Dependencies
@@ -204,3 +204,21 @@ def test_rows_of_a_task_with_a_what_if_have_the_same_columns() -> None:
     assert [row["what_if"] for row in made] == [["without a"], []]
     assert [row["actual_value"] for row in made] == ["no", None]
     assert all(row.keys() == set(schema(spec).names) for row in made)
+
+
+@pytest.mark.parametrize(
+    ("change", "shown", "moments"),
+    [("", "1 s", 3), ("", "0.4 s", 2), (" without blocker", "1 s", 2), (" without go", "1 s", 2)],
+)
+def test_a_course_that_nobody_is_shown_is_predicted_from_two_moments(change: str, shown: str, moments: int) -> None:
+    body = f"""
+      factor tone in [red, blue]
+      object ball {{ shape: sphere  size: 8 cm  color: tone  on: table at (-20 cm, 0) }}
+      object blocker {{ shape: cube  size: 8 cm  color: green  on: table at (10 cm, 0) }}
+      object wall {{ shape: cube  size: 8 cm  color: oak  on: table at (24 cm, 0)  fixed: true }}
+      action go = launch(ball, direction: right, speed: 60 cm/s, rolling: true)
+      horizon 1 s
+      observe front at 0 s .. {shown} in 3 frames
+      question "Does it meet the wall?" {{ answer contact(ball, wall){change}  may hide [ball, blocker, wall] }}
+    """
+    assert one(body, engine="mujoco").moments == moments

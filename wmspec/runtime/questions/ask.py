@@ -11,7 +11,7 @@ from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.design.what_ifs import imagines
 from wmspec.core.diagnostics import GraphicsError, WmsError
 from wmspec.core.rng import Permutation, bits, permuted
-from wmspec.lang.check.expressions.measured import COURSE, is_measured, moments
+from wmspec.lang.check.expressions.measured import COURSE, PREDICTED, is_measured, moments
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Channel, Level, TaskSpec
 from wmspec.runtime.questions.answer_label import answer_label, member_label
@@ -203,7 +203,7 @@ class _Row:
             value=kind.words(asking, answer),
             number=kind.number(asking, answer),
             standing=not (kind.watched or is_measured(spec, question.answer)),
-            moments=COURSE if kind.watched else moments(spec, question.answer),
+            moments=COURSE if kind.watched else self.moments(),
             objects=objects,
             crossed=instance.crossed,
             redrawn=instance.redrawn if spec.plan.balance else None,
@@ -258,6 +258,14 @@ class _Row:
         """Return the visible objects of a picture."""
         run, (camera, time) = self.asking.run, view
         return visible_objects(run, run.draw(camera, time, self.asking.pair), time, names)
+
+    def moments(self) -> int:
+        """Return how many moments show the answer, or suffice to predict it: what would be, or follows the pictures."""
+        asking = self.asking
+        shown = moments(self.design.spec, asking.question.answer)
+        last = max((time for _, time in asking.views), default=0.0)
+        predicted = asking.imagined or asking.run.scene.duration > last
+        return min(shown, PREDICTED) if predicted else shown
 
     def what_ifs(self) -> tuple[Change, ...] | None:
         """Return the changes of the what-ifs of the question; None if no question of the task has some."""

@@ -6,8 +6,9 @@ from wmspec.lang.check.ir.evaluate import subexpressions
 from wmspec.lang.check.ir.ir import Call, Expr, Ref, TaskSpec
 from wmspec.lang.check.tables.functions import FUNCTIONS
 
-#: The number of moments that show a course of events (see `moments`).
-COURSE = 3
+#: The number of moments that show a course of events (see `moments`), and from which one is predicted: two moments show
+#: where everything is and how it moves.
+COURSE, PREDICTED = 3, 2
 
 
 def is_measured(spec: TaskSpec, expr: Expr) -> bool:
