@@ -30,6 +30,8 @@ PACKAGES = {
     "brax": "0.14.2",
     "dm-control": "1.0.50",
     "example-robot-data": "6.0.0",
+    "genesis-world": "1.4.5",
+    "gym-aloha": "0.1.5",
     "gymnasium": "1.4.0",
     "gymnasium-robotics": "1.4.2",
     "hello-robot-stretch-urdf": "0.1.2",

@@ -35,6 +35,8 @@ def test_a_urdf_stands_on_a_ground(tmp_path: Path) -> None:
 def test_an_mjcf_keeps_its_place_above_its_plane(tmp_path: Path) -> None:
     (tmp_path / "ball.xml").write_text(MJCF)
     assert final(tmp_path / "ball.xml")["ball"][2] == pytest.approx(0.1, abs=2e-3)
+    (tmp_path / "ball.xml").write_text(MJCF.replace('size="1 1 1"', 'pos="0 0 -.5" size="1 1 1"'))
+    assert final(tmp_path / "ball.xml")["ball"][2] == pytest.approx(-0.4, abs=2e-3)
     (tmp_path / "ball.xml").write_text(MJCF.replace('type="plane"', 'type="sphere" pos="9 0 0"'))
     assert final(tmp_path / "ball.xml", "--for", "1s")["ball_ball"][2] == pytest.approx(1 - 9.81 / 2, abs=0.02)
 

@@ -64,6 +64,15 @@ def test_a_fixed_link_of_mass_0_is_a_part_of_its_holder(tmp_path: Path) -> None:
     assert body.mass == pytest.approx(1)
 
 
+def test_a_link_without_mass_that_is_only_drawn_is_a_part_of_its_holder(tmp_path: Path) -> None:
+    plate = f'<link name="b"><visual>{BOX}</visual></link>'
+    written(tmp_path, link("a"), plate, joint("j", "a", "b"))
+    assert not warnings(tmp_path)
+    (body,) = made(tmp_path).bodies
+    assert sorted(g.collides for g in body.geoms) == [False, True]
+    assert body.mass == pytest.approx(1)
+
+
 def test_a_frame_between_two_joints_is_a_light_link(tmp_path: Path) -> None:
     turn = '<limit lower="-1" upper="1"/>'
     ends = joint("j", "a", "b", "revolute", turn), joint("k", "b", "c", "revolute", turn)
@@ -262,6 +271,17 @@ def test_replication_is_bounded_before_it_is_made(tmp_path: Path) -> None:
     mjcf(tmp_path, nested)
     (error,) = warnings(tmp_path, file="a.xml")
     assert "has more than 500 bodies" in error.message
+
+
+def test_bodies_without_joints_and_mass_stand_on_the_world(tmp_path: Path) -> None:
+    """As the feet of two arms on a table do, whose geoms do not collide."""
+    arm = '<body name="{0}" pos="{1} 0 0"><geom size=".1" mass="0" contype="0" conaffinity="0"/>{2}</body>'
+    lever = '<body name="{0}_arm"><joint name="{0}_turn"/><geom size=".1" pos=".3 0 0"/></body>'
+    bodies = "".join(arm.format(name, x, lever.format(name)) for name, x in (("left", -1), ("right", 1)))
+    mjcf(tmp_path, f'<body name="table"><geom type="box" size="2 2 .1" pos="0 0 -1" mass="0"/></body>{bodies}')
+    found = made(tmp_path, file="a.xml")
+    assert [j.name for j in found.joints] == ["it_left_turn", "it_right_turn"]
+    assert named(found, "it_left").motion == "static"
 
 
 def test_several_joints_of_a_body_are_a_chain(tmp_path: Path) -> None:

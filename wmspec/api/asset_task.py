@@ -25,8 +25,11 @@ _SPEC = """task run : custom {{
   observe front at [0 s]
 }}
 """
-_GROUND = "  object floor_ { shape: box  size: (40 m, 40 m, 10 cm)  at: (0, 0, -5 cm)  fixed: true  color: mist }\n"
-_PLANE = re.compile(rb"""type\s*=\s*["']plane["']""")
+_GROUND = (
+    "  object floor_ {{ shape: box  size: (40 m, 40 m, 10 cm)  at: (0, 0, {:.9g} m)  fixed: true  color: mist }}\n"
+)
+_PLANE = re.compile(rb"""<geom\b[^>]*\btype\s*=\s*["']plane["'][^>]*>""")
+_PLACE = re.compile(rb"""\bpos\s*=\s*["']\s*\S+\s+\S+\s+([-+.\deE]+)\s*["']""")
 _DEFAULT_SECONDS = 2.0
 #: Codes of what is wrong with the file, with the generated scene, and with the size of a mesh.
 _FILE, _SCENE, _SIZE = "WMS2", "WMS6", "WMS606"
@@ -35,7 +38,7 @@ _FILE, _SCENE, _SIZE = "WMS2", "WMS6", "WMS606"
 def asset_task(path: Path, seconds: float | None = None, *, strict: bool = False, tell: Tell = warn) -> Task:
     """Return the task of a URDF, MJCF or mesh file, lasting 2 s or `seconds`.
 
-    The file stands on a ground. MJCF keeps its own place, on a ground at height 0 if it has a plane. Its meshes lie
+    The file stands on a ground. MJCF keeps its own place, on a ground at the height of its first plane. Its meshes lie
     below the current folder if the file does, else below the folder of the file. Warnings go to `tell`. Raises WmsError
     if the file cannot be read, or, if `strict`, not exactly.
     """
@@ -47,10 +50,10 @@ def asset_task(path: Path, seconds: float | None = None, *, strict: bool = False
     if '"' in file or "\\" in file:
         raise WmsError("a file with such a name cannot be run", FilePlace(str(path)), "rename it")
     native = path.suffix.lower() == ".xml"
-    ground = _GROUND if not native or _PLANE.search(read_bytes(path, FILE_BYTES)) else ""
+    height = plane_height(read_bytes(path, FILE_BYTES)) if native else 0.0
     name = to_identifier(path.stem) or "it"
     text = _SPEC.format(
-        ground=ground,
+        ground="" if height is None else _GROUND.format(height - 0.05),
         name=f"{name}_" if name in ("floor_", "front", "end", "index") else name,
         file=file,
         place="at: (0, 0, 0)" if native else "on: floor_ at (0, 0)",
@@ -66,6 +69,16 @@ def asset_task(path: Path, seconds: float | None = None, *, strict: bool = False
         if diagnostic.code.startswith(_FILE) or diagnostic.code == _SIZE:
             tell(_about_file(diagnostic, path).render())
     return check.tasks[0]
+
+
+def plane_height(mjcf: bytes) -> float | None:
+    """Return the height (m) of the first plane of an MJCF, or None if it has none."""
+    plane = _PLANE.search(mjcf)
+    place = _PLACE.search(plane[0]) if plane else None
+    try:
+        return None if plane is None else float(place[1]) if place else 0.0
+    except ValueError:  # MuJoCo reports it
+        return 0.0
 
 
 def _about_file(diagnostic: Diagnostic, path: Path) -> Diagnostic:

@@ -19,6 +19,8 @@ from wmspec.sim.shapes import Sphere
 
 #: Mass of a light link relative to the lightest link of the asset; kg of that if no link has a mass.
 LIGHT, _LIGHTEST = 1e-5, 1.0
+#: Least mass (kg) and moment (kg m²) that engines take.
+_LEAST = 1e-12
 #: Radius (m) of the placeholder ball of a link without geometry, invisible and without collisions.
 _PLACEHOLDER_RADIUS = 1e-3
 _DEFAULT_RESTITUTION = 0.1
@@ -44,8 +46,8 @@ class _Massless:
         for joint in asset.joints.values():
             self._below.setdefault(joint.parent, []).append(joint.name)
         masses = [link.mass for link in asset.links.values() if link.mass is not None]
-        kg = LIGHT * min((m.mass for m in masses), default=_LIGHTEST)
-        moment = LIGHT * min((float(m.moments.min()) for m in masses), default=_LIGHTEST)
+        kg = max(_LEAST, LIGHT * min((m.mass for m in masses), default=_LIGHTEST))
+        moment = max(_LEAST, LIGHT * min((float(m.moments.min()) for m in masses), default=_LIGHTEST))
         self._light = Inertia(kg, np.zeros(3), identity().orientation, np.full(3, moment))
 
     def convert(self) -> None:
@@ -53,7 +55,8 @@ class _Massless:
         held = {joint.child: joint for joint in self.joints.values()}
         for name in reversed(self._order(held)):
             link = self.links[name]
-            if link.mass is None and (link.massless or not link.shapes):
+            only_drawn = name in held and not any(s.solid for s in link.shapes)
+            if link.mass is None and (link.massless or not link.shapes or only_drawn):
                 self._massless(link, held.get(name))
         for name, link in self.links.items():
             if link.mass is not None and not link.shapes:

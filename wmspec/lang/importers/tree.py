@@ -143,7 +143,8 @@ class _Walk:
 
     def _take(self, joint: Joint, holder: str, child: Link, here: Pose) -> None:
         self.links.append(PlacedLink(child, here))
-        if joint.kind != "free":
+        stands = child.fixed and joint.kind == "fixed" and not holder
+        if joint.kind != "free" and not stands:
             at, axis = apply(here, joint.at), rotate(here.orientation, joint.axis)
             self.joints.append(replace(joint, parent=holder, at=at, axis=axis))
 
