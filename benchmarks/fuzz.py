@@ -4,7 +4,7 @@
     python -m benchmarks.fuzz --of files --count 20000 --workers 2
     python -m benchmarks.fuzz --of changed --count 20000 --workers 2
 
-A spec may take 2 s and 512 MB, a file 10 s and 1 GB (`benchmarks/damaged.py`: damaged, or whole and changed), and
+A spec may take 5 s and 512 MB, a file 10 s and 1 GB (`benchmarks/damaged.py`: damaged, or whole and changed), and
 nothing may be written outside the output folder. An input is a pure function of its number and of the texts in the
 repository. A spec is checked, dry-run and, if it parses, formatted twice. Failures are written to `--output`; the exit
 code is then 1.
@@ -38,8 +38,8 @@ from wmspec.lang.parse.format import format_spec
 from wmspec.lang.parse.load import load_source
 from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_ordered
 
-#: Time limit of an input, in processor seconds.
-MOST_SECONDS = 2.0
+#: Time limit of an input, in processor seconds: a slow machine needs 2 s for the longest file of the catalogue.
+MOST_SECONDS = 5.0
 #: Memory limit of the process, in bytes.
 MOST_MEMORY = 512 * 2**20
 

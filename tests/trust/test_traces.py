@@ -38,6 +38,15 @@ def spoiled(value: float) -> Any:
     return change
 
 
+def doubled(arc: str) -> str:
+    """A stage of a few lines that composes to 2^30 prims."""
+    kids = "\n".join(
+        f'class "C{n}" {{\ndef "a" ({arc} = </C{n - 1}>) {{\n}}\ndef "b" ({arc} = </C{n - 1}>) {{\n}}\n}}'
+        for n in range(1, 30)
+    )
+    return f'#usda 1.0\ndef "all" ({arc} = </C29>) {{\n}}\nclass "C0" {{\n}}\n{kids}\n'
+
+
 @pytest.mark.parametrize(
     ("arrays", "reported"),
     [
@@ -54,6 +63,8 @@ def spoiled(value: float) -> Any:
         ({"contacts": np.array([["a", "b"]])}, "not a trace of wmspec"),
         ({"time": None}, "not a trace of wmspec"),
         ({"stage": np.array("#usda 1.0\n(subLayers = [@/etc/hosts@])")}, "its stage uses files of its own"),
+        ({"stage": np.array(doubled("inherits"))}, "has more than 200,000 prims after composition"),
+        ({"stage": np.array(doubled("references"))}, "has more than 200,000 prims after composition"),
     ],
 )
 def test_a_trace_that_is_not_one(tmp_path: Path, trace: Path, arrays: dict[str, Any], reported: str) -> None:
@@ -136,3 +147,13 @@ def test_a_value_of_another_type_than_its_schema_says(tmp_path: Path, line: str,
     result = wmspec("run", stage, "-b", "mujoco")
     assert result.exit_code == 2
     assert reported in " ".join(result.output.replace(";", ",").split())
+
+
+def test_a_trace_of_a_stage_with_instances_is_read(tmp_path: Path) -> None:
+    """A flattened stage keeps the prototypes of instances, and refers to them."""
+    look = '\ndef "look" (\ninstanceable = true\nreferences = </cone>\n) {\n}\n'
+    stage = STAGE.format(task='"falls"').replace("double radius = 0.1\n", f"double radius = 0.1\n{look}")
+    (tmp_path / "ball.usda").write_text(stage + 'class "cone" {\ndef Cone "tip" {\n}\n}\n')
+    assert wmspec("run", tmp_path / "ball.usda", "-b", "mujoco", "-o", tmp_path / "ball.npz").exit_code == 0
+    result = wmspec("render", tmp_path / "ball.npz", "-o", tmp_path / "out", "--size", "32")
+    assert result.exit_code == 0, result.output

@@ -17,6 +17,7 @@ from wmspec.core.limits import TRACE_BYTES, TooLarge
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_file_name, open_file, regular_file
 from wmspec.sim.scene.model import Contact, Trace
+from wmspec.sim.usd.composed import require_bounded_layer
 
 ARRAYS = ("time", "position", "orientation", "linear_velocity", "angular_velocity")
 
@@ -88,10 +89,16 @@ def _check_size(path: Path) -> None:
 
 
 def _stage(text: str) -> Usd.Stage | None:
-    """Return the flattened stage of a trace, or None if it refers to other layers."""
+    """Return the flattened stage of a trace, or None if it refers to other layers.
+
+    A flattened stage with instances refers to its own prims. Raises TooLarge if it would have too many prims.
+    """
     layer = Sdf.Layer.CreateAnonymous(".usda")
     layer.ImportFromString(text)
-    return None if layer.GetCompositionAssetDependencies() else Usd.Stage.Open(layer)
+    if any(layer.GetCompositionAssetDependencies()):
+        return None
+    require_bounded_layer(layer)
+    return Usd.Stage.Open(layer)
 
 
 def _violation(trace: Trace) -> str:

@@ -33,10 +33,15 @@ def require_bounded(path: Path) -> None:
     root = files.open(str(path))
     if root is None:
         return  # USD reports it when it opens the stage
-    stack = LayerStack(root, variables_of(root, ()))
-    _Counter(files, stack).entry(stack, Sdf.Path.absoluteRootPath, 0)
+    require_bounded_layer(root, files)
     if len(files.layers) > 1:
         require_readable(path, "stage")
+
+
+def require_bounded_layer(root: Sdf.Layer, files: LayerFiles | None = None) -> None:
+    """Check an opened layer and the layers that it names, before USD composes it. Raises as `require_bounded`."""
+    stack = LayerStack(root, variables_of(root, ()))
+    _Counter(files or LayerFiles(), stack).entry(stack, Sdf.Path.absoluteRootPath, 0)
 
 
 @dataclass(frozen=True)
@@ -84,7 +89,7 @@ class _Counter:
             return self._counts[key]
         self._counts[key] = 0
         total = 1
-        names = {child.name for spec in self._at(stack, path) for child in spec.nameChildren if child}
+        names = {str(name) for spec in self._at(stack, path) for name in _info(spec, "primChildren")}
         for name in sorted(names):
             total += self._node(stack, path.AppendChild(name), self._deeper(depth))
         for other, target in self._targets(stack, path):
@@ -107,11 +112,11 @@ class _Counter:
         for spec in self._at(stack, path):
             for name in clip_files(spec):
                 self._files.check(spec.layer.ComputeAbsolutePath(evaluated(name, stack.variables)))
-            for arcs in (spec.referenceList, spec.payloadList):
-                for arc in _items(arcs):
+            for kind in ("references", "payload"):
+                for arc in _items(spec, kind):
                     yield from self._target(stack, spec.layer, arc.assetPath, arc.primPath)
-            for inherited in (spec.inheritPathList, spec.specializesList):
-                for to in _items(inherited):
+            for kind in ("inheritPaths", "specializes"):
+                for to in _items(spec, kind):
                     yield stack, to
                     if stack.key != self._stage.key and self._at(self._stage, to):
                         yield self._stage, to
@@ -138,7 +143,7 @@ class _Counter:
                 found = [layer.pseudoRoot for layer in self._layers(stack)]
             else:
                 above = self._at(stack, path.GetParentPath())
-                found = [spec.nameChildren.get(path.name) for spec in above]
+                found = [spec.layer.GetPrimAtPath(spec.path.AppendChild(path.name)) for spec in above]
             self._specs[key] = [variant for spec in found if spec for variant in _with_variants(spec)]
         return self._specs[key]
 
@@ -162,10 +167,15 @@ class _Counter:
 def _with_variants(spec: Any) -> Iterator[Any]:
     """Yield a prim spec and those of its variants, nested ones included."""
     yield spec
-    for variants in spec.variantSets:
+    for variants in spec.variantSets if spec.HasInfo("variantSetChildren") else ():
         for variant in variants.variants:
             yield from _with_variants(variant.primSpec)
 
 
-def _items(edited: Any) -> Iterable[Any]:
-    return [item for edit in _EDITS for item in getattr(edited, edit)]
+def _items(spec: Any, kind: str) -> Iterable[Any]:
+    return [item for edit in _EDITS if spec.HasInfo(kind) for item in getattr(spec.GetInfo(kind), edit)]
+
+
+def _info(spec: Any, key: str) -> Iterable[Any]:
+    """Return a list of a spec; unlike the views of pxr on children and arcs, its time is linear in their number."""
+    return spec.GetInfo(key) if spec.HasInfo(key) else ()
