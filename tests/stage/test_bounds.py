@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from wmspec.api.episode import open_stage
 from wmspec.core.diagnostics import WmsError
+from wmspec.sim.usd import read
 from wmspec.sim.usd.composed import require_bounded
 
 KIDS = "".join(f'def "k{i}" {{}} ' for i in range(10))
@@ -147,3 +149,9 @@ def test_text_that_would_crash_the_reader_does_not_crash_this_process(text: str,
 def test_a_stage_of_ordinary_parts_passes(tmp_path: Path) -> None:
     stage(tmp_path, "part.usda", f'def "R" {{ {KIDS} }}', 'defaultPrim = "R"')
     require_bounded(stage(tmp_path, "stage.usda", referring("references = @part.usda@")))
+
+
+def test_cameras_without_number_are_not_read(tmp_path: Path) -> None:
+    path = stage(tmp_path, "many.usda", "".join(f'def Camera "c{n}" {{}} ' for n in range(1001)))
+    with pytest.raises(WmsError, match="has more than 1,000 cameras"):
+        read(open_stage(path), strict=False)

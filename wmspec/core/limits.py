@@ -43,6 +43,8 @@ POINTS = Limit(1_000_000, "points or corners")
 #: A composed USD stage, and a stage used as an asset.
 COMPOSED_PRIMS = Limit(200_000, "prims after composition")
 PRIMS = Limit(20_000, "prims")
+#: Cameras of a stage, each of which takes milliseconds to read.
+CAMERAS = Limit(1_000, "cameras", "deactivate those that are not needed")
 #: The layers of a stage: number, total size, and time to read them.
 LAYERS = Limit(5_000, "layers")
 LAYER_BYTES = Limit(2_000_000_000, "bytes in its layers", RIGHT_FILE)

@@ -8,6 +8,7 @@ from pathlib import PurePath
 from pxr import Usd
 
 from wmspec.core.diagnostics import Report, StageError
+from wmspec.core.limits import CAMERAS
 from wmspec.sim.scene.joints.drives import with_force_drives
 from wmspec.sim.scene.joints.initial_state import project_to_limits
 from wmspec.sim.scene.joints.loops import split_loops
@@ -85,6 +86,8 @@ def scene(stage: Usd.Stage, notes: Substitutions) -> Scene:
 def _cameras(
     census: StageIndex, known: dict[str, Body], world: StageFrame, problems: Report, notes: Substitutions
 ) -> dict[str, Camera]:
+    if len(census.of("Camera")) > CAMERAS.most:
+        raise CAMERAS.exceeded()
     names, cameras = Names(), {}
     for prim in census.of("Camera"):
         name = names.give(prim.GetName(), str(prim.GetPath()))
