@@ -49,6 +49,7 @@ class World:
         self.pushed, self.current = False, False
         self.movable = model.body_treeid[self.ids[[i for i, b in enumerate(assembly.bodies) if b.motion == "dynamic"]]]
         self.slept, self.idle, self.late, self.last = False, False, 0, 0
+        self.ways: dict[int, Any] = {}
         self.clear: Any = None
         self.start, self.margins = self.data.qpos.copy(), model.pair_margin.copy()
         self.drives = {limb.joint: limb.drive for tree in assembly.trees for limb in tree if limb.drive}
@@ -77,6 +78,7 @@ class World:
         """Return a function that resets kinematic bodies to their paths before step i."""
         if not paths:
             return lambda _: None
+        self.ways = {int(self.ids[body]): here for body, (here, _, _) in paths.items()}
         (places, poses), (rates, speeds) = self.kinematic_states(paths)
         every_pose, every_speed = self.data.qpos, self.data.qvel
         if (np.diff(places) == 1).all():  # views of contiguous ranges are faster
@@ -88,13 +90,6 @@ class World:
             every_speed[rates] = speeds[i]
 
         def drive(i: int) -> None:
-            if self.idle:
-                if self.clear is None:
-                    ways = {int(self.ids[body]): here for body, (here, _, _) in paths.items()}
-                    self.clear = is_clear(self.model, self.data, ways, i)
-                if self.clear[i]:
-                    self.late, self.last = self.late + 1, i
-                    return
             self.stir()
             put(i)
 
@@ -202,14 +197,26 @@ class World:
         self.model.body_mass[self.ids[body]], self.model.body_inertia[self.ids[body]] = mass, moments
         self.model.dof_M0[self.qvel[body] : self.qvel[body] + 6] = [mass] * 3 + list(moments)
 
+    def leave_out(self, first: int, most: int) -> int:
+        """Leave out steps from `first` on while all movable bodies sleep and nothing comes close; return their number.
+
+        At most `most` steps are left out. They are made up for later.
+        """
+        if not (self.idle and self.ways and most):
+            return 0
+        if self.clear is None:
+            self.clear = is_clear(self.model, self.data, self.ways, first)
+        ahead = self.clear[first : first + most]
+        left_out = len(ahead) if ahead.all() else int(ahead.argmin())
+        if left_out:
+            self.late, self.last = self.late + left_out, first + left_out - 1
+        return left_out
+
     def step(self) -> None:
         """Advance one step. A warning, after which MuJoCo silently resets, raises an error.
 
-        Half of a drive's force in its first step makes the motion exact, as with gravity. While all movable bodies
-        sleep and nothing comes close, steps are skipped and made up for later.
+        Half of a drive's force in its first step makes the motion exact, as with gravity.
         """
-        if self.late:
-            return
         for joint in self.fresh:
             self.scale(self.actuators[joint], 0.5)
         mujoco.mj_step(self.model, self.data)
@@ -252,8 +259,6 @@ class World:
 
         MuJoCo reports no contacts of sleeping bodies: their pairs are kept.
         """
-        if self.late:
-            return self.met
         geoms, asleep = self.contacts.geom, self.sleep.tobytes()
         key = geoms.tobytes()
         if (key, asleep) == self.settled:

@@ -200,7 +200,7 @@ class World:
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
         """Return a function that resets kinematic bodies to their paths before step i.
 
-        Distant ones are reset at times only, and nothing is while all steps are left out.
+        Distant ones are reset at times only.
         """
         moves = [(body, np.concatenate([here, speeds], axis=1)) for body, (here, _, speeds) in paths.items()]
         self.rest.follow(paths)
@@ -212,9 +212,6 @@ class World:
                     self.reset(self.ids[body][0], (x, y, z), (u, v, w, c), speeds[:3], speeds[3:])
 
         def drive(i: int) -> None:
-            if self.rest.skips(i, self.state):
-                self.skipped = i
-                return
             if self.skipped is not None:
                 self.resume()
             if moves:
@@ -337,13 +334,17 @@ class World:
         weight = {"mass": mass, "localInertiaDiagonal": moments}
         pybullet.changeDynamics(*self.ids[body], physicsClientId=self.client, **weight)
 
+    def leave_out(self, first: int, most: int) -> int:
+        """Leave out steps from `first` on that change nothing, at most `most`; return their number."""
+        if left_out := self.rest.leave_out(first, most, self.state):
+            self.skipped = first + left_out - 1
+        return left_out
+
     def step(self) -> None:
         """Advance one step with the forces of drives, which PyBullet's motors lack.
 
-        Half of them in the first step makes the motion exact, as with gravity. A step that changes nothing is left out.
+        Half of them in the first step makes the motion exact, as with gravity.
         """
-        if self.skipped is not None:
-            return
         for joint, limb in self.drives.items():
             stiffness, damping, _, velocity, most = limb.drive
             place, speed = pybullet.getJointState(*self.ids[limb.body], physicsClientId=self.client)[:2]
@@ -380,8 +381,6 @@ class World:
 
     def touching(self) -> set[tuple[int, int]]:
         """Return the pairs that touched in the last step."""
-        if self.skipped is not None:
-            return self.met
         met, pairs, last = set(), self.pairs, self.met
         for point in pybullet.getContactPoints(physicsClientId=self.client):
             key = point[1:5]

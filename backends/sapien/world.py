@@ -188,7 +188,7 @@ class World:
     def driven(self, paths: Mapping[int, tuple[Any, Any, Any]]) -> Callable[[int], None]:
         """Return a function that sets targets of kinematic bodies before step i.
 
-        Distant ones are placed on their paths at times only, and nothing is while all steps are left out.
+        Distant ones are placed on their paths at times only.
         """
         self.rest_detector.follow(paths)
         for body, (here, there, _) in paths.items():
@@ -198,9 +198,6 @@ class World:
 
         def drive(i: int) -> None:
             rest = self.rest_detector
-            if rest.skips(i, self.state):
-                self.skipped = i
-                return
             if self.skipped is not None:
                 self.resume()
             if not paths or self.loop_closures:
@@ -316,11 +313,15 @@ class World:
         for tie in self.loop_closures.pop(number):
             self.parts[grip.body].entity.remove_component(tie)
 
+    def leave_out(self, first: int, most: int) -> int:
+        """Leave out steps from `first` on that change nothing, at most `most`; return their number."""
+        if left_out := self.rest_detector.leave_out(first, most, self.state):
+            self.skipped = first + left_out - 1
+        return left_out
+
     def step(self) -> None:
-        """Advance one step. A step that changes nothing is left out."""
-        if self.skipped is not None:
-            return
-        self.scene.step()
+        """Advance one step."""
+        self.system.step()
         self.states.clear()
         self.rest_detector.check(self.state, bool(self.loop_closures))
 
@@ -338,8 +339,6 @@ class World:
 
     def touching(self) -> set[tuple[int, int]]:
         """Return the pairs that touched in the last step; PhysX reports none beyond `TOUCH_BEGIN`."""
-        if self.skipped is not None:
-            return self.met
         met, numbers = set(), self.numbers
         for contact in self.system.get_contacts():
             if contact.points:

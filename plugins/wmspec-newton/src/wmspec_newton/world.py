@@ -228,6 +228,10 @@ class World:
         for tie in self.grips[number]:
             self.column("eq_active")[tie] = 0
 
+    def leave_out(self, first: int, most: int) -> int:  # noqa: ARG002  the interface of worlds
+        """Return 0: bodies sleep in MuJoCo."""
+        return 0
+
     def step(self) -> None:
         """Advance one step. Raises FloatingPointError if MuJoCo warns, after which it silently resets."""
         self.solver.step(self.now, self.after, self.control, None, self.step_size)

@@ -67,6 +67,9 @@ class World:
     def loose(self, number: int, grip: Any) -> None:
         raise AssertionError("there are no hands")
 
+    def leave_out(self, first: int, most: int) -> int:
+        return 0
+
     def step(self) -> None:
         """Velocities first, then positions with them: exact for free flight, as the kicks are half a step of g less."""
         self.now += self.h

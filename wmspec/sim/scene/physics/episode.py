@@ -252,6 +252,9 @@ class World(Protocol):
     def loose(self, number: int, grip: Grip) -> None:
         """Release grip `number`."""
 
+    def leave_out(self, first: int, most: int) -> int:
+        """Leave out steps from `first` on that change nothing, at most `most`; return their number."""
+
     def step(self) -> None:
         """Advance by one time step."""
 
@@ -293,11 +296,12 @@ def perform(world: World, episode: Episode) -> Generator[None, None, Recording]:
     needed |= {grip.hand for grip in episode.grips}
     times = np.arange(steps + 1) * episode.step
     paths = {track.body: track.steps(times) for track in episode.tracks if track.body in needed}
-    begins = event_steps(episode)
+    begins, quiet = event_steps(episode), quiet_steps(episode)
     drive = world.driven({body: path for body, path in paths.items() if body not in episode.untouchable})
     held: dict[int, Any] = {}
-    touching = []
-    for i in range(steps + 1):
+    touching: list[set[tuple[int, int]]] = []
+    i = 0
+    while True:
         kicks = apply_events(world, episode, i) if i in begins else []
         if i in begins:
             apply_grips(world, episode, paths, held, i)
@@ -305,10 +309,17 @@ def perform(world: World, episode: Episode) -> Generator[None, None, Recording]:
             record_state(world, episode, kicks, states[i // episode.substeps])
         if i == steps:
             break
+        if left_out := world.leave_out(i, quiet[i]):
+            for sample in range(i // episode.substeps + 1, -(-(i + left_out) // episode.substeps)):
+                record_state(world, episode, [], states[sample])
+            touching += touching[-1:] * left_out
+            i += left_out
+            continue
         drive(i)
         apply_forces(world, episode, i)
         yield
         touching.append(world.touching())
+        i += 1
     return Recording(to_body_frames(states, episode), touching, broken_grips(episode, held, states))
 
 
@@ -344,6 +355,19 @@ def event_steps(episode: Episode) -> set[int]:
     open_ = (step for passage in episode.passages for step in (passage.first, passage.last))
     sudden: tuple[Kick | Aim | Jump, ...] = (*episode.kicks, *episode.aims, *episode.jumps)
     return {*held, *taken, *open_, *(event.step for event in sudden)}
+
+
+def quiet_steps(episode: Episode) -> list[int]:
+    """Return for each step the number of steps from it on without a force, and without an event after the first."""
+    steps = (episode.samples - 1) * episode.substeps
+    forced = np.full(steps, bool(episode.drags))
+    for push in episode.pushes:
+        forced[push.first : push.last + 1] = True
+    stops = np.append(forced, True)
+    stops[[step for step in event_steps(episode) if step < steps]] = True
+    following = np.minimum.accumulate(np.where(stops, np.arange(steps + 1), steps)[::-1])[::-1]
+    numbers: list[int] = np.where(forced, 0, following[1:] - np.arange(steps)).tolist()
+    return numbers
 
 
 def apply_events(world: World, episode: Episode, i: int) -> list[Kick]:

@@ -58,18 +58,18 @@ class Rest:
         """Leave out no step until everything rests again."""
         self.idle, self.checks, self.clear, self.until, self.anchor = False, 0, None, 0, None
 
-    def skips(self, i: int, state: Callable[[int], Any]) -> bool:
-        """Whether step `i` changes nothing. `state` returns the state of a body."""
-        if not self.idle:
-            return False
-        if not self.led:
-            return True
-        if self.clear is None or i >= len(self.clear):
-            self.clear = self.clearance(i, state)
-        if self.clear[i]:
-            return True
-        self.wake()
-        return False
+    def leave_out(self, first: int, most: int, state: Callable[[int], Any]) -> int:
+        """Return how many steps from `first` on change nothing, at most `most`. `state` returns the state of a body."""
+        if not self.idle or not self.led or not most:
+            return most if self.idle else 0
+        if self.clear is None or first >= len(self.clear):
+            self.clear = self.clearance(first, state)
+        ahead = self.clear[first : first + most]
+        if ahead.all():
+            return len(ahead)
+        if not ahead[0]:
+            self.wake()
+        return int(ahead.argmin())
 
     def check(self, state: Callable[[int], Any], held: bool) -> None:
         """Examine the bodies after a step: whether they tremble at most, and stay where they began to.
