@@ -1,8 +1,9 @@
-"""Measure engines against analytic answers and write their columns of docs/benchmarks/oracles.md, in a minute or two.
+"""Measure engines against analytic answers and write their columns of docs/benchmarks/oracles.md.
 
 python -m tools.oracles [ENGINE]...
 
-Without names it measures all installed backends. Columns of other engines stay.
+Without names it measures the engines that wmspec brings, which takes a few minutes of processor time; Newton takes half
+an hour. Columns of other engines stay.
 """
 
 from __future__ import annotations
@@ -55,6 +56,7 @@ def key(oracle: Oracle) -> tuple[str, str]:
 def cell(oracle: Oracle, engine: str) -> str:
     """Return the error and its bound; bold if the engine exceeds it."""
     error, bar = oracle.measure(engine), oracle.bar(engine)
+    print(f"{engine}, {oracle.spec}: {oracle.what}: {error:.3g} {oracle.unit}", file=sys.stderr, flush=True)
     text = f"{error:.{len(bar.partition('.')[2]) + 1}f}"
     return f"{text if oracle.meets(engine, error) else f'**{text}**'} / {bar}"
 

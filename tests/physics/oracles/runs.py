@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from tests.language.specs import task_of
+from wmspec.api import load
 from wmspec.compile.design.design import Design
 from wmspec.compile.design.levels import Level
 from wmspec.compile.stage.episode import document
@@ -65,7 +65,7 @@ class Run:
 @cache
 def runs(spec: str, engine: str) -> tuple[Run, ...]:
     """Every instance of a spec in an engine, in the order of the design."""
-    task = task_of(FOLDER / f"{spec}.wms")
+    task = load(FOLDER / f"{spec}.wms").spec
     found = []
     for instance in Design(task):
         scene = read(compose(document(task, instance)))
