@@ -144,3 +144,57 @@ def test_small_permutations_are_all_as_likely() -> None:
     often = Counter(tuple(map(Permutation(4, seed), range(4))) for seed in range(4800))
     assert len(often) == 24
     assert sum((n - 200) ** 2 / 200 for n in often.values()) < 50  # chi-square, 23 degrees of freedom: 99.9 % is 49.7
+
+
+ACTING = """
+use tabletop
+task t : custom {
+  factor tone in [red, blue]
+  factor way  in ["left", "right"]
+  nuisance n in 0 .. 1
+  nuisance pace[4] in 10 cm/s .. 20 cm/s
+  object x { shape: sphere  size: (n + 4) * 1 cm  color: tone  on: table }
+  objects balls[4] { shape: sphere  size: 3 cm  on: table at (0, 20 cm)  scatter: (60 cm, 20 cm)  gap: 1 cm }
+  actions go[4] = launch(balls[index], direction: right, speed: pace[index]) at 0.1 s
+  observe front at 0 s .. 1 s in 3 frames
+  question "Does it move?" { answer moved(x)  may hide balls }
+}
+"""
+
+
+@settings(max_examples=6, deadline=None)
+@given(
+    added=st.lists(
+        st.sampled_from(
+            [
+                (
+                    "  nuisance late[2] in 0.2 s .. 0.4 s\n"
+                    '  actions halt[2] = stop(balls[index]) at late[index] when way == "left"'
+                ),
+                "  action gone = vanish(balls[3]) at 0.5 s when tone == red",
+                '  question "And without it?" { answer moved(x) without balls[0]  may hide balls }',
+                '  question "If it went slowly?" { answer moved(x) under action go[1].speed: 1 cm/s  may hide balls }',
+                (
+                    "  object y { shape: cube  size: 2 cm  on: table at (0, -30 cm) }\n"
+                    'question "Which?" { options [x, y]  answer cause of moved(balls[0]) among [x, y]  may hide balls }'
+                ),
+            ]
+        ),
+        unique=True,
+        min_size=1,
+    ),
+    seed=st.integers(0, 3),
+)
+def test_sets_of_actions_conditions_and_what_ifs_move_no_draw(added: list[str], seed: int) -> None:
+    """Draws of members stay bit by bit, whatever else acts and is asked."""
+    head, _, tail = ACTING.rpartition("  observe")
+    plain, more = (
+        Design(task_from(ACTING), seed),
+        Design(task_from("\n".join([head, *added, f"  observe{tail}"])), seed),
+    )
+    for index in range(len(plain)):
+        before, after = plain[index], more[index]
+        assert before.factors == after.factors
+        assert before.nuisances.items() <= after.nuisances.items()
+        own, other = (Evaluator(d.spec, d[index].values, None, d[index].key) for d in (plain, more))
+        assert [own.pose(f"balls_{i}") for i in range(4)] == [other.pose(f"balls_{i}") for i in range(4)]
