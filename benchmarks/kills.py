@@ -3,6 +3,7 @@
     python -m benchmarks.kills --of generate --kills 100
     python -m benchmarks.kills --of generate --executor ray --kills 100
     python -m benchmarks.kills --of evaluate --kills 100
+    python -m benchmarks.kills --of films --kills 100
     python -m benchmarks.kills --of study --kills 100
 
 The kind of interruption is random: SIGKILL to all processes, as when a machine goes down; to the main process only,
@@ -37,8 +38,13 @@ from tests.dataset.made import plan
 from tests.evaluate.loopback import loopback
 from tests.evaluate.made import in_words
 from tests.study.visitor import Process, letter, post
+from wmspec.api import generate as generate_dataset
 from wmspec.core.crash import EXIT_CODE
+from wmspec.dataset.build.films import read_frames
 from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.film.codec import encode_mp4
+from wmspec.eval.clips.questions import film_questions
+from wmspec.eval.models.question import Selection
 from wmspec.eval.study import store
 from wmspec.eval.study.make import StudyOptions, make
 from wmspec.eval.study.model import load
@@ -46,6 +52,7 @@ from wmspec.eval.study.store import AnswerStore
 
 ROOT = Path(__file__).parent.parent
 SPEC = ROOT / "tests/endtoend/specs/speed_tabletop.wms"
+FILMS = ROOT / "tests/films/specs/shove.wms"
 INSTANCES = 80
 #: Seconds.
 SOON = 1.5
@@ -270,11 +277,33 @@ def evaluate(home: Path, address: str) -> Rounds:
     return Rounds([*arguments, "--concurrency", "3"], progress, made, lambda: shutil.rmtree(out.parent), blows)
 
 
+def films(home: Path) -> Rounds:
+    """Set up the scoring of clips, which are the true films of the questions."""
+    generate_dataset(FILMS, home / "dataset", per_task=8, backend="mujoco", size=64, film=12, film_size=(192, 112))
+    dataset = DatasetReader.open(home / "dataset")
+    (home / "clips").mkdir()
+    for question in film_questions(dataset, Selection().ids(dataset)):
+        frames = read_frames(dataset.folder, question.films[question.answer])[question.context - 1 :]
+        (home / "clips" / f"{question.file_name}.mp4").write_bytes(encode_mp4(frames, question.rate, 20))
+    out = home / "results" / "r.parquet"
+    arguments = ["evaluate", str(home / "dataset"), "-m", f"clips:{home / 'clips'}", "-o", str(out)]
+
+    def progress() -> set[str]:
+        return {path.name for path in out.parent.glob("*") if not path.name.endswith(".new")}
+
+    def made() -> object:
+        rows = pq.read_table(out).to_pylist()
+        return rows, {p.name: p.read_bytes() for p in sorted(out.parent.rglob("*")) if p.is_file() and p != out}
+
+    blows = [blow for blow in BLOWS if blow != "worker"]
+    return Rounds(arguments, progress, made, lambda: shutil.rmtree(out.parent), blows)
+
+
 def main() -> None:
     """Run and report."""
     signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell has jobs in the background ignore
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--of", choices=("generate", "evaluate", "study"), default="generate")
+    parser.add_argument("--of", choices=("generate", "evaluate", "films", "study"), default="generate")
     parser.add_argument("--executor", choices=("local", "ray"), default="local", help="of generate")
     parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0)
@@ -284,9 +313,12 @@ def main() -> None:
         if options.of == "study":
             print(study(Path(home), options.kills, chance))
             return
-        rounds = (
-            generate(Path(home), options.executor) if options.of == "generate" else evaluate(Path(home), server.address)
-        )
+        if options.of == "films":
+            rounds = films(Path(home))
+        elif options.of == "evaluate":
+            rounds = evaluate(Path(home), server.address)
+        else:
+            rounds = generate(Path(home), options.executor)
         try:
             rounds.run(options.kills, chance)
         except Failed as error:

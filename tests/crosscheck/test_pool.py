@@ -2,6 +2,7 @@
 
 import multiprocessing
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -95,6 +96,15 @@ def test_there_are_no_more_workers_than_pieces(monkeypatch: pytest.MonkeyPatch) 
     assert list(map_ordered(square, ((i,) for i in (4, 5)), PoolConfig(workers=500, timeout=60))) == [16, 25]
     assert list(map_ordered(square, (), PoolConfig(workers=500, timeout=60))) == []
     assert questions == [2]
+
+
+def test_ctrl_c_reaches_no_worker_from_its_start_on() -> None:
+    helper = HelperProcess(60)
+    try:
+        assert signal.SIGINT in helper.do(signal.pthread_sigmask, signal.SIG_BLOCK, ())
+    finally:
+        helper.close()
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
 
 
 def test_what_hangs_is_given_up() -> None:

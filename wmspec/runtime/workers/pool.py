@@ -348,14 +348,20 @@ class HelperProcess:
 
 
 class _Worker(SpawnProcess):
-    """A process that does not import the main script, which therefore needs no `__main__` guard."""
+    """A process that does not import the main script, which therefore needs no `__main__` guard.
+
+    Ctrl-C, which a terminal sends to it too, is for the main process. The mask is inherited, so that it holds while
+    Python starts.
+    """
 
     def start(self) -> None:
         script = sys.modules["__main__"]
         sys.modules["__main__"] = ModuleType("__main__")
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             super().start()
         finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
             sys.modules["__main__"] = script
 
 
