@@ -2,9 +2,9 @@
 
     python -m benchmarks.agreement [--tasks collide,drop] [--instances 8] [--size 384] [--repeats 3]
 
-Each task is generated in the first engine alone and in all of them, in turn, each time in a new process; the least of the
-repeated times counts. Processor time excludes the start of the process, the check of the spec and the first group, which
-starts the engines.
+Each task is generated in the first engine alone and in all of them, in turn, each time in a new process; the least of
+the repeated times counts. Processor time excludes the start of the process, the check of the spec and the first group,
+which starts the engines.
 """
 
 from __future__ import annotations
