@@ -101,7 +101,9 @@ def test_there_are_no_more_workers_than_pieces(monkeypatch: pytest.MonkeyPatch) 
 def test_ctrl_c_reaches_no_worker_from_its_start_on() -> None:
     helper = HelperProcess(60)
     try:
-        assert signal.SIGINT in helper.do(signal.pthread_sigmask, signal.SIG_BLOCK, ())
+        masked = helper.do(signal.pthread_sigmask, signal.SIG_BLOCK, ())
+        assert not isinstance(masked, JobFailure)
+        assert signal.SIGINT in masked
     finally:
         helper.close()
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
