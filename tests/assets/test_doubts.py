@@ -11,7 +11,8 @@ from tests.assets.specs import checked
 URDF = """<robot name="r"><material name="m"><texture filename="m.png"/></material>
 <link name="a"><visual><geometry><sphere radius="1"/></geometry><material name="m"/></visual></link>
 <link name="b"><visual><geometry><box size="1 1 1"/></geometry><material name="x"><color rgba="1 0 0 0.5"/></material>
-</visual><collision><geometry><box size="1 1 1"/></geometry></collision></link><joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint></robot>"""
+</visual><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint></robot>"""
 MJCF = """<mujoco><asset><material name="m" texture="t"/></asset><worldbody><body name="a"><geom size="1" material="m"/>
 <body name="b"><geom size="1" rgba="1 0 0 0.5"/></body></body></worldbody></mujoco>"""
 FILES = {"urdf": URDF, "xml": MJCF}
