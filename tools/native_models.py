@@ -48,12 +48,7 @@ FILES = (
     File("Laikago", "pybullet", f"{_BULLET}/laikago/laikago_toes.urdf"),
     File("ANYmal C", "genesis-world", f"{_GENESIS}/urdf/anymal_c/urdf/anymal_c.urdf", note=_ONE_KILOGRAM),
     File("Husky", "pybullet", f"{_BULLET}/husky/husky.urdf", note=_ONE_KILOGRAM),
-    File(
-        "R2-D2",
-        "pybullet",
-        f"{_BULLET}/r2d2.urdf",
-        note="no centre moves; PyBullet limits a `continuous` joint that has a `limit`",
-    ),
+    File("R2-D2", "pybullet", f"{_BULLET}/r2d2.urdf", note=_CONTINUOUS),
     File("Ant", "gymnasium", f"{_GYM}/ant.xml"),
     File("Ant, Newton", "newton", "newton/examples/assets/nv_ant.xml"),
     File("Hopper", "gymnasium", f"{_GYM}/hopper.xml"),

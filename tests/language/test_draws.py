@@ -186,7 +186,7 @@ task t : custom {
     seed=st.integers(0, 3),
 )
 def test_sets_of_actions_conditions_and_what_ifs_move_no_draw(added: list[str], seed: int) -> None:
-    """Draws of members stay bit by bit, whatever else acts and is asked."""
+    """Draws of members keep every bit, whatever actions and questions are added."""
     head, _, tail = ACTING.rpartition("  observe")
     plain, more = (
         Design(task_from(ACTING), seed),

@@ -60,8 +60,10 @@ class Rest:
 
     def leave_out(self, first: int, most: int, state: Callable[[int], Any]) -> int:
         """Return how many steps from `first` on change nothing, at most `most`. `state` returns the state of a body."""
-        if not self.idle or not self.led or not most:
-            return most if self.idle else 0
+        if not (self.idle and most):
+            return 0
+        if not self.led:
+            return most
         if self.clear is None or first >= len(self.clear):
             self.clear = self.clearance(first, state)
         ahead = self.clear[first : first + most]
