@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from tests.engines import ENGINES
-from tests.physics.oracles.table import MEASURED, ORACLES, Oracle
+from tests.physics.oracles.table import ORACLES, Oracle
 from tools.reference import table
 from wmspec.runtime.engines.registry import engine_version
 
@@ -31,7 +31,7 @@ def rewritten(page: str, engines: Sequence[str]) -> str:
     columns = {name: cells for name, cells in read(text).items() if name.partition(" ")[0] not in engines}
     for engine in engines:
         columns[f"{engine} {engine_version(engine)}"] = {key(oracle): cell(oracle, engine) for oracle in ORACLES}
-    ordered = sorted(columns, key=lambda name: (name.partition(" ")[0] not in MEASURED, name))
+    ordered = sorted(columns, key=lambda name: (name.partition(" ")[0] not in ENGINES, name))
     return head + mark + "\n" + "\n".join(lines({name: columns[name] for name in ordered}))
 
 
