@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
 from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 
@@ -31,6 +30,8 @@ def _body(body: Rigid) -> Rigid:
 
 
 def _piece(piece: CollisionShape) -> CollisionShape:
+    from scipy.spatial import QhullError
+
     points = np.reshape(piece.size, (-1, 3))
     try:
         return replace(piece, size=tuple(_smaller(points).ravel().tolist()))
@@ -40,6 +41,8 @@ def _piece(piece: CollisionShape) -> CollisionShape:
 
 def _smaller(points: Array) -> Array:
     """Return the corners (n, 3) of a hull whose faces are moved inwards."""
+    from scipy.spatial import ConvexHull, HalfspaceIntersection
+
     planes = np.unique(np.round(ConvexHull(points).equations, 9), axis=0)
     middle = points.mean(axis=0)
     room = -(planes[:, :3] @ middle + planes[:, 3]).max()

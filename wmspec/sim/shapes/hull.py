@@ -8,7 +8,6 @@ from math import pi
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from wmspec.core.diagnostics import WmsError
@@ -31,6 +30,8 @@ def _hull(numbers: bytes) -> Any:
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) if len(points) > 3 else np.zeros(3)
     if not spread[-1] > 1e-6 * spread[0]:
         raise WmsError("a mesh that collides must span a volume: its points lie in a plane, on a line or coincide")
+    import trimesh
+
     return trimesh.convex.convex_hull(points)
 
 

@@ -15,7 +15,6 @@ from wmspec.sim.usd import meshes
 from wmspec.sim.usd.prims import refuse, value
 from wmspec.sim.usd.shapes import PlacedShape
 from wmspec.sim.usd.substitutions import STRICT, Substitutions
-from wmspec.sim.usd.thin_shells import thin_shells
 
 DECOMPOSED = ("convexDecomposition", "none", "meshSimplification")
 APPROXIMATIONS = ("convexHull", "boundingCube", "boundingSphere", *DECOMPOSED)
@@ -82,6 +81,8 @@ def _placed(pose: Pose, at: space.Pose) -> Pose:
 
 
 def _surface(here: PlacedShape, mesh: Mesh, motion: Motion, down: Array) -> tuple[tuple[Shape, Pose], ...]:
+    from wmspec.sim.usd.thin_shells import thin_shells  # its libraries take a second to import
+
     below = rotate(conjugate(here.pose.orientation), down) if motion == "static" else None
     try:
         return tuple((sheet, here.pose) for sheet in thin_shells(mesh, below))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom, UsdShade
 
@@ -77,6 +76,8 @@ def coordinates(prim: Usd.Prim) -> str:
 
 def is_convex(mesh: Mesh) -> bool:
     """Whether a mesh is closed and convex within 1e-5 of its size. Very large meshes return False."""
+    import trimesh
+
     points, faces = mesh.points, mesh.faces
     if len(points) * len(faces) > _MAX_PAIRS or not trimesh.Trimesh(points, faces).is_watertight:
         return False

@@ -11,14 +11,12 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import trimesh
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.model import Array, Inertia, Pose
 from wmspec.sim.scene.model.transform import apply, multiply
 from wmspec.sim.scene.physics.inertia import inertia, principal
-from wmspec.sim.scene.physics.shells import enclosed_solid
 from wmspec.sim.shapes import Mesh
 
 CONCAVITY = 0.05  # largest concavity of a part, relative to the size of the mesh
@@ -48,6 +46,8 @@ def _pieces(points: bytes, faces: bytes) -> tuple[Mesh, ...]:
 
 
 def _hull(corners: Array) -> Mesh:
+    import trimesh
+
     hull = trimesh.convex.convex_hull(corners)
     return Mesh(np.asarray(hull.vertices, np.float64), np.asarray(hull.faces, np.int32))
 
@@ -58,6 +58,8 @@ def mesh_mass_properties(mesh: Mesh, pose: Pose, taken_apart: Callable[[], Seque
     Closed shells count as the solid that they enclose together; otherwise the convex parts of the mesh count, or its
     hull if there are none.
     """
+    from wmspec.sim.scene.physics.shells import enclosed_solid  # its libraries take a second to import
+
     solid = enclosed_solid(mesh)
     if solid is None:
         parts = taken_apart() or [mesh]
