@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import TypedDict
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.memoize import LRU
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.engines.registry import require_look
 from wmspec.sim.scene.model import Look
@@ -14,6 +14,10 @@ from wmspec.sim.scene.model import Look
 MIN_SIDE, MAX_SIDE = 16, 4096
 #: The default side, in pixels.
 DEFAULT_SIDE = 384
+#: Maximum number of renderers kept: each holds pictures and the graphics memory of an engine.
+MAX_RENDERERS = 4
+#: The renderers that were used last, by their options: creating one takes longer than drawing.
+_renderers: LRU[tuple[str, int, int, Look, int | None], RenderCache] = LRU(MAX_RENDERERS, drop=RenderCache.close)
 
 
 class RenderOptions(TypedDict, total=False):
@@ -41,7 +45,8 @@ def renderer_of(
     """Return the renderer for episodes of an engine. Raises WmsError if it does not support these options."""
     samples = check_samples(look, samples)
     (drawer,) = require_look((renderer or engine,), look)
-    return _shared_renderer(drawer, *pixels(size), look, samples)
+    options = (drawer, *pixels(size), look, samples)
+    return _renderers.get(options, lambda: RenderCache(*options))
 
 
 def pixels(size: int | tuple[int, int]) -> tuple[int, int]:
@@ -57,9 +62,3 @@ def check_samples(look: Look, samples: int | None) -> int | None:
     if look == "parity" and samples is not None:
         raise WmsError("the look `parity` has no samples; omit them, or use `--look photo`")
     return samples
-
-
-@cache
-def _shared_renderer(engine: str, width: int, height: int, look: Look, samples: int | None) -> RenderCache:
-    """Return one shared renderer for equal options: creating one takes longer than drawing."""
-    return RenderCache(engine, width, height, look, samples)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import astuple, dataclass, field, replace
-from functools import cache, lru_cache, partial
+from functools import lru_cache, partial
 
 from wmspec.compile.design.design import Design
+from wmspec.core.memoize import LRU
 from wmspec.dataset.build.rows import NO_FILM, Row, encode
 from wmspec.dataset.film.group import FilmSet, GroupFilms
 from wmspec.dataset.film.timing import FilmSettings
@@ -187,13 +188,22 @@ def _design(job: Job, task: str) -> Design:
 
 
 def _pairs(job: Job) -> dict[str, EnginePair]:
-    return _engines(job.engines, job.renderer, job.size, job.look, job.samples)
+    """Return the engines of a job with their caches; those of the job before are closed."""
+    options = (job.engines, job.renderer, job.size, job.look, job.samples)
+    return _engines.get(options, lambda: _new_pairs(*options))
 
 
-@cache
-def _engines(
+def _new_pairs(
     engines: tuple[str, ...], renderer: str, size: tuple[int, int], look: Look, samples: int | None
 ) -> dict[str, EnginePair]:
     scenes = SceneCache()
     renders = {drawer: RenderCache(drawer, *size, look, samples) for drawer in ([renderer] if renderer else engines)}
     return {engine: EnginePair(TraceCache(engine), renders[renderer or engine], scenes) for engine in engines}
+
+
+def _close(pairs: dict[str, EnginePair]) -> None:
+    for pair in pairs.values():
+        pair.renders.close()
+
+
+_engines: LRU[tuple[object, ...], dict[str, EnginePair]] = LRU(1, drop=_close)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from itertools import combinations
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.memoize import LRU
 from wmspec.dataset.film.distances import Array, pairwise, point_distance, widths_of, working_size
 from wmspec.dataset.film.draw import DrawnFilm, draw_film
 from wmspec.dataset.film.text import model_text
@@ -177,10 +177,14 @@ class GroupFilms:
         }
 
 
-@cache
 def _renders(renderer: str, width: int, height: int) -> RenderCache:
     """Return the renderer of films of one size, shared by the groups that a process makes."""
-    return RenderCache(renderer, width, height, remembered=1)
+    options = (renderer, width, height)
+    return _renderers.get(options, lambda: RenderCache(*options, remembered=1))
+
+
+#: The two sizes of films that were drawn last.
+_renderers: LRU[tuple[str, int, int], RenderCache] = LRU(2, drop=RenderCache.close)
 
 
 def _times(run: Run, answer: PictureAnswer, rate: int) -> FilmTimes:
