@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from tests.dataset.made import pictures
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
 from wmspec.core.rng import permuted
+from wmspec.dataset.audit import power, probe_selection
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.rows import encode
@@ -37,6 +39,12 @@ def spec(name: str) -> TaskSpec:
     tasks = check(SPECS / f"{name}.wms", report)
     assert tasks, report
     return tasks[0]
+
+
+def inject_rarely(patch: pytest.MonkeyPatch) -> None:
+    """Let an audit inject few shortcuts to learn which ones it would detect; that takes most of its time."""
+    patch.setattr(probe_selection, "INJECTIONS", 2)
+    patch.setattr(power, "INJECTIONS", {"linear": 2, "forest": 2})
 
 
 def make(

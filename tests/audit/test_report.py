@@ -7,8 +7,10 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
+import pytest
+
 from tests.audit.made import make, race
-from tests.endtoend.test_commands import wmspec
+from tests.command import wmspec
 
 
 class Page(HTMLParser):
@@ -31,6 +33,7 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
 
+@pytest.mark.usefixtures("roughly")
 def test_an_unsound_dataset(tmp_path: Path) -> None:
     make(tmp_path / "leaky", "race", race(level=True), 160)
     message = wmspec("audit", "leaky", "-o", "report", folder=tmp_path, code=1).stdout
@@ -47,6 +50,7 @@ def test_an_unsound_dataset(tmp_path: Path) -> None:
     assert str(tmp_path) not in (tmp_path / "report/audit.html").read_text()
 
 
+@pytest.mark.usefixtures("roughly")
 def test_of_a_sound_dataset_the_same_bytes_again_and_json_for_machines(tmp_path: Path) -> None:
     make(tmp_path / "made", "race", race(), 40)
     assert "Of 1 task, 1 " in wmspec("audit", "made", "-o", "a", folder=tmp_path).stdout
