@@ -8,15 +8,17 @@ import pytest
 
 import wmspec
 from tests.engines import installed
+from wmspec.api.checking import check_files
+from wmspec.lang.parse.files import library_folder
 
 ROOT = Path(__file__).parents[2]
-GALLERY = sorted((ROOT / "specs/gallery").glob("*.wms"))
+GALLERY = sorted((library_folder().parent / "gallery").glob("*.wms"))
 PAGE = (ROOT / "docs/gallery.md").read_text()
 
 
 @pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
 def test_each_is_sound_has_groups_enough_and_is_on_the_page(path: Path) -> None:
-    assert wmspec.diagnose(path).diagnostics == ()
+    assert check_files([path]).diagnostics == ()
     tasks = wmspec.load_all(path)
     assert all(task.groups >= 60 for task in tasks)
     assert all(task.name == path.stem or task.name.startswith(f"{path.stem}_") for task in tasks)
@@ -32,7 +34,7 @@ def test_the_page_has_no_others() -> None:
 
 def test_they_are_apart_from_the_tasks_that_rebuild_the_paper() -> None:
     catalogue = {task.name for task in wmspec.load_all()}
-    gallery = {task.name for task in wmspec.load_all(ROOT / "specs/gallery")}
+    gallery = {task.name for task in wmspec.load_all(*GALLERY)}
     assert len(gallery) >= 15
     assert not gallery & catalogue
 

@@ -8,13 +8,13 @@ import pytest
 
 import wmspec
 from tests.engines import ENGINES, installed
+from wmspec.api.checking import check_files
 from wmspec.dataset.audit.groups import MIN_GROUPS
+from wmspec.lang.parse.files import library_folder
 
 ROOT = Path(__file__).parents[2]
-PARADIGMS = sorted((ROOT / "specs/paradigms").glob("*.wms"))
+PARADIGMS = sorted((library_folder().parent / "paradigms").glob("*.wms"))
 PAGE = (ROOT / "docs/gallery.md").read_text()
-#: Every seventh is checked in each run, and the others where slow tests run.
-FEW = [path if i % 7 == 0 else pytest.param(path, marks=pytest.mark.slow) for i, path in enumerate(PARADIGMS)]
 
 
 @pytest.mark.parametrize("path", PARADIGMS, ids=lambda path: path.stem)
@@ -26,9 +26,9 @@ def test_each_names_its_source_and_is_on_the_page(path: Path) -> None:
     assert f"images/paradigms/{path.stem}.jpg" in PAGE
 
 
-@pytest.mark.parametrize("path", FEW, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", PARADIGMS, ids=lambda path: path.stem)
 def test_each_is_sound_and_has_enough_groups_for_an_audit(path: Path) -> None:
-    assert wmspec.diagnose(path).diagnostics == ()
+    assert check_files([path]).diagnostics == ()
     (task,) = wmspec.load_all(path)
     assert task.name == path.stem
     assert task.groups >= MIN_GROUPS
@@ -54,7 +54,7 @@ def others(folder: str) -> list[Path]:
 def test_the_engines_agree_on_possible_and_impossible_episodes(tmp_path: Path) -> None:
     for engine in ENGINES:
         installed(engine)
-    path = ROOT / "specs/paradigms/permanence_film.wms"
+    (path,) = (path for path in PARADIGMS if path.stem == "permanence_film")
     made = wmspec.generate(path, tmp_path / "out", backend="all", per_task=4, size=256, workers=0)
     assert (made.rows, sum(made.rejected.values())) == (4, 0)
 

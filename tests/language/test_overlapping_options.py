@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wmspec.core.diagnostics import Report
-from wmspec.lang.check.statements.task import check
+from wmspec.api.checking import check_files
 from wmspec.lang.check.tables.overlaps import KINDS, is_kind_of
+from wmspec.lang.parse.files import library_folder
 
 WORDS = sorted({word for whole, kinds in KINDS.items() for word in (whole, *kinds)})
-SPECS = Path(__file__).parent.parent.parent / "specs"
+SPECS = library_folder().parent
 MODIFIERS = ["red", "tall", "left", "small"]
 
 
@@ -69,6 +69,4 @@ def test_words_before_a_kind_keep_it_one(kind: str, whole: str, before: list[str
 
 @pytest.mark.parametrize("path", sorted(SPECS.glob("p*/**/*.wms")), ids=lambda path: path.stem)
 def test_the_catalogue_offers_no_two(path: Path) -> None:
-    report = Report()
-    check(path, report)
-    assert not [str(d) for d in report.diagnostics if d.code == "WMS511"]
+    assert not [str(d) for d in check_files([path]).diagnostics if d.code == "WMS511"]
