@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from tests.endtoend.test_commands import SPEED, wmspec
+from tests.command import wmspec
+from tests.endtoend.test_commands import SPEED
 from tests.engines import installed
 from wmspec.api import generate
 from wmspec.api.attesting import attest, check
@@ -33,7 +34,7 @@ def test_what_was_sealed_is_known_again_and_nothing_else(private: Path, tmp_path
     assert not {shard["sha256"] for shard in debug["shards"].values()} & {*ids}
 
     done = wmspec("attest", private, "--check", tmp_path / "public" / "seal.json", folder=tmp_path)
-    assert (done.returncode, done.stdout) == (0, "this is the dataset that was sealed\n")
+    assert (done.exit_code, done.stdout) == (0, "this is the dataset that was sealed\n")
     again = tmp_path / "again"
     generate(SPEED, again, per_task=2, backend="mujoco", size=64, seed=SEED, workers=0)
     assert check(again, tmp_path / "public" / "seal.json") == ()

@@ -17,7 +17,8 @@ import pyarrow.parquet as pq
 import pytest
 from PIL import Image
 
-from tests.endtoend.test_commands import SPEED, wmspec
+from tests.command import wmspec
+from tests.endtoend.test_commands import SPEED
 from tests.engines import installed
 from wmspec.api import generate
 from wmspec.api.verifying import verify

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.endtoend.test_commands import SPECS, SPEED, wmspec
+from tests.command import wmspec
+from tests.endtoend.test_commands import COLLIDE, SPECS, SPEED
 from tests.engines import installed
 from wmspec.api import load_all
 from wmspec.api.generating import planned_task
@@ -36,14 +37,16 @@ def test_every_rebuilt_task_has_at_least_the_papers_images_and_cases(tmp_path: P
 
 
 def test_a_dimension_is_chosen_by_its_path(tmp_path: Path) -> None:
+    specs = (SPEED, COLLIDE)
+
     def listed(*dimensions: str) -> set[str]:
         chosen = [part for d in dimensions for part in ("--dimension", d)]
-        return {r["task"] for r in json.loads(wmspec("list", "--json", *chosen, folder=tmp_path).stdout)}
+        return {r["task"] for r in json.loads(wmspec("list", "--json", *specs, *chosen, folder=tmp_path).stdout)}
 
     assert "speed_tabletop" in listed("perception.motion") - listed("prediction")
     assert "collide" in listed("prediction") - listed("perception.motion")
     assert listed("perception", "prediction") <= listed()
-    reported = wmspec("list", "--dimension", "perception.moton", folder=tmp_path, code=2).stderr
+    reported = wmspec("list", *specs, "--dimension", "perception.moton", folder=tmp_path, code=2).stderr
     assert "did you mean `perception.motion`?" in reported
 
 

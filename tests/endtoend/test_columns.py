@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.endtoend.test_commands import wmspec
+from tests.command import wmspec
 from tests.engines import installed
 
 SPEC = """

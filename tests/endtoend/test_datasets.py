@@ -7,8 +7,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pyarrow.parquet as pq
+
+from tests.command import wmspec as command
+from tests.endtoend.conftest import OPTIONS
 from tests.endtoend.test_commands import COLLIDE, SPEED, wmspec
 from tests.engines import installed
+from wmspec.api import generate
+from wmspec.api.verifying import verify
 
 
 def digests(folder: Path) -> dict[str, str]:
@@ -16,16 +22,10 @@ def digests(folder: Path) -> dict[str, str]:
     return {str(p.relative_to(folder)): hashlib.sha256(p.read_bytes()).hexdigest() for p in files}
 
 
-def test_the_three_engines_answer_alike_or_say_why_not(tmp_path: Path) -> None:
-    for engine in ("mujoco", "pybullet", "sapien"):
-        installed(engine)
-    args = ["generate", SPEED, COLLIDE, "-o", "out", "--per-task", 2, "--size", 96]
-    wmspec(*args, folder=tmp_path)
-    manifest = json.loads((tmp_path / "out/manifest.json").read_text())
-    import pyarrow.parquet as pq
-
+def test_the_three_engines_answer_alike_or_say_why_not(dataset: Path) -> None:
+    manifest = json.loads((dataset / "manifest.json").read_text())
     for task, probed in (("speed_tabletop", 2), ("collide", 4 * 3)):  # four instances of a group, three questions each
-        rows = pq.read_table(tmp_path / f"out/data/{task}").to_pylist()
+        rows = pq.read_table(dataset / f"data/{task}").to_pylist()
         assert rows, "nothing was kept"
         for row in rows:
             assert {a["answer"] for a in row["agreement"]} == {row["answer"]}
@@ -40,11 +40,9 @@ def test_the_three_engines_answer_alike_or_say_why_not(tmp_path: Path) -> None:
 def test_each_engine_has_its_rows_if_rows_are_of_engines(tmp_path: Path) -> None:
     for engine in ("mujoco", "pybullet"):
         installed(engine)
-    import pyarrow.parquet as pq
-
     args = ["generate", SPEED, "-b", "mujoco,pybullet", "--per-task", 3, "--size", 64, "-j", 1]
-    wmspec(*args, "--rows", "engines", "-o", "engines", folder=tmp_path)
-    wmspec(*args, "-o", "questions", folder=tmp_path)
+    command(*args, "--rows", "engines", "-o", "engines", folder=tmp_path)
+    generate(SPEED, tmp_path / "questions", per_task=3, size=64, backend="mujoco,pybullet", workers=0)
     engines, questions = (
         pq.read_table(tmp_path / f"{n}/data/speed_tabletop").to_pylist() for n in ("engines", "questions")
     )
@@ -53,21 +51,17 @@ def test_each_engine_has_its_rows_if_rows_are_of_engines(tmp_path: Path) -> None
     for row in questions:
         assert row == own[row["index"]] | {"id": row["id"]}
     for name in ("engines", "questions"):
-        reported = json.loads(wmspec("verify", name, "--sample", 1, "--json", folder=tmp_path).stdout)
-        assert reported["verdict"] == "same"
+        assert verify(tmp_path / name, sample=1, workers=0).verdict == "same"
 
 
-def test_the_same_bytes_whatever_the_number_of_workers(tmp_path: Path) -> None:
-    for engine in ("mujoco", "pybullet", "sapien"):
-        installed(engine)
-    args = ["generate", SPEED, COLLIDE, "--per-task", 2, "--size", 64]
-    wmspec(*args, "-o", "one", "-j", 1, folder=tmp_path)
-    wmspec(*args, "-o", "two", "-j", 2, folder=tmp_path)
-    assert digests(tmp_path / "one") == digests(tmp_path / "two")
-    wmspec(*args, "-o", "one", folder=tmp_path)
-    assert digests(tmp_path / "one") == digests(tmp_path / "two"), "asking again changes nothing"
-    wmspec("view", "one", "-o", "sheet.png", folder=tmp_path)
-    assert (tmp_path / "sheet.png").stat().st_size > 10_000
+def test_the_same_bytes_whatever_the_number_of_workers(dataset: Path, tmp_path: Path) -> None:
+    """None in the dataset, two in the command."""
+    args = ["generate", SPEED, COLLIDE, "-o", "two", "-b", OPTIONS["backend"], "--seed", OPTIONS["seed"]]
+    args += ["--per-task", OPTIONS["per_task"], "--size", OPTIONS["size"]]
+    wmspec(*args, "-j", 2, folder=tmp_path)
+    assert digests(tmp_path / "two") == digests(dataset)
+    command(*args, folder=tmp_path)
+    assert digests(tmp_path / "two") == digests(dataset), "asking again changes nothing"
 
 
 KILLED = """
@@ -91,34 +85,32 @@ main()
 def test_a_killed_run_goes_on_with_the_next_instance(tmp_path: Path) -> None:
     installed("mujoco")
     args = ["generate", SPEED, "-b", "mujoco", "--per-task", 8, "--size", 64, "-j", 1]
-    command = [sys.executable, "-c", KILLED, *map(str, args), "-o", "killed"]
-    done = subprocess.run(command, cwd=tmp_path, stderr=subprocess.DEVNULL, start_new_session=True, check=False)
+    killed = [sys.executable, "-c", KILLED, *map(str, args), "-o", "killed"]
+    done = subprocess.run(killed, cwd=tmp_path, stderr=subprocess.DEVNULL, start_new_session=True, check=False)
     assert done.returncode == -signal.SIGKILL
     assert len(list((tmp_path / "killed/.progress").rglob("*.instance"))) == 3
     assert not (tmp_path / "killed/data").exists()
-    reported = wmspec(*args, "-o", "killed", folder=tmp_path).stderr
+    reported = command(*args, "-o", "killed", folder=tmp_path).stderr
     assert reported.startswith("3 of 8 instances"), "the first reported"
-    wmspec(*args, "-o", "whole", folder=tmp_path)
+    generate(SPEED, tmp_path / "whole", per_task=8, size=64, backend="mujoco", workers=0)
     assert digests(tmp_path / "killed") == digests(tmp_path / "whole")
 
 
 def test_shares_of_two_machines_come_together(tmp_path: Path) -> None:
     installed("mujoco")
+    generate(SPEED, tmp_path / "whole", per_task=5, size=64, backend="mujoco", workers=0)
     args = ["generate", SPEED, "-b", "mujoco", "--per-task", 5, "--size", 64, "-j", 1]
-    wmspec(*args, "-o", "whole", folder=tmp_path)
     for number in (1, 2):
-        wmspec(*args, "-o", f"part-{number}", "--shard", f"{number}/2", folder=tmp_path)
-        wmspec("view", f"part-{number}", folder=tmp_path)
-    wmspec(*args, "-o", "merged", "--reuse", "part-1", "--reuse", "part-2", folder=tmp_path)
+        command(*args, "-o", f"part-{number}", "--shard", f"{number}/2", folder=tmp_path)
+        command("view", f"part-{number}", folder=tmp_path)
+    command(*args, "-o", "merged", "--reuse", "part-1", "--reuse", "part-2", folder=tmp_path)
     assert digests(tmp_path / "merged") == digests(tmp_path / "whole")
 
 
 def test_one_engine_may_draw_what_another_executes(tmp_path: Path) -> None:
     for engine in ("mujoco", "pybullet"):
         installed(engine)
-    args = ["generate", SPEED, "-b", "mujoco", "-r", "pybullet", "--per-task", 1, "--size", 64]
-    wmspec(*args, "-o", "out", folder=tmp_path)
-    import pyarrow.parquet as pq
-
+    args = ["generate", SPEED, "-b", "mujoco", "-r", "pybullet", "--per-task", 1, "--size", 64, "-j", 1]
+    command(*args, "-o", "out", folder=tmp_path)
     rows = pq.read_table(tmp_path / "out/data/speed_tabletop").to_pylist()
     assert [(row["engine"], row["renderer"]) for row in rows] == [("mujoco", "pybullet")]

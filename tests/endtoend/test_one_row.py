@@ -15,26 +15,19 @@ from typing import Any
 import pyarrow.parquet as pq
 import pytest
 
-from tests.endtoend.test_commands import COLLIDE, SPEED, wmspec
+from tests.command import wmspec
+from tests.endtoend.conftest import OPTIONS
+from tests.endtoend.test_commands import COLLIDE, SPEED
 from tests.endtoend.test_datasets import digests
-from tests.engines import installed
 from tests.evaluate.loopback import loopback
+from wmspec.api import generate
+from wmspec.api.attesting import attest
+from wmspec.api.generating import DatasetOptions
+from wmspec.api.verifying import verify
 from wmspec.dataset.build.reader import DatasetReader
 
 ENGINES = {"mujoco", "pybullet", "sapien"}
 OLD = Path(__file__).parent.parent / "data/format_2"
-#: A long seed, since the dataset is attested.
-OPTIONS = ("--per-task", 2, "--size", 64, "-j", 2, "--seed", 6917529027641081977)
-
-
-@pytest.fixture(scope="module")
-def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Two tasks in three engines: labels, pictures and numbers."""
-    for engine in ENGINES:
-        installed(engine)
-    folder = tmp_path_factory.mktemp("dataset")
-    wmspec("generate", SPEED, COLLIDE, *OPTIONS, "-o", "whole", folder=folder)
-    return folder / "whole"
 
 
 @pytest.fixture
@@ -126,24 +119,24 @@ def test_an_audit_counts_a_question_once(dataset: Path, tmp_path: Path) -> None:
 
 
 def test_it_is_verified_and_attested(dataset: Path, tmp_path: Path) -> None:
-    verified = json.loads(wmspec("verify", dataset, "--sample", 1, "--json", folder=tmp_path).stdout)
-    assert verified["verdict"] == "same"
-    wmspec("attest", dataset, "-o", "seal", folder=tmp_path)
+    assert verify(dataset, sample=1, workers=0).verdict == "same"
+    attest(dataset, tmp_path / "seal", workers=0)
     wmspec("attest", dataset, "--check", "seal/seal.json", folder=tmp_path)
 
 
 def test_shares_of_machines_come_together(dataset: Path, tmp_path: Path) -> None:
-    for number in (1, 2):
-        wmspec("generate", SPEED, COLLIDE, *OPTIONS, "-o", f"part-{number}", "--shard", f"{number}/2", folder=tmp_path)
-    reuse = ("--reuse", "part-1", "--reuse", "part-2")
-    wmspec("generate", SPEED, COLLIDE, *OPTIONS, "-o", "merged", *reuse, folder=tmp_path)
+    parts = tmp_path / "part-1", tmp_path / "part-2"
+    for number, part in enumerate(parts, 1):
+        share: DatasetOptions = {**OPTIONS, "part": (number, 2)}
+        generate([SPEED, COLLIDE], part, workers=0, **share)
+    generate([SPEED, COLLIDE], tmp_path / "merged", reuse=parts, workers=0, **OPTIONS)
     assert digests(tmp_path / "merged") == digests(dataset)
 
 
 @pytest.mark.slow
 def test_a_ray_cluster_makes_the_same_rows(dataset: Path, tmp_path: Path) -> None:
     pytest.importorskip("ray")
-    wmspec("generate", SPEED, COLLIDE, *OPTIONS, "-o", "ray", "--executor", "ray", folder=tmp_path)
+    generate([SPEED, COLLIDE], tmp_path / "ray", executor="ray", **OPTIONS)
     assert digests(tmp_path / "ray") == digests(dataset)
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.endtoend.test_commands import wmspec
+from tests.command import wmspec
 from tests.engines import installed
 
 SPEC = """
@@ -45,7 +45,7 @@ def test_what_cannot_be_asked_is_counted(gate: str, where: str, reason: str, kep
     assert all(r["detail"] for r in reported)
     for r in reported[:1]:
         assert f"  {len(reported)} {reason}, such as instance {r['index']} in pybullet: {r['detail']}" in done.stdout
-        (task,) = json.loads(wmspec(*command, "--json", folder=tmp_path, code=done.returncode).stdout)
+        (task,) = json.loads(wmspec(*command, "--json", folder=tmp_path, code=done.exit_code).stdout)
         assert task["examples"][reason] == r
         dry = [*(word for word in command if word not in ("-o", "out")), "--dry-run"]
         assert f"  {len(reported)} {reason}, such as" in wmspec(*dry, folder=tmp_path).stdout

@@ -11,7 +11,8 @@ import pytest
 from PIL import Image
 
 import wmspec as wmspec_api
-from tests.endtoend.test_commands import COLLIDE, wmspec
+from tests.command import wmspec
+from tests.endtoend.test_commands import COLLIDE
 from tests.engines import installed
 
 GIF_TOLERANCE = 60

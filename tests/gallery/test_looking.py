@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 
 from tests.browser import opened
-from tests.endtoend.test_commands import wmspec
+from tests.command import wmspec
 from tests.gallery.test_browser import chosen, counted, questions
 from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.reader import DatasetReader

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.endtoend.test_commands import wmspec
+from tests.command import wmspec
 from wmspec.dataset.build.format_units import format_reading, format_value
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.gallery.gallery import folder, html, page

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import wmspec
-from tests.endtoend.test_commands import wmspec as command
+from tests.command import wmspec as command
 from tests.engines import installed
 from wmspec.compile.robots.arm_assets import read_arm, write_arm
 from wmspec.compile.robots.ik import solve

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from statsmodels.stats import inter_rater
 
-from tests.endtoend.test_commands import wmspec
+from tests.command import wmspec
 from tests.evaluate.made import in_numbers
 from tests.study.visitor import letter
 from wmspec.core.diagnostics import WmsError
