@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import tempfile
 from importlib.util import find_spec
@@ -82,7 +83,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    """Fail if this pytest-xdist does not group: every process would make all shared fixtures again, unnoticed."""
+    """Collect garbage as the command line does, and never look for it among the tests and what they import.
+
+    Fail if this pytest-xdist does not group: every process would make all shared fixtures again, unnoticed.
+    """
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 20)
     grouped = [item for item in session.items if item.get_closest_marker("xdist_group")]
     if getattr(session.config.option, "loadgroup", False) and not all("@" in item.nodeid for item in grouped):
         raise pytest.UsageError("pytest-xdist ignores groups with this version of pytest: install pytest<9.2")
