@@ -30,6 +30,8 @@ def add_joint(element: ET.Element, limb: Link, scene: Scene, step: float) -> Non
     if limb.kind != "ball":
         joint.set("axis", text(rotate(np.array(limb.below[3:]), X)))
         joint.set("ref", text([limb.start]))
+    if limb.armature:
+        joint.set("armature", text([limb.armature]))
     if limb.limits:
         low, high = limb.limits
         joint.set("range", text([max(low, -MAX_FINITE), min(high, MAX_FINITE)]))

@@ -12,6 +12,8 @@ from wmspec.sim.scene.capability import (
     SLIDING_MESHES,
     TWO_FRICTIONS,
     Lack,
+    armatures_above,
+    armatures_below,
     damped_drives,
     fine_drives,
     friction_above,
@@ -21,6 +23,7 @@ from wmspec.sim.scene.capability import (
 from wmspec.sim.scene.regime_thresholds import COARSEST_STEP_RATE, MAX_STEP_MULTIPLIER
 
 STEPS_PER_SECOND = COARSEST_STEP_RATE
+LEAST_ARMATURE = 0.01  # of the inertia that a joint moves: below, leaving it out changes little
 MAX_FRICTION = 10.0  # per pair: Bullet's limit
 MAX_PIECES = 16  # per moving body: PyBullet's limit; all hulls count as one
 
@@ -34,6 +37,8 @@ INFO = Info(
     requirement="wmspec[pybullet]",
     steps_per_second=STEPS_PER_SECOND,
     lacks=(
+        Lack(armatures_above(LEAST_ARMATURE), "PyBullet has none; use another engine, or set it to 0"),
+        Lack(armatures_below(LEAST_ARMATURE), "PyBullet has none; it is left out", approximate=True),
         Lack(BALL_LIMITS, "PyBullet has no such limits; remove the cone angles, or use hinges"),
         Lack(stiff_drives(MAX_STEP_MULTIPLIER * STEPS_PER_SECOND), _OVERSHOOTS),
         Lack(damped_drives(MAX_STEP_MULTIPLIER * STEPS_PER_SECOND), _OVERSHOOTS),

@@ -69,7 +69,7 @@ def connect(joint: Any, limb: Link, above: Any, *, geared: bool) -> None:
     low, high = limb.limits or (-inf, inf)
     joint.set_limits(np.array([[low, high]], np.float32))
     joint.set_friction(0.0)
-    joint.set_armature(np.zeros(1, np.float32))
+    joint.set_armature(np.array([limb.armature], np.float32))
     joint.set_max_velocity(MAX_JOINT_SPEED)
     stiffness, damping, target, velocity, most = limb.drive or (0.0, 0.0, 0.0, 0.0, inf)
     joint.set_drive_properties(stiffness, damping, min(most, float(np.finfo(np.float32).max)), "force")

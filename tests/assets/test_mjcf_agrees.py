@@ -48,14 +48,15 @@ def geoms(draw: Any) -> str:
 
 @st.composite
 def joints(draw: Any, name: str) -> str:
-    """No joint, or a hinge or slide with limits, springs and dampers, some from its class."""
+    """No joint, or a hinge or slide with limits, springs and dampers, some from its class; some with rotors."""
     kind = draw(st.sampled_from(["", "hinge", "slide"]))
     if not kind:
         return ""
     more = draw(st.sampled_from(["", 'range="-.5 .7"', 'range="-.2 .3" limited="true" ref=".1"', 'damping="3"']))
     spring = draw(st.sampled_from(["", 'stiffness="5" springref=".2"']))
+    rotor = draw(st.sampled_from(["", 'armature=".1"']))
     axis = draw(st.sampled_from(["0 0 1", "1 1 0", "0 -2 1"]))
-    return f'<joint name="{name}" type="{kind}" axis="{axis}" {draw(PLACE)} {draw(CLASS)} {more} {spring}/>'
+    return f'<joint name="{name}" type="{kind}" axis="{axis}" {draw(PLACE)} {draw(CLASS)} {more} {spring} {rotor}/>'
 
 
 @st.composite
@@ -121,6 +122,7 @@ def test_masses_frames_limits_and_springs_are_those_of_mujoco(text: str, tmp_pat
             assert joint.limits is None
         stiffness, damping = (joint.drive.stiffness, joint.drive.damping) if joint.drive else (0.0, 0.0)
         assert (stiffness, damping) == pytest.approx((model.jnt_stiffness[j], model.dof_damping[dof]), rel=1e-5)
+        assert joint.armature == pytest.approx(model.dof_armature[dof])
         if stiffness and joint.drive:
             assert joint.drive.target == pytest.approx(model.qpos_spring[at] - ref, rel=1e-5, abs=1e-6)
 

@@ -30,6 +30,16 @@ def moment() -> float:
     return 0.1 * ((0.02**2 + 0.2**2) / 12 + 0.1**2)
 
 
+def test_an_armature_is_load() -> None:
+    drive = f"stiffness: {1.01 * 0.5 * (16 * 1920) ** 2 * 0.1:.6f}"
+    for more, found in (("", 1), ("armature: 0.01", 0)):
+        task, report = task_from(SPEC.format(kind="slider", drive=f"{drive} {more}")), Report()
+        dry_run(task, report)
+        assert [d.code for d in report.diagnostics].count("WMS608") == found
+    (joint,) = read(compose(document(task, Design(task)[0]))).joints
+    assert joint.armature == pytest.approx(0.01)
+
+
 LIMITS = [
     ("slider", "stiffness", 0.5 * (16 * 1920) ** 2 * 0.1),
     ("slider", "damping", 0.5 * 16 * 1920 * 0.1),

@@ -13,6 +13,7 @@ from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.engines.registry import info
+from wmspec.sim.scene.capability import approximation_warnings
 from wmspec.sim.scene.model import (
     Array,
     Body,
@@ -141,6 +142,35 @@ def test_a_hinge_keeps_its_limits(execute: Execute, limits: tuple[float, float] 
         assert angle[-1] == pytest.approx(limits[1] if angle[-1] > 0 else limits[0], abs=0.01)
     else:
         assert np.abs(angle).max() > 2.5
+
+
+@pytest.mark.parametrize("share", [0.2, 2.0])
+@pytest.mark.parametrize("engine", [e for e in ENGINES if e != "pybullet"])
+def test_an_armature_slows_a_pendulum_and_a_fall(engine: str, share: float) -> None:
+    """Its inertia is added to that of the bodies, but not its weight."""
+    execute, hanging = installed(engine).execute, rod(angle=0.4)
+    inertia = 1.0**2 / 3 + 0.02**2 / 3
+    hinge = joint("j", "hinge", None, hanging, (0, 0, 0), armature=share * inertia)
+    trace = execute(scene(hanging, duration=8, joints=(hinge,)))
+    assert period(trace, 0) == pytest.approx(sqrt(1 + share) * swing(0.4), rel=2e-3)
+    load = body("load", Box((0.05,) * 3), mass=2.0)
+    rail = joint("j", "slider", None, load, (0, 0, 0), DOWN, armature=share * 2.0)
+    trace = execute(scene(load, duration=0.5, joints=(rail,)))
+    assert trace.position[-1, 0, 2] == pytest.approx(-G * 0.5**2 / 2 / (1 + share), rel=2e-3)
+
+
+def test_pybullet_leaves_out_small_armatures_and_refuses_others() -> None:
+    execute, load = installed("pybullet").execute, body("load", Box((0.05,) * 3), mass=2.0)
+    rail = joint("j", "slider", None, load, (0, 0, 0), DOWN, armature=0.1)
+    with pytest.raises(
+        WmsError, match=r"/World/j: an armature of 0.1, 4.8 % of what the joint moves; PyBullet has none"
+    ):
+        execute(scene(load, joints=(rail,)))
+    small = scene(load, joints=(replace(rail, armature=0.01),))
+    without = scene(load, joints=(replace(rail, armature=0.0),))
+    assert (execute(small).position == execute(without).position).all()
+    (warning,) = approximation_warnings(info("pybullet").lacks, small)
+    assert "an armature of 0.01, 0.5 % of what the joint moves (PyBullet has none; it is left out)" in warning.message
 
 
 def test_a_drive_settles_where_spring_and_weight_balance(execute: Execute) -> None:

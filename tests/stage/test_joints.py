@@ -108,6 +108,17 @@ DRIVE = """float drive:%s:physics:stiffness = 10
     float drive:%s:physics:maxForce = 7"""
 
 
+@pytest.mark.parametrize("name", ["newton:armature", "mjc:armature", "physxJoint:armature"])
+def test_armatures_in_other_units(name: str) -> None:
+    hinge, slider = (only(kind, f"float {name} = 3", meters=0.1, kilograms=2) for kind in ("Revolute", "Prismatic"))
+    assert (hinge.armature, slider.armature) == (pytest.approx(3 * 2 * 0.1**2), pytest.approx(3 * 2))
+    assert only("Fixed", f"float {name} = 3").armature == 0
+    with pytest.raises(StageError, match=f"/World/j: {name} = -1; author 0 or more"):
+        only("Revolute", f"float {name} = -1")
+    with pytest.raises(StageError, match=f"/World/j: {name} of a ball joint is not supported"):
+        only("Spherical", f"float {name} = 3")
+
+
 def test_drives_in_other_units() -> None:
     """A stage in centimetres and grams: forces are in g cm/s²; angles are in degrees on any stage."""
     turned = only("Revolute", DRIVE.replace("%s", "angular"), '"PhysicsDriveAPI:angular"', meters=0.01, kilograms=1e-3)

@@ -19,8 +19,8 @@ SAID = {
         "enableGyroscopicForces is",
     ),
     "a joint's friction": (
-        BALL % ("b", "") + JOINT % (HELD, "double mjc:frictionloss = 5 double mjc:armature = 1"),
-        "mjc:armature, mjc:frictionloss are specific to another engine",
+        BALL % ("b", "") + JOINT % (HELD, "double mjc:frictionloss = 5 double mjc:stiffness = 1"),
+        "mjc:frictionloss, mjc:stiffness are specific to another engine",
     ),
     "a joint's state": (
         BALL % ("b", "") + JOINT % (HELD, "float state:angular:physics:position = 30"),

@@ -33,6 +33,7 @@ def stiff_drive(scene: LintScene) -> Iterator[Breach]:
         if ends.count(moved) > 1 or values.flag(moved, "fixed") or values.has(moved, "moments"):
             continue
         load = mass(values, moved) if joint.model == "slider" else _moment(values, joint, moved)
+        load += values.number(joint.name, "armature") if values.has(joint.name, "armature") else 0.0
         for word, power in (("stiffness", 2), ("damping", 1)):
             most = MAX_STEP_RESPONSE * _RATE**power * load
             if values.number(joint.name, word) > most:

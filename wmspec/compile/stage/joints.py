@@ -160,6 +160,8 @@ def _coordinate(prim: Prim, joint: Entity, values: Evaluator, driven: bool) -> N
     for side, attribute in (("low", "lowerLimit"), ("high", "upperLimit")):
         if side in limits:
             prim.set(f"physics:{attribute}", "float", limits[side] * scale, f"{name}.{side}")
+    if values.has(name, "armature"):
+        prim.set("newton:armature", "float", values.number(name, "armature"), f"{name}.armature")
     if driven:
         drive = f"drive:{kind}:physics"
         target = values.number(name, "target") if values.has(name, "target") else 0.0

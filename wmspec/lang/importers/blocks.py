@@ -23,7 +23,7 @@ OF_LINK = (
     *APPEARANCE, "mass", "density", "friction", "restitution", "damping", "spin_damping", "collision", "fixed",
     "velocity", "spin", "surface_velocity", "passes",
 )  # fmt: skip
-OF_JOINT = ("low", "high", "start", "target", "stiffness", "damping", "pace", "strength", "touching")
+OF_JOINT = ("low", "high", "start", "target", "stiffness", "damping", "pace", "strength", "armature", "touching")
 #: Properties of the whole asset that apply to every link, beyond its appearance.
 _COMMON = ("density", "friction", "restitution", "damping")
 #: Properties of the object that say how its file is read.
@@ -214,8 +214,8 @@ class Blocks:
         start = joint.start if joint.start is not None else max(low, min(high, 0.0))
         numbers = (("low", joint.low), ("high", joint.high), ("start", start or None), ("target", joint.target))
         values = {name: self.write.number(value, unit) for name, value in numbers if value is not None}
-        drive = (joint.stiffness, joint.damping, joint.pace, joint.strength)
-        plain_numbers = zip(("stiffness", "damping", "pace", "strength"), drive, strict=True)
+        drive = (joint.stiffness, joint.damping, joint.pace, joint.strength, joint.armature)
+        plain_numbers = zip(("stiffness", "damping", "pace", "strength", "armature"), drive, strict=True)
         values |= {name: self.write.number(value) for name, value in plain_numbers if value}
         return {"axis": self.write.numbers(without_rounding(joint.axis)), **values}
 

@@ -31,7 +31,6 @@ class Joints:
             int(kinds.mjJNT_FREE): "free",
         }
         self._own: dict[int, str] = {}
-        self._inertias = self._joint_inertias()
 
     def name(self, j: int, body: str) -> str:
         """Return the name of a joint of a body."""
@@ -49,7 +48,7 @@ class Joints:
         self._dry(j)
         stiffness, damping = float(m.jnt_stiffness[j]), float(m.dof_damping[m.jnt_dofadr[j]])
         at, axis = np.array(m.jnt_pos[j], np.float64), np.array(m.jnt_axis[j], np.float64)
-        low = high = target = None
+        armature, low, high, target = float(m.dof_armature[m.jnt_dofadr[j]]), None, None, None
         if kind == "ball":
             if stiffness or damping:
                 what = "springs and dampers in ball joints are not supported"
@@ -57,14 +56,19 @@ class Joints:
             if m.jnt_limited[j]:
                 what = f"limits of ball joints ({math.degrees(m.jnt_range[j, 1]):.0f} deg) are not supported"
                 self._faults.approximate(e.where, what, "left out", "use hinges")
-            stiffness = damping = 0.0
+            if armature:
+                self._faults.approximate(
+                    e.where, "`armature` of a ball joint is not supported", "left out", "use hinges"
+                )
+            stiffness = damping = armature = 0.0
         else:
             start = float(m.qpos0[m.jnt_qposadr[j]])
             if m.jnt_limited[j]:
                 low, high = (float(x) - start for x in m.jnt_range[j])
             target = float(m.qpos_spring[m.jnt_qposadr[j]]) - start if stiffness else None
             stiffness, damping = self._positive(j, stiffness, damping)
-        return Joint(name, e.where, kind, parent, child, here, at, axis, low, high, damping, stiffness, target)
+        driven = (damping, stiffness, target)
+        return Joint(name, e.where, kind, parent, child, here, at, axis, low, high, *driven, armature=armature)
 
     def _free(self, j: int) -> None:
         """Report properties of a free joint, which are left out."""
@@ -87,24 +91,9 @@ class Joints:
         if m.dof_frictionloss[dof]:
             what = f"dry friction in joints ({float(m.dof_frictionloss[dof]):.2g} {unit}) is not supported"
             self._faults.approximate(where, what, "left out", "use `damping`")
-        if m.dof_armature[dof]:
-            share = float(m.dof_armature[dof]) / max(self._inertias[dof], 1e-30)
-            what = f"`armature` ({100 * min(share, 1.0):.0f} % of the inertia that the joint moves) is not supported"
-            self._faults.approximate(where, what, "left out", "make the link heavier")
         if np.any(m.jnt_stiffnesspoly[j]) or np.any(m.dof_dampingpoly[dof]):
             what = "springs and dampers by polynomials are not supported"
             self._faults.approximate(where, what, "their linear part", "")
-
-    def _joint_inertias(self) -> list[float]:
-        """Return the inertia (kg or kg m²) of each degree of freedom at the start, armature included."""
-        mujoco, m = self._compiled.mujoco, self._m
-        if not m.nv or not np.any(m.dof_armature):
-            return [0.0] * int(m.nv)
-        data = mujoco.MjData(m)
-        mujoco.mj_forward(m, data)
-        full = np.zeros((m.nv, m.nv))
-        mujoco.mj_fullM(m, data, full)
-        return [float(x) for x in np.diag(full)]
 
     # ------------------------------------------------------------ actuators
 

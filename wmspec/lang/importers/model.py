@@ -196,7 +196,7 @@ class Joint:
 
     The joint is `at` (3,) along `axis` (3,) in the child's frame; ball and fixed joints ignore the axis. A `free` joint
     holds nothing. The default `start` is 0 or the nearest limit. The drive moves towards `target` at speed `pace`, with
-    at most `strength`; SI units.
+    at most `strength`; SI units. `armature` is the inertia of a rotor, kg m² or kg.
     """
 
     name: str
@@ -216,6 +216,7 @@ class Joint:
     strength: float | None = None
     touching: bool = False
     start: float | None = None
+    armature: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -165,6 +165,7 @@ class Stage:
             drive.max_force if np.isfinite(drive.max_force) else None,
             joint.collides,
             min(max(start, low), high) if joint.kind in ("hinge", "slider") else None,
+            joint.armature,
         )
 
 

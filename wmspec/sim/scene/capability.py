@@ -10,7 +10,7 @@ from math import atan, degrees
 from wmspec.core.diagnostics import Diagnostic, Report, StageError
 from wmspec.core.places import PrimPlace
 from wmspec.sim.scene.joints.articulations import ancestors, loop_joints, trees
-from wmspec.sim.scene.joints.drives import too_damped, too_stiff
+from wmspec.sim.scene.joints.drives import mobility, too_damped, too_stiff
 from wmspec.sim.scene.model import Joint, PassThrough, Scene
 from wmspec.sim.scene.physics.contact import colliders
 from wmspec.sim.scene.physics.speed import max_speed, min_thickness, step_multiplier
@@ -158,6 +158,15 @@ def _damped(scene: Scene, rate: int) -> Occurrences:
     yield from ((joint.path, _drive(joint)) for joint in too_damped(scene, rate))
 
 
+def _armatures(scene: Scene, least: float, most: float) -> Occurrences:
+    for tree in trees(scene) if any(joint.armature for joint in scene.joints) else ():
+        for number, lightness in mobility(scene, tree).items():
+            joint = scene.joints[number] if number >= 0 else None
+            share = joint.armature * lightness if joint else 0.0
+            if joint and least < share <= most:
+                yield joint.path, f"an armature of {joint.armature:.3g}, {100 * share:.2g} % of what the joint moves"
+
+
 def _sticking(scene: Scene) -> Occurrences:
     for body in scene.bodies:
         for f in dict.fromkeys(geom.friction for geom in colliders(body)):
@@ -272,6 +281,18 @@ def fine_drives(rate: int) -> Capability:
 def damped_drives(rate: int) -> Capability:
     """Drives that decay too fast for `rate` steps per second."""
     return Capability("drives however damped", partial(_damped, rate=rate))
+
+
+def armatures_above(share: float) -> Capability:
+    """Armatures of more than a `share` of the inertia that their joint moves."""
+    return Capability(
+        f"armatures above {100 * share:g} % of what a joint moves", partial(_armatures, least=share, most=1.0)
+    )
+
+
+def armatures_below(share: float) -> Capability:
+    """Armatures of at most a `share` of that inertia."""
+    return Capability(f"armatures up to {100 * share:g} % of it", partial(_armatures, least=0.0, most=share))
 
 
 def pieces_above(most: int) -> Capability:

@@ -29,7 +29,8 @@ _FOREIGN_PREFIXES = ("physx", "mjc:", "newton:", "state:")
 
 _READ_FOREIGN = re.compile(
     r"physxRigidBody:(linear|angular)Damping|physxArticulation:enabledSelfCollisions|physxMimicJoint:.*"
-    r"|physxSurfaceVelocity:.*|newton:(mimic.*|selfCollisionEnabled)|mjc:(coef\d|target)"
+    r"|physxSurfaceVelocity:.*|newton:(armature|mimic.*|selfCollisionEnabled)"
+    r"|mjc:(armature|coef\d|target)|physxJoint:armature"
 )
 _HARMLESS = re.compile(
     r"physx(Scene|ContactReport|CookedData|ConvexHullCollision|ConvexDecompositionCollision|ResidualReporting):.*"

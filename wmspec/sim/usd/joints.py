@@ -28,6 +28,8 @@ _TURNS = {"X": (1.0, 0.0, 0.0, 0.0), "Y": (_HALF, 0.0, 0.0, _HALF), "Z": (_HALF,
 
 _End = tuple[Body | None, Pose]
 _HALF_TURN_Z = Pose(np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
+ARMATURES = ("newton:armature", "mjc:armature", "physxJoint:armature")
+"""Attributes of an armature; UsdPhysics has none."""
 _AXIS_NAMES = ("transX", "transY", "transZ", "rotX", "rotY", "rotZ")
 _SAME = 1e-9
 
@@ -173,7 +175,22 @@ def _single(
         way.limits,
         None if way.kind == "fixed" else drive(prim, way.drive, world, [other.drive for other in ways], notes),
         bool(value(prim, "physics:collisionEnabled", False)),
+        armature=_armature(prim, way.kind, world, notes),
     )
+
+
+def _armature(prim: Usd.Prim, kind: JointKind, world: StageFrame, notes: Substitutions) -> float:
+    """Return the armature (kg m² of a hinge, kg of a slider), the first that is authored."""
+    name = next((name for name in ARMATURES if value(prim, name, 0.0)), None)
+    if name is None or kind == "fixed":
+        return 0.0
+    given = float(value(prim, name, 0.0))
+    if not 0 < given < math.inf:
+        refuse(prim, f"{name} = {given:g}", "author 0 or more")
+    if kind == "ball":
+        notes.record(prim, f"{name} of a ball joint is not supported", "left out", "use three hinges")
+        return 0.0
+    return given * world.kilograms * (world.meters**2 if kind == "hinge" else 1.0)
 
 
 def _end(prim: Usd.Prim, number: int, axis: str, bodies: Mapping[str, Body], world: StageFrame) -> _End:

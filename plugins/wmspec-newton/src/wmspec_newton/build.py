@@ -87,7 +87,7 @@ def add_joint(builder: Any, limb: Link, links: dict[int, int], limits: Vector) -
         joint = builder.add_joint_ball(parent, child, armature=0.0, **frames)
         return joint
     low, high = limb.limits or (-inf, inf)
-    axis = newton.ModelBuilder.JointDofConfig(axis=(1.0, 0.0, 0.0), armature=0.0)
+    axis = newton.ModelBuilder.JointDofConfig(axis=(1.0, 0.0, 0.0), armature=limb.armature)
     if limb.limits:
         axis.limit_lower, axis.limit_upper = low, high
         # Without mode 1 (as given) Newton takes its own gains, in which limits are soft.

@@ -12,7 +12,7 @@ from wmspec.lang.check.types.types import A_LENGTH, AN_ANGLE
 _FORM = ("shape", *MEASURES)
 _MESH = ("file", "scale", "units", "up", "collision")
 _TRAFFIC = ("roads", "lane", "keeps")
-_DRIVEN = ("axis", "low", "high", "start", "target", "stiffness", "damping", "pace", "strength")
+_DRIVEN = ("axis", "low", "high", "start", "target", "stiffness", "damping", "pace", "strength", "armature")
 #: Properties that require another one, and the owner they are for.
 _REQUIREMENTS = {
     **dict.fromkeys(("strict", "inertia"), ("file", "an asset")),

@@ -325,6 +325,7 @@ PROPERTIES: dict[str, dict[str, PropertySpec]] = {
         "damping": PropertySpec((A_NUMBER,), "of its drive, SI units", "0", least=0),
         "pace": PropertySpec((A_NUMBER,), "the speed that its drive's damping keeps it at, SI units", optional=True),
         "strength": PropertySpec((A_NUMBER,), "the most that its drive exerts, SI units; as much as it takes if left out", optional=True, above=0),
+        "armature": PropertySpec((A_NUMBER,), "inertia of a rotor that turns or slides with its coordinate alone, kg m^2 or kg", optional=True, least=0),
         "touching": PropertySpec((TRUTH,), "whether the two that it joins can touch each other; they cannot if left out", optional=True),
         "present": PropertySpec((TRUTH,), "whether it is there at all; it needs its objects", "true"),
     },

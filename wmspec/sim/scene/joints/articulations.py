@@ -40,7 +40,8 @@ class Link:
     `above` and `below` are the joint frame, position and quaternion (w, x, y, z), in the centre-of-mass frames of
     parent (or world) and body; the joint axis is x. `start`: initial coordinate. `limits`: lowest and highest
     coordinate, or empty. `drive`: stiffness, damping, target, velocity, maximum force, or empty. `rate`: initial
-    velocity of the coordinate, rad/s or m/s; of a ball joint, about the three axes of the body; or empty.
+    velocity of the coordinate, rad/s or m/s; of a ball joint, about the three axes of the body; or empty. `armature`:
+    inertia that the coordinate has beside that of the bodies, kg m² or kg.
     """
 
     body: int
@@ -53,6 +54,7 @@ class Link:
     limits: tuple[float, ...]
     drive: tuple[float, ...]
     rate: tuple[float, ...] = ()
+    armature: float = 0.0
 
 
 Tree = tuple[Link, ...]
@@ -185,8 +187,10 @@ def _points(scene: Scene, name: str | None, frame: Pose, kind: str) -> tuple[int
 
 
 def can_close_loop(joint: Joint, coupled: frozenset[str]) -> bool:
-    """Whether coinciding points replace the joint: no drive, no limits, not in `coupled` (names of mimic joints)."""
-    plain = joint.drive is None and joint.limits is None and joint.name not in coupled
+    """Whether coinciding points replace the joint: it has no drive, limits or armature, and no mimic joint, whose names
+    are `coupled`.
+    """
+    plain = joint.drive is None and joint.limits is None and not joint.armature and joint.name not in coupled
     return joint.kind in _POINTS and plain
 
 
@@ -290,6 +294,7 @@ def _link(scene: Scene, branch: Branch) -> Link:
         if drive
         else (),
         rate=_rate(joint.kind, bodies, upper, lower, below),
+        armature=float(joint.armature),
     )
 
 

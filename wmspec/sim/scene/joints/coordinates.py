@@ -46,8 +46,9 @@ def mimic_constraints(scene: Scene) -> tuple[MimicConstraint, ...]:
     if not any(joint.mimic for joint in scene.joints):
         return ()
     all_ = coordinates(scene)
-    heavy = np.linalg.inv(all_.ways @ all_.masses @ all_.ways.T)
     links = [link for tree in trees(scene) for link in tree]
+    rotors = {link.body: link.armature for link in links}
+    heavy = np.linalg.inv(all_.ways @ all_.masses @ all_.ways.T + np.diag([rotors[body] for body in all_.holders]))
     holds, start = {link.joint: link.body for link in links}, {link.body: link.start for link in links}
     number = {joint.name: j for j, joint in enumerate(scene.joints)}
     made = []

@@ -73,8 +73,9 @@ def mobility(scene: Scene, tree: Tree) -> dict[int, float]:
         inertia = turn @ np.diag(body.inertia.moments) @ turn.T
         speeds = np.array([column[i] for column in columns])
         mass += body.inertia.mass * speeds[:, :3] @ speeds[:, :3].T + speeds[:, 3:] @ inertia @ speeds[:, 3:].T
-    lightness = np.diag(np.linalg.inv(mass)) if columns else np.zeros(0)
     numbers = [link.joint for link in tree for _ in motions(scene, tree, link)]
+    mass += np.diag([scene.joints[number].armature if number >= 0 else 0.0 for number in numbers])
+    lightness = np.diag(np.linalg.inv(mass)) if columns else np.zeros(0)
     return dict(zip(numbers, lightness.tolist(), strict=True))
 
 

@@ -48,6 +48,10 @@ def _joint(joint: Joint, bodies: Mapping[str, Body], moving: frozenset[str]) -> 
         yield Diagnostic(f"its limits are {joint.limits}, expected lower then upper, and none for a fixed joint")
     if joint.drive is not None:
         yield from _drive(joint, joint.drive)
+    if not 0 <= joint.armature < np.inf:
+        yield Diagnostic(f"its armature is {joint.armature:g}", help="make it 0 or more")
+    elif joint.armature and joint.kind not in ("hinge", "slider"):
+        yield Diagnostic(f"a {joint.kind} joint does not have exactly one coordinate with an armature")
     if joint.mimic is not None and joint.kind not in ("hinge", "slider"):
         yield Diagnostic(
             f"a {joint.kind} joint does not have exactly one coordinate, so it cannot mimic", help="remove its mimic"

@@ -121,7 +121,8 @@ class Joint:
 
     The coordinate is the pose of the second frame in the first: the angle about the common x axis (rad) of a hinge, the
     distance along it (m) of a slider. `limits`: lowest and highest value. The frames of a ball joint share their
-    origin, those of a fixed joint coincide. `collides`: whether the two bodies collide with each other.
+    origin, those of a fixed joint coincide. `collides`: whether the two bodies collide with each other. `armature`:
+    inertia of a rotor that only the coordinate of a hinge (kg m²) or slider (kg) moves.
     """
 
     name: str
@@ -135,3 +136,4 @@ class Joint:
     drive: Drive | None = None
     collides: bool = False
     mimic: Mimic | None = None
+    armature: float = 0.0
