@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import gc
 import os
 import tempfile
@@ -16,6 +17,7 @@ import wmspec
 from tests.browser import browser
 from tests.engines import ENGINES
 from tests.shared import shared
+from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.engines.registry import default
 
 __all__ = ["browser", "shared"]  # here alone: a process has one of each, however many folders use it
@@ -92,6 +94,21 @@ def pytest_collection_finish(session: pytest.Session) -> None:
     grouped = [item for item in session.items if item.get_closest_marker("xdist_group")]
     if getattr(session.config.option, "loadgroup", False) and not all("@" in item.nodeid for item in grouped):
         raise pytest.UsageError("pytest-xdist ignores groups with this version of pytest: install pytest<9.2")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> None:
+    """After each file, close the renderers that are kept for further pictures, and give their memory back.
+
+    They open again when they are needed. Otherwise a process that runs many files grows by gigabytes.
+    """
+    if nextitem is None or nextitem.path != item.path:
+        for kept in gc.get_objects():
+            if type(kept) is RenderCache:
+                kept.close()
+        gc.collect()
+        if trim := getattr(ctypes.CDLL(None), "malloc_trim", None):  # of glibc
+            trim(0)
 
 
 def _sharing(item: pytest.Item) -> str:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterator
+from itertools import count
 from typing import Any
 
 import pytest
 
 from tests.engines import ENGINES, installed
 from tests.pixels.scenes import LYING, body, grain, riding, scene, turned, views, wedge
+from wmspec.core.memoize import LRU
 from wmspec.sim.scene.model import Scene, Surface
 from wmspec.sim.shapes import Box, Capsule, Cone, Cylinder, Sphere
 
@@ -33,20 +35,19 @@ def table(tmp_path_factory: pytest.TempPathFactory) -> Scene:
 
 @pytest.fixture(scope="session")
 def renderer() -> Iterator[Any]:
-    """Make a renderer of an engine (or skip where it isn't installed); all are closed at the end."""
-    made: dict[Any, Any] = {}
+    """Make a renderer of an engine (or skip where it isn't installed); the last are kept open."""
+    made: LRU[Any, Any] = LRU(8, drop=lambda one: one[0].close())
+    numbers = count()
 
     def make(engine: str, what: Scene, width: int, height: int, fresh: bool = False) -> Any:
         installed(engine)
-        key = (engine, id(what), width, height, len(made) if fresh else -1)
-        if key not in made:
-            module = importlib.import_module(f"wmspec.backends.{engine}.render")
-            made[key] = module.Renderer(what, width, height), what  # kept: another scene must not get its id
-        return made[key][0]
+        key = (engine, id(what), width, height, next(numbers) if fresh else -1)
+        module = importlib.import_module(f"wmspec.backends.{engine}.render")
+        # The scene is kept, too: another one must not get its id.
+        return made.get(key, lambda: (module.Renderer(what, width, height), what))[0]
 
     yield make
-    for one, _ in made.values():
-        one.close()
+    made.clear()
 
 
 @pytest.fixture(params=ENGINES)
