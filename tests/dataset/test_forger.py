@@ -27,7 +27,7 @@ def quiet(text: str) -> None:
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     installed("mujoco")
     folder = tmp_path_factory.mktemp("forger")
-    generate([SPEED, COLLIDE], folder / "out", per_task=8, backend="mujoco", size=64, seed=SEED, workers=0, tell=quiet)
+    generate([SPEED, COLLIDE], folder / "out", per_task=4, backend="mujoco", size=64, seed=SEED, workers=0, tell=quiet)
     return folder / "out"
 
 

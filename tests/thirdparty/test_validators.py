@@ -24,8 +24,10 @@ def nvidia(path: Path) -> list[str]:
     return [f"{path.name}: {issue.message} ({issue.at})" for issue in engine.validate(str(path)).issues()]
 
 
-def test_openusd_has_no_complaint(catalogue: dict[str, list[Path]]) -> None:
-    assert [said for paths in catalogue.values() for path in paths for said in pixar(path)] == []
+@pytest.mark.parametrize("most", [2, pytest.param(None, marks=pytest.mark.slow)])
+def test_openusd_has_no_complaint(catalogue: dict[str, list[Path]], most: int | None) -> None:
+    """Counterfactuals are stages of the same kinds of prims: where slow tests run, all of them are validated."""
+    assert [said for paths in catalogue.values() for path in paths[:most] for said in pixar(path)] == []
 
 
 @pytest.mark.slow
