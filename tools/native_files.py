@@ -29,12 +29,13 @@ from wmspec.lang.importers.blocks import relevant_faults, to_identifier
 from wmspec.lang.importers.model import Joint, RejectedAsset
 from wmspec.lang.importers.read import read
 from wmspec.lang.importers.tree import LinkTree
+from wmspec.runtime.engines.registry import info
 from wmspec.sim.scene.model import Array, Body
 from wmspec.sim.scene.model.transform import rotate
 
 PAGE = Path(__file__).parent.parent / "docs/benchmarks/native_files.md"
 START, STOP = "<!-- files -->\n", "<!-- /files -->\n"
-ENGINES = ("mujoco", "pybullet")
+ENGINES = ("mujoco", "pybullet", "sapien")
 SECONDS = 1.0
 #: Steps of PyBullet a second.
 RATE = 1000
@@ -173,7 +174,10 @@ def compared(folder: Path, file: File) -> dict[str, Any]:
         return {"refused": relevant_faults(tree, {}, ())[0].message}
     starts = {joint.name: _start(joint) for joint in tree.joints if joint.kind in ("hinge", "slider")}
     starts |= {name.removesuffix("_joint"): start for name, start in starts.items()}  # as the file names them
-    native, finer = (load(path, file.held, starts, steps) for steps in (1, FINER))
+    try:
+        native, finer = (load(path, file.held, starts, steps) for steps in (1, FINER))
+    except ValueError as error:  # such as a picture that was not fetched
+        return {"refused": f"MuJoCo: {str(error).replace(str(folder), '').partition(chr(10))[0]}"}
     height = plane_height(path.read_bytes()) if mjcf else None if file.held else 0.0
     named = {joint.name: "rad" if joint.kind == "hinge" else "m" for joint in tree.joints}
     parts = [f"part {to_identifier(n)} {{ start: {starts[n]:.9g} {named[n]} }}" for n in named if n in starts]
@@ -294,14 +298,22 @@ def page(results: dict[str, Any]) -> str:
         name = f"{file.name} (`{file.package}/{Path(file.path).name}`)"
         if "mass" not in found:  # no engine executes it
             why = found.get("refused") or found[ENGINES[0]].partition("\n")[0].removeprefix("/World/Joints/it_")
-            rows.append((name, *([""] * 4), "refused", "refused", why[:140]))
+            rows.append((name, *([""] * 4), *(["refused"] * len(ENGINES)), why[:140]))
             continue
         mass = _pair(found["native mass"], found["mass"])
         engines = [_millimetres(found.get(e)) for e in ENGINES]
         limits = "equal" if not found["limits"] else f"{len(found['limits'])} differ"
         own = [_millimetres(found[k]) for k in ("moves", "finer")]
         rows.append((name, mass, limits, *own, *engines, file.note or _kinds(found["reported"])))
-    head = ("file", "mass (kg)", "limits", "moves", "finer steps", "MuJoCo", "PyBullet", "why it differs")
+    head = (
+        "file",
+        "mass (kg)",
+        "limits",
+        "moves",
+        "finer steps",
+        *(info(engine).title for engine in ENGINES),
+        "why it differs",
+    )
     return "\n".join(table(head, rows))
 
 

@@ -92,6 +92,14 @@ def test_a_root_frame_that_several_links_are_fixed_to(tmp_path: Path) -> None:
     assert sum(body.mass for body in found.bodies) == pytest.approx(2, rel=1e-4)
 
 
+def test_empty_bodies_beside_the_base_do_not_matter(tmp_path: Path) -> None:
+    arm = '<body name="arm" pos="0 0 .2"><joint/><geom size=".1"/></body>'
+    for goal in ("", '<body name="goal" pos="1 1 0"><site size=".1"/></body>'):
+        mjcf(tmp_path, f'{goal}<body name="stand" pos="0 1 0"><geom size=".1"/>{arm}</body>')
+        found = made(tmp_path, file="a.xml")
+        assert {body.name: body.motion for body in found.bodies} == {"it": "static", "it_arm": "dynamic"}
+
+
 def test_a_frame_with_nothing_behind_it_does_not_matter(tmp_path: Path) -> None:
     written(tmp_path, link("a"), link("tip", None, shape=""), joint("j", "a", "tip", "continuous"))
     assert not warnings(tmp_path)

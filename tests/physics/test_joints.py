@@ -345,6 +345,18 @@ def test_what_cannot_be_done_to_jointed_bodies_is_refused(execute: Execute) -> N
         execute(scene(a, joints=(hinge,), actions=(Steer("go", "j", 0, 1.0),)))
 
 
+def test_mujoco_needs_no_smaller_steps_for_dampers() -> None:
+    """It integrates them implicitly."""
+    load = body("load", Box((0.05,) * 3), (0, 0, 1), mass=0.01)
+    for drive, count in ((Drive(0.0, 1e3), 0), (Drive(1e7, 1.0), 1)):
+        rail = joint("j", "slider", None, load, (0, 0, 1), DOWN, drive=drive)
+        damped = scene(load, joints=(rail,), duration=0.2)
+        assert len(approximation_warnings(info("mujoco").lacks, damped)) == count
+    rail = replace(rail, drive=Drive(0.0, 1e3))
+    trace = installed("mujoco").execute(scene(load, joints=(rail,), duration=0.2))
+    assert trace.linear_velocity[-1, 0, 2] == pytest.approx(-0.01 * G / 1e3, rel=0.01)
+
+
 def test_drives_too_stiff_for_an_engine_are_refused_with_their_prim() -> None:
     light = body("light", Box((0.05,) * 3), mass=0.01)
     stiff = scene(light, joints=(joint("j", "slider", None, light, (0, 0, 0), drive=Drive(1e9, 1e3)),), duration=0.2)

@@ -102,9 +102,10 @@ class _Walk:
         here, link = identity(), self._asset.links[name]
         others: list[Joint] = []
         while not link.shapes:
-            joint, *more = self._below.get(name, (None,))
-            if joint is None or link.mass is not None or (more and name != WORLD):
+            joints = [joint for joint in self._below.get(name, ()) if not self._is_empty(joint.child)]
+            if not joints or link.mass is not None or (len(joints) > 1 and name != WORLD):
                 raise self._faults.stop(link.where, "the base of the asset has no shape", "give it a `visual`")
+            joint, *more = joints
             others += more
             if joint.kind in ("hinge", "slider", "ball"):
                 self._from_world(name, joint, here, others)
@@ -113,6 +114,12 @@ class _Walk:
             here, name = compose(here, joint.place), joint.child
             link = self._asset.links[name]
         self._base(link, here, others)
+
+    def _is_empty(self, name: str) -> bool:
+        """Whether a link and all below it have neither shape nor mass."""
+        link = self._asset.links[name]
+        below = self._below.get(name, ())
+        return not link.shapes and link.mass is None and all(self._is_empty(joint.child) for joint in below)
 
     def _from_world(self, name: str, joint: Joint, here: Pose, others: list[Joint]) -> None:
         """Add a base with a joint to the world."""

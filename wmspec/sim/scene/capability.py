@@ -149,8 +149,9 @@ def _stiff(scene: Scene, rate: int) -> Occurrences:
     yield from ((joint.path, _drive(joint)) for joint in too_stiff(scene, rate))
 
 
-def _hasty(scene: Scene, rate: int) -> Occurrences:
-    joints = {joint.name: joint for joint in (*too_stiff(scene, rate), *too_damped(scene, rate))}
+def _hasty(scene: Scene, rate: int, damped: bool) -> Occurrences:
+    hasty = (*too_stiff(scene, rate), *(too_damped(scene, rate) if damped else ()))
+    joints = {joint.name: joint for joint in hasty}
     yield from ((joint.path, _drive(joint)) for joint in joints.values())
 
 
@@ -273,9 +274,9 @@ def stiff_drives(rate: int) -> Capability:
     return Capability("drives however stiff", partial(_stiff, rate=rate))
 
 
-def fine_drives(rate: int) -> Capability:
-    """Drives that need more than the usual `rate` of steps per second."""
-    return Capability("drives that need smaller steps", partial(_hasty, rate=rate))
+def fine_drives(rate: int, *, damped: bool = True) -> Capability:
+    """Drives that need more than the usual `rate` of steps per second; with `damped`, damping counts like stiffness."""
+    return Capability("drives that need smaller steps", partial(_hasty, rate=rate, damped=damped))
 
 
 def damped_drives(rate: int) -> Capability:

@@ -31,7 +31,7 @@ INFO = Info(
             stiff_drives(MAX_STEP_MULTIPLIER * STEPS_PER_SECOND),
             "Newton integrates drives explicitly and would overshoot; reduce the stiffness or increase the load",
         ),
-        Lack(fine_drives(STEPS_PER_SECOND), "Newton uses up to 16 times as many steps", approximate=True),
+        Lack(fine_drives(STEPS_PER_SECOND, damped=False), "Newton uses up to 16 times as many steps", approximate=True),
         Lack(
             fast_impacts(CONTACT_YIELD, MAX_STEP_MULTIPLIER),
             f"contacts yield, even with {MAX_STEP_MULTIPLIER} times as many steps; slow the body down or thicken "
