@@ -284,10 +284,11 @@ def _rows(home: Path, r: random.Random, _: Damage) -> None:
 def _other(row: dict[str, Any], r: random.Random) -> None:
     """Replace a value of a row by another of the same type."""
     name = r.choice(sorted(row))
-    row[name] = _instead(row[name], r)
+    row[name] = instead(row[name], r)
 
 
-def _instead(value: Any, r: random.Random) -> Any:
+def instead(value: Any, r: random.Random) -> Any:
+    """Return another value of the same type, or None."""
     match value:
         case bool():
             return r.choice((not value, None))
@@ -301,10 +302,10 @@ def _instead(value: Any, r: random.Random) -> Any:
             return r.choice((b"", damaged(value, r)))
         case dict():
             name = r.choice(sorted(value))
-            return {**value, name: _instead(value[name], r)}
+            return {**value, name: instead(value[name], r)}
         case list() if value:
             at = r.randrange(len(value))
-            return r.choice(([], value * 2, value[1:], [*value[:at], _instead(value[at], r), *value[at + 1 :]]))
+            return r.choice(([], value * 2, value[1:], [*value[:at], instead(value[at], r), *value[at + 1 :]]))
     return value
 
 

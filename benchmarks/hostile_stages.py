@@ -16,6 +16,7 @@ import shutil
 import sys
 import tempfile
 from collections import Counter
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
@@ -66,10 +67,7 @@ def plan(number: int, folder: Path) -> Plan:
 def attempt(number: int, root: str) -> Outcome:
     """Make a stage, execute and save it. Exceptions other than WmsError are failures."""
     begin = perf_counter()
-    home = Path(root) / "a" / "b" / "c"
-    home.mkdir(parents=True)
-    for name in ("secret.usda", "secret.png"):
-        (home.parent.parent / name).write_text(SECRET)
+    home = secrets(Path(root))
     made = plan(number, home)
     path = made.write()
     there, kind, words = set(Path(root).rglob("*")), "executed", ""
@@ -85,25 +83,46 @@ def attempt(number: int, root: str) -> Outcome:
         kind, words = "failed", f"written outside: {new}"
     if SECRET in words:
         kind = "failed"
-    memory = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) * 1024
-    return Outcome(number, tuple(made.twists), kind, words, perf_counter() - begin, memory)
+    return Outcome(number, tuple(made.twists), kind, words, perf_counter() - begin, memory())
 
 
-def try_all(numbers: range, max_time: float, verbose: bool = False) -> list[Outcome]:
-    """Try stages one by one for at most `max_time` seconds; a process that hangs or crashes is replaced."""
-    from benchmarks.hostile_stages import attempt as work  # by its name, so that the process finds it
+def secrets(root: Path) -> Path:
+    """Make a folder below others with files that nothing in it may read or change."""
+    home = root / "a" / "b" / "c"
+    home.mkdir(parents=True)
+    for name in ("secret.usda", "secret.png"):
+        (home.parent.parent / name).write_text(SECRET)
+    return home
 
+
+def memory() -> int:
+    """Return the most memory that this process or one of its children has held, in bytes."""
+    return max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) * 1024
+
+
+def try_all(
+    work: Callable[[int, str], Outcome],
+    numbers: range,
+    max_time: float,
+    verbose: bool = False,
+    keep: Callable[[int, Path], object] = lambda *_: None,
+) -> list[Outcome]:
+    """Try one by one for at most `max_time` seconds; a process that hangs or crashes is replaced.
+
+    `keep` gets each number and folder before that is removed.
+    """
     outcomes, end = list[Outcome](), perf_counter() + max_time
     helper = HelperProcess(SECONDS)
     try:
         for number in numbers:
             if perf_counter() > end:
                 break
-            if len(outcomes) % TOGETHER == TOGETHER - 1:
+            if len(outcomes) % TOGETHER == TOGETHER - 1 or (outcomes and outcomes[-1].memory > BYTES / 2):
                 helper.close()
                 helper = HelperProcess(SECONDS)
             root, begin = tempfile.mkdtemp(prefix="stage"), perf_counter()
             made = helper.do(work, number, root)
+            keep(number, Path(root))
             shutil.rmtree(root)
             if isinstance(made, JobFailure):
                 made = Outcome(number, (), "failed", f"{made.kind}: {made.reason}", perf_counter() - begin, 0)
@@ -128,14 +147,21 @@ def main() -> None:
     parser.add_argument("--max-time", type=float, default=36_000.0, help="seconds after which no stage is begun")
     parser.add_argument("--verbose", action="store_true", help="print every stage")
     options = parser.parse_args()
-    outcomes = try_all(range(options.first, options.first + options.count), options.max_time, options.verbose)
+    from benchmarks.hostile_stages import attempt as work  # by its name, so that the process finds it
+
+    numbers = range(options.first, options.first + options.count)
+    outcomes = try_all(work, numbers, options.max_time, options.verbose)
+    print_figures(outcomes, "stages", "executed")
+    sys.exit(any(outcome.kind == "failed" for outcome in outcomes))
+
+
+def print_figures(outcomes: Sequence[Outcome], what: str, done: str) -> None:
+    """Print a table of outcomes of `what`, of which some are `done`."""
     counts = Counter(outcome.kind for outcome in outcomes)
-    slowest = max(outcome.seconds for outcome in outcomes)
-    print("| stages | executed | refused | failed | slowest | most memory |\n|---|---|---|---|---|---|")
-    memory = max(outcome.memory for outcome in outcomes) >> 20
-    cells = (len(outcomes), *(counts[kind] for kind in ("executed", "refused", "failed")))
-    print(f"| {' | '.join(f'{cell:,}' for cell in cells)} | {slowest:.2f} s | {memory} MB |")
-    sys.exit(counts["failed"] > 0)
+    print(f"| {what} | {done} | refused | failed | slowest | most memory |\n|---|---|---|---|---|---|")
+    cells = (len(outcomes), *(counts[kind] for kind in (done, "refused", "failed")))
+    slowest, most = (max(getattr(outcome, name) for outcome in outcomes) for name in ("seconds", "memory"))
+    print(f"| {' | '.join(f'{cell:,}' for cell in cells)} | {slowest:.2f} s | {most >> 20} MB |")
 
 
 if __name__ == "__main__":

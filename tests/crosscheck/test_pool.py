@@ -154,3 +154,12 @@ def test_a_signal_while_work_is_handed_over_ends_all_the_same() -> None:
     """A run that received a termination signal once waited for ever."""
     done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=False, timeout=120)
     assert done.stdout == "ended []\n", done.stderr
+
+
+def test_ctrl_c_reaches_no_reader_of_clips_from_its_start_on() -> None:
+    """Ctrl-C while its Python started showed a traceback."""
+    pytest.importorskip("av")
+    from wmspec.eval.clips.read import clip_reader
+
+    with clip_reader() as reader:
+        assert signal.SIGINT in reader._pool.schedule(signal.pthread_sigmask, args=[signal.SIG_BLOCK, ()]).result()

@@ -36,6 +36,9 @@ FILE_BYTES = Limit(100_000_000, "bytes", RIGHT_FILE)
 XML_BYTES = Limit(4_000_000, "bytes", RIGHT_FILE)
 #: A table or a manifest.
 TABLE_BYTES = Limit(500_000_000, "bytes", RIGHT_FILE)
+#: A Parquet file: rows, and what it unpacks to.
+TABLE_ROWS = Limit(1_000_000, "rows", "split it into several files")
+UNPACKED_BYTES = Limit(500_000_000, "bytes after unpacking", RIGHT_FILE)
 #: An image: 8192 x 8192.
 PIXELS = Limit(2**26, "pixels", "save it smaller")
 #: A mesh: points, and corners of faces.
@@ -43,6 +46,8 @@ POINTS = Limit(1_000_000, "points or corners")
 #: A composed USD stage, and a stage used as an asset.
 COMPOSED_PRIMS = Limit(200_000, "prims after composition")
 PRIMS = Limit(20_000, "prims")
+#: The API schemas of a prim.
+SCHEMAS = Limit(200, "API schemas", "apply those that are needed")
 #: Cameras of a stage, each of which takes milliseconds to read.
 CAMERAS = Limit(1_000, "cameras", "deactivate those that are not needed")
 #: The layers of a stage: number, total size, and time to read them.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from wmspec.compile.layout.evaluator import Evaluator
 
 Point = tuple[float, float]
+
+#: Maximum rounding error of a distance (m).
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -37,16 +40,35 @@ class Outline:
         """Maximum distance (m) of a corner from the middle."""
         return max(math.dist(self.middle, corner) for corner in self.corners)
 
+    @cached_property
+    def sides(self) -> tuple[tuple[Point, Point], ...]:
+        """The ends of each side."""
+        return tuple(zip(self.corners, (*self.corners[1:], self.corners[0]), strict=True))
+
+    def least_distance(self, point: Point) -> float:
+        """Return a lower bound (m) of the distance of a point, which is quick to compute."""
+        return math.dist(self.middle, point) - self.radius - _ROUNDING
+
+    def contains(self, point: Point) -> bool:
+        """Whether a point is within the outline."""
+        return self.least_distance(point) <= 0 and all(_left(a, b, point) >= 0 for a, b in self.sides)
+
     def distance(self, point: Point) -> float:
         """Return the distance (m) of a point; 0 within the outline."""
-        sides = list(zip(self.corners, (*self.corners[1:], self.corners[0]), strict=True))
-        if all(_left(a, b, point) >= 0 for a, b in sides):
-            return 0.0
-        return min(_from_side(a, b, point) for a, b in sides)
+        return 0.0 if self.contains(point) else min(_from_side(a, b, point) for a, b in self.sides)
 
     def meets(self, other: Outline) -> bool:
         """Whether two outlines overlap, by the separating axis test."""
         return not (_is_separated(self, other) or _is_separated(other, self))
+
+
+def clearance(outlines: Iterable[Outline], point: Point) -> float:
+    """Return the distance (m) of a point from the nearest outline; infinite if there is none."""
+    least = math.inf
+    for outline in outlines:
+        if outline.least_distance(point) < least:
+            least = min(least, outline.distance(point))
+    return least
 
 
 def obstacles(values: Evaluator, low: float, high: float) -> tuple[Outline, ...]:
@@ -110,5 +132,4 @@ def _from_side(a: Point, b: Point, point: Point) -> float:
 
 def _is_separated(one: Outline, other: Outline) -> bool:
     """Whether a side of one outline has all of the other to its right."""
-    sides = zip(one.corners, (*one.corners[1:], one.corners[0]), strict=True)
-    return any(all(_left(a, b, corner) <= 0 for corner in other.corners) for a, b in sides)
+    return any(all(_left(a, b, corner) <= 0 for corner in other.corners) for a, b in one.sides)

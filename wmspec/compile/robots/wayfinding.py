@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from heapq import heappop, heappush
 
 from wmspec.compile.robots.ground_path import PathSegment, Pivot, Pose2D, Straight
-from wmspec.compile.robots.obstacles import Outline, Point
+from wmspec.compile.robots.obstacles import Outline, Point, clearance
 
 CELL = 0.1  # m: of the grid
 ARRIVAL_DISTANCE = 0.35  # m: of a walker from its goal
@@ -53,11 +53,7 @@ def _grid_path(spot: Pose2D, goal: Sequence[Outline], standing: Sequence[Outline
         return max(0.0, math.dist(at(cell), middle) - reach)
 
     def there(cell: tuple[int, int]) -> bool:
-        return (
-            left(cell) <= near
-            and min(o.distance(at(cell)) for o in goal) <= near
-            and _is_in_sight(at(cell), goal, standing)
-        )
+        return left(cell) <= near and clearance(goal, at(cell)) <= near and _is_in_sight(at(cell), goal, standing)
 
     near = keeps + ARRIVAL_DISTANCE
     known: dict[tuple[int, int], tuple[float, tuple[int, int] | None]] = {(0, 0): (0.0, None)}
@@ -116,7 +112,7 @@ def _is_clear(a: Point, b: Point, standing: Sequence[Outline], keeps: float) -> 
     while far < length:
         share = far / length
         here = (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]))
-        spare = min((o.distance(here) for o in near), default=math.inf) - keeps
+        spare = clearance(near, here) - keeps
         if spare < 0:
             return False
         far += max(spare, CELL / 20)
@@ -131,8 +127,8 @@ def _is_in_sight(point: Point, goal: Sequence[Outline], standing: Sequence[Outli
     for k in range(steps + 1):
         share = k / steps
         here = (point[0] + share * (nearest.middle[0] - point[0]), point[1] + share * (nearest.middle[1] - point[1]))
-        if nearest.distance(here) == 0:
+        if nearest.contains(here):
             return True
-        if any(outline.name != name and outline.distance(here) == 0 for outline in standing):
+        if any(outline.name != name and outline.contains(here) for outline in standing):
             return False
     return True

@@ -7,9 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-import pyarrow.parquet as pq
-
-from wmspec.core.safe_io import regular_file
+from wmspec.core.parquet_io import read_table
 from wmspec.dataset.build.rows import Row
 
 
@@ -31,7 +29,7 @@ class Baselines:
 def baselines(files: Iterable[Path]) -> Baselines:
     """Return the baselines of a task from its shard files. Raises OSError if one cannot be read."""
     columns = ["block", "question", "answer", "option_kind", "option_name", "option_text"]
-    rows: list[Row] = [row for file in files for row in pq.read_table(regular_file(file), columns=columns).to_pylist()]
+    rows: list[Row] = [row for file in files for row in read_table(file, columns).to_pylist()]
     answered = [row for row in rows if row["answer"] is not None]
     count = max(len(answered), 1)
     return Baselines(

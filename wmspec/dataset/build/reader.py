@@ -12,8 +12,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.parquet_io import batches, open_parquet
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import read_bytes, regular_file
+from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
 from wmspec.dataset.build.film_files import damaged_film, unlisted_films
 from wmspec.dataset.build.plan import fingerprint
@@ -218,18 +219,22 @@ def _group(
     file: pq.ParquetFile, group: int, columns: Sequence[str], only: Collection[int] | None
 ) -> Iterator[tuple[int, Row]]:
     """Yield the rows of a row group, each with its number in the file."""
-    if only is not None and not set(file.read_row_group(group, ["index"])["index"].to_pylist()) & set(only):
-        return
-    before = sum(file.metadata.row_group(g).num_rows for g in range(group))
-    for number, row in enumerate(file.read_row_group(group, columns).to_pylist(), before):
-        if only is None or row["index"] in only:
-            yield number, row
+    if only is not None:
+        indices = (index for batch in batches(file, ["index"], [group]) for index in batch["index"].to_pylist())
+        if not set(indices) & set(only):
+            return
+    number = sum(file.metadata.row_group(g).num_rows for g in range(group))
+    for batch in batches(file, columns, [group]):
+        for row in batch.to_pylist():
+            if only is None or row["index"] in only:
+                yield number, row
+            number += 1
 
 
 def _open_parquet(path: Path) -> pq.ParquetFile:
     """Open a Parquet file and check its columns."""
     try:
-        file = pq.ParquetFile(regular_file(path))
+        file = open_parquet(path)
         fault = columns_fault(file.schema_arrow)
     except (OSError, pa.ArrowException, ValueError) as error:
         raise _unreadable(path, error) from None

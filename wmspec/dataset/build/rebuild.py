@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import regular_file
+from wmspec.core.parquet_io import read_table
 from wmspec.dataset.build import files
 from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.reader import DatasetReader
@@ -46,5 +45,5 @@ def _indices(dataset: DatasetReader, task: str) -> list[int]:
     """Return the instances of a task, in order."""
     indices = {r["index"] for r in dataset.manifest["rejected"]["list"] if r["task"] == task}
     for path in dataset.shards(task):
-        indices.update(pq.read_table(regular_file(dataset.folder / path), columns=["index"])["index"].to_pylist())
+        indices.update(read_table(dataset.folder / path, ["index"])["index"].to_pylist())
     return sorted(indices)

@@ -120,7 +120,7 @@ _REQUIRED = (
     "context_time", "option_image", "option_kind", "option_name", "option_change", "measured", "agreement",
 )  # fmt: skip
 #: List columns whose items may be null.
-_NULLABLE_ITEMS = ("option_change", "context_time")
+_NULLABLE_ITEMS = ("option_change",)
 #: Groups of lists with equal length.
 _EQUAL_LENGTHS = (
     ("context", "context_camera", "context_time"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import resource
 from collections.abc import Iterator
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from wmspec.core.safe_io import is_within, regular_file
 from wmspec.dataset.film.codec import Frames, pyav
+from wmspec.runtime.workers.pool import WorkerContext, defer_signals
 
 #: Largest file (bytes), side (px), length (s) and number of frames of a clip.
 MAX_BYTES, MAX_SIDE, MAX_SECONDS, MAX_FRAMES = 64 << 20, 4096, 60.0, 3600
@@ -53,7 +53,8 @@ class ClipReader:
             raise BadClip("there is no such file" if not path.is_symlink() else "it is a link that leads elsewhere")
         if (size := path.stat().st_size) > MAX_BYTES:
             raise BadClip(f"it has {size:,} bytes; at most {MAX_BYTES:,}")
-        future = self._pool.schedule(decode, args=[str(path), seconds], timeout=TIME_LIMIT)
+        with defer_signals():
+            future = self._pool.schedule(decode, args=[str(path), seconds], timeout=TIME_LIMIT)
         try:
             clip: Clip = future.result()
         except Late:
@@ -69,13 +70,15 @@ def clip_reader() -> Iterator[ClipReader]:
     from pebble import ProcessPool
 
     pyav()
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPool(max_workers=1, context=context, initializer=_limit_memory)
+    pool = ProcessPool(max_workers=1, context=WorkerContext(), initializer=_limit_memory)
+    with defer_signals():
+        _ = pool.active  # reading this starts the process
     try:
         yield ClipReader(pool)
     finally:
-        pool.stop()
-        pool.join()
+        with defer_signals():
+            pool.stop()
+            pool.join()
 
 
 def _limit_memory() -> None:

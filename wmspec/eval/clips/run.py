@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from wmspec import __version__
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.parquet_io import read_table
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import read_bytes, regular_file
+from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.distances import object_points, working_size
@@ -248,7 +248,7 @@ def rescore_clips(path: Path) -> tuple[Counts, int] | None:
     if "clips" not in about:
         return None
     try:
-        rows = pq.read_table(regular_file(path)).cast(clip_results.SCHEMA).to_pylist()
+        rows = read_table(path).cast(clip_results.SCHEMA).to_pylist()
     except (OSError, pa.ArrowException, ValueError):
         raise WmsError("results of another version of wmspec", FilePlace(str(path)), "evaluate again") from None
     again = clip_results.rescore(path, rows)

@@ -16,8 +16,9 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.parquet_io import read_table
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import is_file_name, make_folders, read_bytes, regular_file
+from wmspec.core.safe_io import is_file_name, make_folders, read_bytes
 from wmspec.dataset.build.files import with_remedies
 from wmspec.eval import replies
 from wmspec.eval.models.chance import chances
@@ -208,7 +209,7 @@ def write_atomically(path: Path, content: bytes) -> None:
 def read(path: Path) -> tuple[list[Row], dict[str, Any]]:
     """Return the rows and settings of results. Raises WmsError if the file is not one of results."""
     try:
-        table = pq.read_table(regular_file(path))
+        table = read_table(path)
         about = json.loads((table.schema.metadata or {})[_ABOUT])
     except (OSError, pa.ArrowException, KeyError, ValueError, RecursionError):
         raise WmsError(f"{path} holds no results; they are made with `wmspec evaluate DATASET -o {path}`") from None

@@ -13,9 +13,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.parquet_io import read_table
 from wmspec.core.places import FilePlace
 from wmspec.core.resources import resource
-from wmspec.core.safe_io import make_folders, read_bytes, regular_file
+from wmspec.core.safe_io import make_folders, read_bytes
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.export.rows import SCHEMA as EXPORT_SCHEMA
@@ -99,11 +100,7 @@ def read(place: Path) -> Published:
     try:
         index = json.loads(read_bytes(path))
         names = ["id", "options", "labels", "unit"]
-        rows = [
-            row
-            for task in index["tasks"]
-            for row in pq.read_table(regular_file(place / f"data/{task}.parquet"), columns=names).to_pylist()
-        ]
+        rows = [row for task in index["tasks"] for row in read_table(place / f"data/{task}.parquet", names).to_pylist()]
         questions = {row["id"]: (tuple(row["options"] or ()), row["labels"], row["unit"]) for row in rows}
         return Published(index["digest"], index["prompt"], questions)
     except (OSError, ValueError, LookupError, TypeError, RecursionError, pa.ArrowException):

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pandas as pd
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.parquet_io import open_parquet, read_table
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import regular_file
 from wmspec.dataset.build.images import image_format
@@ -109,6 +109,8 @@ def read(paths: Sequence[Path], dataset: Path | None, names: Mapping[str, str] |
     dataset.
     """
     table = pd.concat([_file(path) for path in _files(paths)], ignore_index=True)
+    if table.empty:
+        raise WmsError("the results have no replies", help="evaluate again, with questions")
     table = _unique_replies(table)
     table = table.assign(model=table["model"].replace(_checked_names(table["model"], names or {})))
     questions = Questions.read(dataset) if dataset else None
@@ -151,7 +153,7 @@ def _files(paths: Sequence[Path]) -> list[Path]:
 
 def _file(path: Path) -> pd.DataFrame:
     try:
-        file = pq.ParquetFile(regular_file(path))
+        file = open_parquet(path)
         lacking = [name for name in COLUMNS if name not in file.schema_arrow.names]
         if lacking:
             raise WmsError(
@@ -159,9 +161,9 @@ def _file(path: Path) -> pd.DataFrame:
                 "give what `wmspec evaluate` or `wmspec study collect` wrote (a dataset goes to --dataset)"
             )
         columns = [name for name in (*COLUMNS, *OPEN_COLUMNS, "finish_reason") if name in file.schema_arrow.names]
-        table: pd.DataFrame = validated(upgraded(file.read(columns)), path).to_pandas()
+        table: pd.DataFrame = validated(upgraded(read_table(path, columns)), path).to_pandas()
         clips = [name for name in CLIP_COLUMNS if name in file.schema_arrow.names]
-        return table.assign(**{name: file.read([name])[name].to_pandas() for name in clips})
+        return table.assign(**{name: read_table(path, [name])[name].to_pandas() for name in clips})
     except FileNotFoundError:
         raise WmsError(f"{path} is not there; give a file or a folder that `wmspec evaluate` wrote") from None
     except (OSError, pa.ArrowException) as error:
@@ -185,7 +187,7 @@ def read_strips(paths: Sequence[Path]) -> dict[str, bytes]:
         except OSError:
             continue
         if image_format(content) == "PNG":
-            model = pq.read_table(regular_file(path), columns=["model"])["model"]
+            model = read_table(path, ["model"])["model"]
             found[str(model[0]) if len(model) else path.stem] = content
     return found
 

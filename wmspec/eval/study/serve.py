@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import ipaddress
 import json
+import os
 import re
 import sqlite3
 from dataclasses import asdict
@@ -18,7 +20,7 @@ from pydantic import ValidationError
 from wmspec.core.bounded_server import BoundedServer
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.limits import FILE_BYTES
-from wmspec.core.safe_io import read_bytes
+from wmspec.core.safe_io import is_within, read_bytes
 from wmspec.eval.study import page, store
 from wmspec.eval.study.answers import Answer, Person
 from wmspec.eval.study.model import PAGE_FOLDER, Study, load
@@ -38,10 +40,12 @@ class StudyServer(BoundedServer):
         """
         self.study: Study = load(folder)
         self.page = page.html(self.study, folder, served=True).encode()
-        items, shown = self.study.items, folder / PAGE_FOLDER
+        items, self.folder = self.study.items, folder / PAGE_FOLDER
         pictures = {name for item in items for name in (*item.context, *item.pictures)}
-        self.files = {f"/pictures/{name}": shown / "pictures" / Path(name).name for name in pictures}
-        self.files |= {f"/films/{item.film}": shown / "films" / Path(item.film).name for item in items if item.film}
+        self.files = {f"/pictures/{name}": self.folder / "pictures" / Path(name).name for name in pictures}
+        self.files |= {
+            f"/films/{item.film}": self.folder / "films" / Path(item.film).name for item in items if item.film
+        }
         self.store = AnswerStore(folder / store.ANSWERS_FILE, self.study, shares)
         self.is_local = _is_loopback(host)
         try:
@@ -54,6 +58,13 @@ class StudyServer(BoundedServer):
     def url(self) -> str:
         """The URL of the page."""
         return f"http://{self.server_address[0]!s}:{self.server_address[1]}/"
+
+    def content(self, path: str) -> bytes:
+        """Return a picture or film of the page. Raises OSError if it is unreadable, or a link that leads elsewhere."""
+        file = self.files[path]
+        if not is_within(self.folder, file):
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(file))
+        return read_bytes(file, FILE_BYTES)
 
     def server_close(self) -> None:
         """Stop listening, and close the file of answers."""
@@ -98,7 +109,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._send(HTTPStatus.OK, self.server.page, "text/html; charset=utf-8")
         elif path in self.server.files:
             try:
-                content = read_bytes(self.server.files[path], FILE_BYTES)
+                content = self.server.content(path)
             except OSError:
                 self._refuse(HTTPStatus.NOT_FOUND, "not here")
                 return

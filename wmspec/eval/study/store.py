@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from time import monotonic
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
@@ -30,6 +31,22 @@ create table if not exists answer (
   session text not null references visit, step integer not null, text text not null,
   seconds real not null, away real not null, at text not null, primary key (session, step)
 ) without rowid;
+"""
+#: Maximum size of a value (bytes), and of the time of a transaction (s): a file may hold programs that have no end.
+MAX_VALUE_BYTES, MAX_SECONDS = 1 << 20, 30.0
+#: Instructions of SQLite between looks at the clock.
+_INSTRUCTIONS = 100_000
+#: Finds programs in place of tables, and values that no server stores.
+_PROGRAMS = """
+select name from sqlite_master where type in ('view', 'trigger') or sql like 'create virtual%' or
+(type = 'index' and sql is not null)
+union all select info.name from sqlite_master as made, pragma_table_xinfo(made.name) as info
+where made.type = 'table' and info.hidden
+"""
+_FOREIGN_VALUES = """
+select 'visit' from visit where typeof(session) <> 'text' or typeof(rater) <> 'text' or typeof(code) <> 'text' or
+typeof(slot) <> 'integer' or slot not between 0 and ? - 1
+union all select 'answer' from answer where typeof(session) <> 'text' or typeof(step) <> 'integer'
 """
 #: Further columns of `visit`, which files of earlier versions lack.
 _ADDED = ("study_id", "session_id")
@@ -57,14 +74,20 @@ class AnswerStore:
         Raises WmsError if the file belongs to another study, or cannot be written.
         """
         self._study, self._lock, self._shares = study, threading.Lock(), shares
+        self._began = monotonic()
         try:
             # Wait for other processes; a commit is durable when it returns.
             self._file = sqlite3.connect(
                 regular_file(path, new=True), timeout=30, isolation_level=None, check_same_thread=False
             )
+            self._file.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_VALUE_BYTES)
+            self._file.set_progress_handler(self._is_late, _INSTRUCTIONS)
+            self._file.execute("pragma trusted_schema=off")
             self._file.execute("pragma synchronous=full")
             self._file.execute("pragma secure_delete=on")  # who withdraws leaves nothing behind
             with self._write():
+                if found := self._file.execute(_PROGRAMS).fetchone():
+                    raise sqlite3.DatabaseError(f"it has the program `{found[0]}`")
                 for statement in filter(str.strip, _TABLES.split(";")):
                     self._file.execute(statement)
                 present = {column[1] for column in self._file.execute("pragma table_info(visit)")}
@@ -73,6 +96,9 @@ class AnswerStore:
                 known = [name for (name,) in self._file.execute("select fingerprint from study")]
                 if not known:
                     self._file.execute("insert into study values (?)", [study.fingerprint])
+                mine = known in ([], [study.fingerprint])
+                if mine and (found := self._file.execute(_FOREIGN_VALUES, [len(study.slots)]).fetchone()):
+                    raise sqlite3.DatabaseError(f"its table `{found[0]}` has values of no server")
         except (OSError, sqlite3.Error) as error:
             raise WmsError(
                 f"cannot be opened ({error})", FilePlace(str(path)), "move it away to start a new file"
@@ -84,6 +110,7 @@ class AnswerStore:
     def _write(self) -> Iterator[None]:
         """Run an exclusive transaction."""
         with self._lock:
+            self._began = monotonic()
             self._file.execute("begin immediate")
             try:
                 yield
@@ -91,6 +118,9 @@ class AnswerStore:
                 self._file.execute("rollback")
                 raise
             self._file.execute("commit")
+
+    def _is_late(self) -> bool:
+        return monotonic() > self._began + MAX_SECONDS
 
     def close(self) -> None:
         """Close the file."""
@@ -134,6 +164,7 @@ class AnswerStore:
     def visits(self) -> list[Visit]:
         """Return all visits with their answers, in order of their beginning."""
         with self._lock:
+            self._began = monotonic()
             answers: dict[str, list[Answer]] = {}
             for session, step, text, seconds, away in self._file.execute(
                 "select session, step, text, seconds, away from answer order by session, step"

@@ -9,15 +9,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd
+from pxr import Sdf, Tf, Usd
 
 import wmspec.sim.usd.schema  # noqa: F401  importing it registers the schemas
-from wmspec.core.diagnostics import Diagnostic, WmsError
+from wmspec.core.diagnostics import Diagnostic, StageError, WmsError
 from wmspec.core.limits import TRACE_BYTES, TooLarge
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_file_name, open_file, regular_file
 from wmspec.sim.scene.model import Contact, Trace
 from wmspec.sim.usd.composed import require_bounded_layer
+from wmspec.sim.usd.files import complaint
 
 ARRAYS = ("time", "position", "orientation", "linear_velocity", "angular_velocity")
 
@@ -31,7 +32,7 @@ def save(stage: Usd.Stage, trace: Trace, path: Path, notes: Sequence[Diagnostic]
         with path.open("wb") as file:
             np.savez_compressed(
                 file,
-                stage=np.array(stage.Flatten().ExportToString()),
+                stage=np.array(_flat(stage)),
                 engine=np.array(trace.engine),
                 bodies=np.array(trace.bodies, dtype=np.str_),
                 contacts=np.array(pairs, dtype=np.str_).reshape(-1, 2),
@@ -41,6 +42,14 @@ def save(stage: Usd.Stage, trace: Trace, path: Path, notes: Sequence[Diagnostic]
             )
     except OSError as error:
         raise WmsError(f"cannot be written: {error.strerror}", FilePlace(str(path))) from None
+
+
+def _flat(stage: Usd.Stage) -> str:
+    """Return a stage as one layer. Raises StageError if an opinion of it cannot be composed."""
+    try:
+        return str(stage.Flatten().ExportToString())
+    except Tf.ErrorException as error:
+        raise StageError(f"cannot be saved: {complaint(error)}", help="remove or correct it") from None
 
 
 def load(path: Path) -> tuple[Usd.Stage, Trace]:

@@ -248,7 +248,7 @@ class LocalWorkers:
             self._pool.join()
 
     def _begin(self) -> None:
-        pool = {"max_workers": self._count, "max_tasks": MAX_JOBS_PER_WORKER, "context": _Context()}
+        pool = {"max_workers": self._count, "max_tasks": MAX_JOBS_PER_WORKER, "context": WorkerContext()}
         self._pool: Any = ProcessPool(**pool, initializer=_relax_gc)
         with defer_signals():
             _ = self._pool.active  # reading this starts the processes
@@ -365,5 +365,7 @@ class _Worker(SpawnProcess):
             sys.modules["__main__"] = script
 
 
-class _Context(SpawnContext):
+class WorkerContext(SpawnContext):
+    """Starts processes that ignore Ctrl-C from their start on, and do not import the main script."""
+
     Process = _Worker

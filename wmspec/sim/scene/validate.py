@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -39,11 +40,11 @@ def _whole(scene: Scene) -> Iterator[Diagnostic]:
         yield Diagnostic(
             "the stage has no body and no geometry", PrimPlace(scene.name), "check that this is the right stage"
         )
-    names = [body.name for body in scene.bodies]
+    names = Counter(body.name for body in scene.bodies)
     yield from (
-        Diagnostic(f"two bodies are named '{n}'", help="give each its own name")
-        for n in sorted(set(names))
-        if names.count(n) > 1
+        Diagnostic(f"two bodies are named '{name}'", help="give each its own name")
+        for name, count in sorted(names.items())
+        if count > 1
     )
     if not (np.isfinite(scene.duration) and scene.duration >= 0 and scene.rate > 0):
         yield Diagnostic(

@@ -24,7 +24,7 @@ def read(stage: Usd.Stage, *, strict: bool = True) -> Scene:
     from pxr import Tf
 
     from wmspec.core.diagnostics import StageError
-    from wmspec.sim.usd.files import error_text
+    from wmspec.sim.usd.files import complaint
     from wmspec.sim.usd.scene import scene
     from wmspec.sim.usd.substitutions import Substitutions
 
@@ -34,5 +34,4 @@ def read(stage: Usd.Stage, *, strict: bool = True) -> Scene:
         reason = str(error).splitlines()[0][:200]
         raise StageError(f"the value of an attribute has another type than its schema ({reason})") from error
     except Tf.ErrorException as error:  # USD reports invalid values when they are read
-        complaint = error_text(error).partition(" : '")[2].partition("'\n")[0]
-        raise StageError(complaint[:300] or "it is damaged", help="export it again") from error
+        raise StageError(complaint(error), help="export it again") from error

@@ -32,9 +32,14 @@ def error_text(error: object) -> str:
         return "it is damaged"
 
 
+def complaint(error: object) -> str:
+    """Return USD's first message, without places in its source."""
+    return error_text(error).partition(" : '")[2].partition("'\n")[0][:300] or "it is damaged"
+
+
 def _complaint(error: Exception, path: Path, shown: str) -> str:
     """Return pxr's first complaint about a file, called `shown`, without places in pxr's source."""
-    complaint = error_text(error).partition(" : '")[2].partition("'\n")[0] or error_text(error) or type(error).__name__
+    text = error_text(error).partition(" : '")[2].partition("'\n")[0] or error_text(error) or type(error).__name__
     for name in (f"<{path.resolve()}>", str(path.resolve())):
-        complaint = complaint.replace(name, shown)
-    return " ".join(complaint.replace("</", "<").split())[: 120 + len(shown)]
+        text = text.replace(name, shown)
+    return " ".join(text.replace("</", "<").split())[: 120 + len(shown)]

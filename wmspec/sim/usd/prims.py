@@ -171,11 +171,15 @@ class Names:
 
     def __init__(self) -> None:
         self._taken: set[str] = set()
+        self._numbers: dict[str, int] = {}
 
     def give(self, *wishes: str) -> str:
         """Return the first free wish, or the last one with a number; `/` becomes `_`."""
         plain = [wish.strip("/").replace("/", "_") for wish in wishes]
-        numbered = (f"{plain[-1]}_{i}" for i in range(2, 2 + len(self._taken)))
-        name = next(name for name in (*plain, *numbered, plain[-1]) if name not in self._taken)
+        last, number = plain[-1], self._numbers.get(plain[-1], 2)
+        while f"{last}_{number}" in self._taken:
+            number += 1
+        self._numbers[last] = number  # those before it are taken
+        name = next((name for name in plain if name not in self._taken), f"{last}_{number}")
         self._taken.add(name)
         return name

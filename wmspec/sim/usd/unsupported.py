@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pxr import Usd, UsdGeom
 
 from wmspec.core.diagnostics import Report
+from wmspec.core.limits import SCHEMAS
 from wmspec.sim.usd.files import error_text
 from wmspec.sim.usd.frames import operations
 from wmspec.sim.usd.prims import applied_schemas, existing_targets, refuse
@@ -69,6 +70,8 @@ def refuse_unsupported(prim: Usd.Prim, apis: Sequence[str], notes: Substitutions
     Raises: StageError: with prim, reason and remedy.
     """
     kind = str(prim.GetTypeName())
+    if len(apis) > SCHEMAS.most:
+        refuse(prim, SCHEMAS.sentence, SCHEMAS.help)
     if kind in VISUAL_ONLY and not _physical(prim):
         reason, remedy = VISUAL_ONLY[kind]
         notes.record(prim, reason, "left out of pictures", remedy)

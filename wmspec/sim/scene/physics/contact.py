@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import combinations
 from math import sqrt
+from operator import itemgetter
 
 from wmspec.sim.scene.model import Body, Contact, Friction, Geom, Scene
 
@@ -27,11 +28,15 @@ def colliders(body: Body) -> tuple[Geom, ...]:
 
 
 def colliding_geoms(scene: Scene) -> Iterator[tuple[Body, Geom, Body, Geom]]:
-    """Yield every pair of geoms that can collide, in scene order."""
+    """Yield every pair of geoms that can collide, in scene order, without trying those of two static bodies."""
     never = non_colliding_pairs(scene)
-    for (i, a), (j, b) in combinations(enumerate(scene.bodies), 2):
-        if can_collide(a, b) and (i, j) not in never:
-            yield from ((a, g, b, h) for g in colliders(a) for h in colliders(b))
+    solid = [(i, body) for i, body in enumerate(scene.bodies) if colliders(body)]
+    dynamic = [(i, body) for i, body in solid if body.motion == "dynamic"]
+    for place, (i, a) in enumerate(solid):
+        others = solid[place + 1 :] if a.motion == "dynamic" else dynamic[bisect(dynamic, i, key=itemgetter(0)) :]
+        for j, b in others:
+            if (i, j) not in never:
+                yield from ((a, g, b, h) for g in colliders(a) for h in colliders(b))
 
 
 def non_colliding_pairs(scene: Scene) -> frozenset[Pair]:
