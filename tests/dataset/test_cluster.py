@@ -4,6 +4,7 @@ import hashlib
 import sys
 import time
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from wmspec.core.resources import resource
 from wmspec.runtime.workers.cluster import ray_cluster
 from wmspec.runtime.workers.pool import JobFailure, map_batches
 
-ray = pytest.importorskip("ray")
+pytestmark = pytest.mark.skipif(find_spec("ray") is None, reason="Ray is not installed")
 startable = pytest.mark.skipif(
     any(map(str.isspace, sys.executable)), reason="Ray starts no Python with a space in its path"
 )
@@ -33,7 +34,7 @@ def foreign(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
-    """Two machines, as Ray sees it."""
+    """Two machines, as Ray sees it. Importing Ray takes seconds, also of runs without these tests."""
     from ray.cluster_utils import Cluster
 
     cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
@@ -96,6 +97,8 @@ def test_no_cluster_is_told(tmp_path: Path) -> None:
 @pytest.mark.slow
 @startable
 def test_a_machine_that_is_lost_changes_nothing(cluster: Any, tmp_path: Path) -> None:
+    import ray
+
     choices: Any = {"backend": "mujoco", "per_task": 24, "size": 64, "seed": 3}
     generate(SPEC, tmp_path / "here", workers=1, **choices)
     lost = cluster.add_node(num_cpus=1)

@@ -80,12 +80,13 @@ def test_the_shipped_specs_are_formatted(path: Path) -> None:
     assert format_spec(Source(str(path), path.read_text())) == path.read_text()
 
 
-@pytest.mark.parametrize("path", [p for p in CORPUS if parses(p.read_text())], ids=lambda p: p.stem)
-def test_the_corpus(path: Path) -> None:
-    text = path.read_text()
-    once = formatted(text)
-    assert formatted(once) == once
-    assert meaning(once, path.parent) == meaning(text, path.parent)
+def test_the_corpus() -> None:
+    parsed = {path: text for path in CORPUS if parses(text := path.read_text())}
+    assert len(parsed) > len(CORPUS) / 2
+    for path, text in parsed.items():
+        once = formatted(text)
+        assert formatted(once) == once, path
+        assert meaning(once, path.parent) == meaning(text, path.parent), path
 
 
 @examples(8, 60)
