@@ -12,6 +12,7 @@ from typing import Any
 import pyarrow.parquet as pq
 import pytest
 
+from tests.dataset.made import make, plan
 from tests.trust.made import below
 
 SPEC = Path(__file__).parents[1] / "endtoend/specs/speed_tabletop.wms"
@@ -57,6 +58,26 @@ def test_workers_hash_seed_locale_time_zone_umask_and_a_clock_that_goes_backward
     path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
     other = generated(SPEC, tmp_path / "out", {**OTHER, "PYTHONPATH": path}, 2, 0o077)
     assert contents(other) == contents(plain)
+
+
+@pytest.mark.slow
+def test_replies_and_a_study_under_a_clock_that_goes_backwards(tmp_path: Path) -> None:
+    make(tmp_path / "dataset", plan(count=2), size=24)
+    (tmp_path / "sitecustomize.py").write_text(BACKWARDS)
+    jumping = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    for name, path in (("plain", os.environ.get("PYTHONPATH", "")), ("jumping", jumping)):
+        for command in (
+            ["evaluate", tmp_path / "dataset", "-m", "random", "-o", tmp_path / name / "r.parquet"],
+            ["study", "make", tmp_path / "dataset", "-o", tmp_path / name / "study", "--per-task", "2"],
+        ):
+            environment = {**os.environ, "PYTHONPATH": path}
+            done = subprocess.run([sys.executable, "-m", "wmspec", *map(str, command)], env=environment, check=False)
+            assert done.returncode == 0
+    here, there = (
+        pq.read_table(tmp_path / name / "r.parquet").drop_columns(["seconds"]) for name in ("plain", "jumping")
+    )
+    assert here.to_pylist() == there.to_pylist()
+    assert contents(tmp_path / "plain/study") == contents(tmp_path / "jumping/study")
 
 
 def rows(folder: Path) -> list[dict[str, Any]]:

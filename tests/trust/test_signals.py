@@ -50,6 +50,31 @@ main(["list"])
 """
 
 
+WRAPPED = """
+import signal
+import click
+from wmspec.cli import main
+
+def wrapped(*_, **__):
+    try:
+        signal.raise_signal(signal.{name})
+    except BaseException as error:
+        raise ValueError("SchemaError") from error
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+click.Group.invoke = wrapped
+main(["list"])
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_signal_that_a_library_turns_into_an_error_of_its_own(name: str) -> None:
+    """Pydantic did, while a module was imported; it was told as a mistake of wmspec."""
+    command = [sys.executable, "-c", WRAPPED.format(name=name)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (128 + getattr(signal, name), "")
+
+
 def test_ctrl_c_ends_a_run_once() -> None:
     done = subprocess.run([sys.executable, "-c", TWICE], capture_output=True, text=True, check=False)
     assert done.returncode == 128 + signal.SIGINT

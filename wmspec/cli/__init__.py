@@ -83,13 +83,19 @@ Exit codes:
 """
 
 
+#: The signals that ended the run.
+_received: list[int] = []
+
+
 def _exit_on_signal(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  the signature of a handler
+    _received.append(number)
     raise SystemExit(128 + number)
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
     """Raise KeyboardInterrupt once; ignore Ctrl-C during the shutdown, which takes seconds with Ray."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _received.append(number)
     raise KeyboardInterrupt
 
 
@@ -141,6 +147,8 @@ class _Commands(click.Group):
             _drop_streams()
             sys.exit(2)
         except Exception as error:  # noqa: BLE001  users see no traceback
+            if _received:  # a library has turned the signal's exception into its own
+                sys.exit(128 + _received[0])
             from wmspec.core import crash
 
             with suppress(OSError):
