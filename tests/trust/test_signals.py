@@ -69,7 +69,7 @@ main(["list"])
 
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
 def test_a_signal_that_a_library_turns_into_an_error_of_its_own(name: str) -> None:
-    """Pydantic did, while a module was imported; it was told as a mistake of wmspec."""
+    """Pydantic did, while a module was imported; it was reported as a mistake of wmspec."""
     command = [sys.executable, "-c", WRAPPED.format(name=name)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (128 + getattr(signal, name), "")
