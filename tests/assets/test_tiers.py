@@ -331,6 +331,19 @@ def test_motors_planes_and_tendons_are_reported_once_a_kind(tmp_path: Path) -> N
     assert "`fixed` tendons are not supported: left out" in messages
 
 
+@pytest.mark.parametrize(
+    ("floor", "friction"),
+    [("", 0.0), ('<geom type="plane" size="1 1 1" condim="1"/>', 0.0), ('<geom type="plane" size="1 1 1"/>', 0.9)],
+)
+def test_geoms_of_condim_1_have_friction_on_others(tmp_path: Path, floor: str, friction: float) -> None:
+    """MuJoCo takes the larger `condim` of two geoms."""
+    mjcf(tmp_path, f'{floor}<body name="x"><freejoint/><geom size=".1" condim="1" friction=".9"/></body>')
+    (body,) = made(tmp_path, file="a.xml").bodies
+    assert body.geoms[0].friction.dynamic == pytest.approx(friction)
+    messages = [d.message for d in warnings(tmp_path, file="a.xml")]
+    assert any("(`condim` 1) are not supported: they have friction" in m for m in messages) == (friction > 0)
+
+
 def test_keyframes_and_constraints_are_reported_by_name(tmp_path: Path) -> None:
     body = '<body name="b"><joint name="j"/><geom size=".1"/></body>'
     more = (

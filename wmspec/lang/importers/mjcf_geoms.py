@@ -38,6 +38,8 @@ class Geoms:
     def __init__(self, compiled: Compiled, faults: Faults) -> None:
         self._compiled, self._m, self._faults = compiled, compiled.model, faults
         self._kinds = compiled.mujoco.mjtGeom
+        solid = (self._m.geom_contype | self._m.geom_conaffinity) != 0
+        self._frictionless = bool(solid.any() and (self._m.geom_condim[solid] == 1).all())
 
     def of(self, body: int) -> tuple[tuple[Shape, ...], dict[str, float]]:
         """Return the shapes of a body, and their common friction; if it differs, each shape has its own."""
@@ -138,13 +140,19 @@ class Geoms:
         if m.geom_margin[i] or m.geom_gap[i]:
             what = f"contacts at a distance (margin {float(m.geom_margin[i]):g} m) are not supported"
             self._faults.approximate(where, what, "they begin at the surface", "")
-        if m.geom_friction[i, 0] > _MAX_FRICTION and m.geom_condim[i] > 1:
+        if m.geom_condim[i] == 1 and not self._frictionless:
+            what = "frictionless contacts of some geoms (`condim` 1) are not supported"
+            self._faults.approximate(where, what, "they have friction, as on a floor of `condim` 3", "")
+        if m.geom_friction[i, 0] > _MAX_FRICTION and not self._frictionless:
             what = f"a friction of {float(m.geom_friction[i, 0]):g} is not supported"
             self._faults.approximate(where, what, f"it is {_MAX_FRICTION:g}", "")
 
     def _friction(self, i: int) -> float:
-        """Return the sliding friction of a geom."""
-        return 0.0 if self._m.geom_condim[i] == 1 else min(_MAX_FRICTION, float(self._m.geom_friction[i, 0]))
+        """Return the sliding friction of a geom.
+
+        MuJoCo takes the larger `condim` of two geoms: one of 1 is frictionless only where all are.
+        """
+        return 0.0 if self._frictionless else min(_MAX_FRICTION, float(self._m.geom_friction[i, 0]))
 
     # ------------------------------------------------------------ looks
 
