@@ -39,10 +39,10 @@ ENGINES = ("mujoco", "pybullet", "sapien")
 SECONDS = 1.0
 #: Steps of PyBullet a second.
 RATE = 1000
+#: What is reported where inertias of the file cannot be used.
+SHAPES = "one inertia is impossible: all are those of the shapes"
 #: Divisor of the time step of a second execution, which shows how exact the first one is.
 FINER = 4
-#: Angle (rad) of all hinges at the start.
-TURN = 0.1
 _SPEC = """task native : custom {{
 {ground}  object it {{ file: "{file}"  inertia: file  {place}
 {parts}
@@ -172,7 +172,7 @@ def compared(folder: Path, file: File) -> dict[str, Any]:
     tree = read(folder / file.package, file.path)
     if isinstance(tree, RejectedAsset):
         return {"refused": relevant_faults(tree, {}, ())[0].message}
-    starts = {joint.name: _start(joint) for joint in tree.joints if joint.kind in ("hinge", "slider")}
+    starts = {joint.name: _start(joint, file.turn) for joint in tree.joints if joint.kind in ("hinge", "slider")}
     starts |= {name.removesuffix("_joint"): start for name, start in starts.items()}  # as the file names them
     try:
         native, finer = (load(path, file.held, starts, steps) for steps in (1, FINER))
@@ -190,11 +190,12 @@ def compared(folder: Path, file: File) -> dict[str, Any]:
         place=place + ("  fixed: true" if file.held and not mjcf else ""),
         parts="\n".join(f"    {part}" for part in parts),
     )
-    task = _task(text, folder / file.package / "native.wms")
-    if isinstance(task, str):
-        return {"refused": task}
+    found = _task(text, folder / file.package / "native.wms")
+    if isinstance(found, str):
+        return {"refused": found}
+    task, given = found
     made: dict[str, Any] = {
-        "reported": [d.message for d in relevant_faults(tree, {}, ())],
+        "reported": [*([] if given else [SHAPES]), *(d.message for d in relevant_faults(tree, {}, ()))],
         "native mass": sum(native.masses.values()),
         "moves": _most({name: p - p[0] for name, p in native.paths.items()}),
         "finer": _most({n: _at(finer, n, native.times) - p for n, p in native.paths.items()}),
@@ -221,20 +222,23 @@ def compared(folder: Path, file: File) -> dict[str, Any]:
     return made
 
 
-def _task(text: str, path: Path) -> Task | str:
-    """Return the task of a spec, or why there is none. Inertias that no engine takes are those of the shapes."""
+def _task(text: str, path: Path) -> tuple[Task, bool] | str:
+    """Return the task of a spec and whether its inertias are those of the file, or why there is none.
+
+    Where no body can have one of the inertias, all of them are those of the shapes.
+    """
     for one in (text, text.replace("inertia: file", "")):
         check = TextCheck(one, path)
         errors = [d.message for d in check.diagnosis().diagnostics if d.severity == "error" and d.code != "WMS601"]
         if check.tasks and not errors:
-            return check.tasks[0]
+            return check.tasks[0], one is text
     return errors[0] if errors else "no task"
 
 
-def _start(joint: Joint) -> float:
-    """Return where a joint starts (rad, m): hinges are turned, so that nothing is balanced."""
+def _start(joint: Joint, turn: float) -> float:
+    """Return where a joint starts (rad, m): hinges are turned by `turn`, so that nothing is balanced."""
     low, high = (-np.inf if joint.low is None else joint.low), (np.inf if joint.high is None else joint.high)
-    return float(np.clip(TURN if joint.kind == "hinge" else 0.0, low, high))
+    return float(np.clip(turn if joint.kind == "hinge" else 0.0, low, high))
 
 
 def _passing(tree: LinkTree) -> list[str]:

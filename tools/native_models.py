@@ -8,7 +8,7 @@ from typing import NamedTuple
 class File(NamedTuple):
     """A file of a package; `note` says why it differs, where what is reported does not.
 
-    The base of a URDF is `held` in the air, or the file stands on a ground.
+    The base of a URDF is `held` in the air, or the file stands on a ground. Its hinges start at `turn` (rad).
     """
 
     name: str
@@ -16,6 +16,7 @@ class File(NamedTuple):
     path: str
     held: bool = True
     note: str = ""
+    turn: float = 0.1
 
     @property
     def key(self) -> str:
@@ -56,7 +57,7 @@ FILES = (
     File("Walker2d", "gymnasium", f"{_GYM}/walker2d_v5.xml"),
     File("Walker, dm_control", "dm-control", "dm_control/suite/walker.xml"),
     # humanoids, hands
-    File("Humanoid", "gymnasium", f"{_GYM}/humanoid.xml"),
+    File("Humanoid", "gymnasium", f"{_GYM}/humanoid.xml", turn=0.0),  # its turned legs would overlap
     File("Humanoid, Bullet", "pybullet", f"{_BULLET}/humanoid/humanoid.urdf"),
     File("Shadow Hand", "gymnasium-robotics", f"{_ROBOTS}/hand/reach.xml"),
     File("Shadow Hand, URDF", "genesis-world", f"{_GENESIS}/urdf/shadow_hand/shadow_hand.urdf", note=_ONE_KILOGRAM),
