@@ -37,7 +37,11 @@ def cluster() -> Iterator[Any]:
     """Two machines, as Ray sees it. Importing Ray takes seconds, also of runs without these tests."""
     from ray.cluster_utils import Cluster
 
-    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
+    head = {"num_cpus": 1, "include_dashboard": False}
+    try:
+        cluster = Cluster(initialize_head=True, head_node_args=head)
+    except Exception:  # noqa: BLE001  Ray waits 15 s for its agent, which is too short beside other tests
+        cluster = Cluster(initialize_head=True, head_node_args=head)
     cluster.add_node(num_cpus=1)
     try:
         yield cluster

@@ -151,7 +151,7 @@ def _start_ray(thread: ThreadPoolExecutor, address: str, workers: int | None) ->
         _require_reachable(address)
         with defer_signals():
             thread.submit(ray.init, address or "local", num_cpus=None if address else workers, **quiet).result()
-    except (ValueError, RuntimeError, OSError) as error:
+    except Exception as error:  # Ray raises plain ones, such as for a node that starts too slowly
         reason = " ".join(str(error).split())[:300].rstrip(".")
         raise WmsError(
             f"there is no Ray cluster at `{address}`: {reason}" if address else f"Ray does not start: {reason}",
