@@ -65,6 +65,14 @@ def test_a_sliding_box_stops_by_its_friction() -> None:
         assert way == pytest.approx(1.5**2 / (2 * friction * 9.81), rel=0.03)
 
 
+def test_an_armature_slows_a_fall() -> None:
+    load = "object load { shape: cube  size: 10 cm  mass: 2 kg  color: red  at: (0, 0, 1 m) }"
+    rail = "joint rail : slider { of: load  at: (0, 0, 1 m)  armature: value }"
+    for armature, episode in zip((0.5, 4), run("0.5, 4", f"  {load}\n  {rail}", 0.4), strict=True):
+        fallen = 9.81 * episode.time**2 / 2 * 2 / (2 + armature)
+        np.testing.assert_allclose(episode["load"].position[:, 2], 1 - fallen, atol=1e-4)
+
+
 def test_a_ball_passes_through_a_wall_as_in_mujoco() -> None:
     wall = "object wall { shape: box  size: (4 cm, 40 cm, 30 cm)  on: floor at (20 cm, 0)  fixed: true }"
     go = "action go = launch(ball, direction: right, speed: 1 m/s) at 0 s"
