@@ -344,6 +344,15 @@ def test_geoms_of_condim_1_have_friction_on_others(tmp_path: Path, floor: str, f
     assert any("(`condim` 1) are not supported: they have friction" in m for m in messages) == (friction > 0)
 
 
+@pytest.mark.parametrize(("limits", "reported"), [("30 70", True), ("-70 -30", True), ("0 70", False), ("-9 9", False)])
+def test_a_start_outside_the_limits_is_reported(tmp_path: Path, limits: str, reported: bool) -> None:
+    held = f'<joint name="j" limited="true" range="{limits}"/>'
+    mjcf(tmp_path, f'<body name="x">{held}<geom type="box" size=".1 .1 .1"/></body>')
+    messages = [d.message for d in warnings(tmp_path, file="a.xml")]
+    what = "a start outside the limits of a joint is not supported: it starts at the nearer limit"
+    assert [what in m for m in messages] == [True] * reported
+
+
 def test_keyframes_and_constraints_are_reported_by_name(tmp_path: Path) -> None:
     body = '<body name="b"><joint name="j"/><geom size=".1"/></body>'
     more = (

@@ -12,6 +12,7 @@ import pytest
 from tests.engines import ENGINES, installed
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
 from wmspec.core.diagnostics import WmsError
+from wmspec.runtime.compare.regimes import _energy, _rotor_energy
 from wmspec.runtime.engines.registry import info
 from wmspec.sim.scene.capability import approximation_warnings
 from wmspec.sim.scene.model import (
@@ -157,6 +158,24 @@ def test_an_armature_slows_a_pendulum_and_a_fall(engine: str, share: float) -> N
     rail = joint("j", "slider", None, load, (0, 0, 0), DOWN, armature=share * 2.0)
     trace = execute(scene(load, duration=0.5, joints=(rail,)))
     assert trace.position[-1, 0, 2] == pytest.approx(-G * 0.5**2 / 2 / (1 + share), rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("kind", "axis", "spin", "speed"),
+    [("hinge", turn((0, 1, 0), -pi / 2), 9.0, 3.2), ("slider", turn((0, 0, 1), 0.3), 5.0, 2.0)],
+)
+def test_rotors_have_their_part_of_the_energy(kind: JointKind, axis: Array, spin: float, speed: float) -> None:
+    """A free body spins, and moves a second one on a joint with an armature."""
+    base = replace(body("base", Box((0.2, 0.1, 0.1)), mass=1.0), angular_velocity=np.array([0, 0, 5.0]))
+    load = body("load", Box((0.05,) * 3), (0.4, 0, 0), mass=1.0, velocity=(0, speed, 0))
+    load = replace(load, angular_velocity=np.array([0, 0, spin]))
+    held = joint("j", kind, base, load, (0.1, 0, 0), axis, armature=2.0)
+    spun = scene(base, load, duration=0.5, gravity=0, joints=(held,))
+    trace = installed("mujoco").execute(spun)
+    rotor = _rotor_energy(spun, trace, held)
+    total = rotor + sum(_energy(spun, trace, i)[0] for i in (0, 1))
+    assert rotor.max() > 0.05 * total[0]
+    assert np.abs(total / total[0] - 1).max() < 0.02
 
 
 def test_pybullet_leaves_out_small_armatures_and_refuses_others() -> None:

@@ -243,7 +243,7 @@ def run(
     return execute(opened, engine, duration, strict=strict)
 
 
-def execute(stage: Usd.Stage, engine: str, duration: float | None = None, *, strict: bool = True) -> Episode:
+def execute(stage: Usd.Stage, engine: str, duration: float | None = None, *, strict: bool) -> Episode:
     """The same for a stage that may well last a single moment."""
     scene = read(stage, strict=strict)
     if duration is not None:

@@ -276,14 +276,17 @@ class Instance:
 
         return backend(engine).native(read(self.stage()))
 
-    def run(self, engine: str, counterfactual: str = "", *, duration: float | None = None) -> Episode:
+    def run(
+        self, engine: str, counterfactual: str = "", *, duration: float | None = None, strict: bool = False
+    ) -> Episode:
         """Execute the instance, or a counterfactual, in an engine; `duration` (s) overrides the horizon.
 
-        Raises WmsError if there is no such counterfactual or engine, or if the engine fails.
+        Raises WmsError if there is no such counterfactual or engine, or if the engine fails; if `strict`, also for what
+        the engine only approximates.
         """
         from wmspec.api.episode import execute
 
-        return execute(self.stage(counterfactual), engine, duration)
+        return execute(self.stage(counterfactual), engine, duration, strict=strict)
 
     def ask(self, engine: str, **options: Unpack[RenderOptions]) -> InstanceQuestions:
         """Execute the instance in an engine and return its questions; `options` are those of the renderer.

@@ -88,10 +88,10 @@ def run_command(
         episodes, refusals = _run_each(engines, lambda engine: run(source, engine, seconds, strict=strict))
     elif source.suffix.lower() in RUN_FILES:
         alone = asset_task(source, seconds, strict=strict, tell=tell)[0]
-        episodes, refusals = _run_each(engines, alone.run)
+        episodes, refusals = _run_each(engines, lambda engine: alone.run(engine, strict=strict))
     else:
         one = load_instance(source, task, instance, seed, redraw, strict=strict)
-        episodes, refusals = _run_each(engines, lambda engine: one.run(engine, duration=seconds))
+        episodes, refusals = _run_each(engines, lambda engine: one.run(engine, duration=seconds, strict=strict))
     if output is not None and episodes:
         episodes[0].save(output)
     if as_json:

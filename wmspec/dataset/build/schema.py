@@ -86,8 +86,11 @@ class _Manifest(_Strict):
 
 def manifest_fault(manifest: Any) -> str:
     """Return the first problem of a manifest (JSON values), or ''."""
+    from wmspec.runtime.workers.pool import defer_signals
+
     try:
-        _Manifest.model_validate(manifest)
+        with defer_signals():  # Pydantic takes a signal's exception for a fault of the manifest
+            _Manifest.model_validate(manifest)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         where = ".".join(map(str, first["loc"]))[:120]

@@ -65,6 +65,9 @@ class Joints:
             start = float(m.qpos0[m.jnt_qposadr[j]])
             if m.jnt_limited[j]:
                 low, high = (float(x) - start for x in m.jnt_range[j])
+                if not low <= 0.0 <= high:
+                    what = "a start outside the limits of a joint is not supported"
+                    self._faults.approximate(e.where, what, "it starts at the nearer limit", "set `start` of the joint")
             target = float(m.qpos_spring[m.jnt_qposadr[j]]) - start if stiffness else None
             stiffness, damping = self._positive(j, stiffness, damping)
         driven = (damping, stiffness, target)
@@ -77,7 +80,8 @@ class Joints:
         own = {"damping": m.dof_damping[dof], "armature": m.dof_armature[dof], "frictionloss": m.dof_frictionloss[dof]}
         for name in (name for name, values in {**own, "stiffness": m.jnt_stiffness[j]}.items() if np.any(values)):
             what = f"`{name}` of a free joint is not supported"
-            self._faults.approximate(where, what, "left out", "set `damping` of the link")
+            help = "set `damping` of the link" if name == "damping" else ""
+            self._faults.approximate(where, what, "left out", help)
 
     def _positive(self, j: int, stiffness: float, damping: float) -> tuple[float, float]:
         if min(stiffness, damping) < 0:

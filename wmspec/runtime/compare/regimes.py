@@ -29,6 +29,7 @@ from wmspec.sim.scene.model import (
     Contact,
     Force,
     Impulse,
+    Joint,
     JointKind,
     Launch,
     PassThrough,
@@ -195,6 +196,7 @@ def _spins(scene: Scene, trace: Trace, _apart: float) -> Iterator[str]:
         moving, falling = (
             sum(part) for part in zip(*(_energy(scene, trace, index[b.name]) for b in bodies), strict=True)
         )
+        moving = moving + sum(_rotor_energy(scene, trace, joint) for joint in joints if joint.armature)
         off = np.abs(moving + falling - moving[0] - falling[0]) > MAX_ENERGY_CHANGE * np.abs(moving).max()
         if speeds.max() > FAST_SPIN and off.any():
             name = bodies[int(speeds.max(axis=0).argmax())].name
@@ -213,6 +215,28 @@ def _energy(scene: Scene, trace: Trace, i: int) -> tuple[NDArray[np.float64], ND
     speed = trace.linear_velocity[:, i]
     motion = (inertia.mass * (speed**2).sum(axis=1) + (inertia.moments * spin**2).sum(axis=1)) / 2
     return motion, -inertia.mass * (trace.position[:, i] + rotate(turn, inertia.center)) @ scene.gravity
+
+
+def _rotor_energy(scene: Scene, trace: Trace, joint: Joint) -> NDArray[np.float64]:
+    """Return the kinetic energy (T,) of the armature of a hinge or slider, J."""
+    index = {body.name: i for i, body in enumerate(scene.bodies)}
+    second, first = index[joint.second], None if joint.first is None else index[joint.first]
+    axis = rotate(trace.orientation[:, second], rotate(joint.second_frame.orientation, np.array([1.0, 0.0, 0.0])))
+    speeds = trace.angular_velocity if joint.kind == "hinge" else trace.linear_velocity
+    rate = speeds[:, second].copy()
+    if first is not None:
+        rate -= speeds[:, first]
+    if first is not None and joint.kind == "slider":  # both turn alike about their own centres
+        apart = _centers(scene, trace, second) - _centers(scene, trace, first)
+        rate -= np.cross(trace.angular_velocity[:, first], apart)
+    return np.asarray(joint.armature / 2 * (rate * axis).sum(axis=1) ** 2)
+
+
+def _centers(scene: Scene, trace: Trace, i: int) -> NDArray[np.float64]:
+    """Return the centre of mass (T, 3) of a body, m."""
+    inertia = scene.bodies[i].inertia
+    center = np.zeros(3) if inertia is None else inertia.center
+    return trace.position[:, i] + rotate(trace.orientation[:, i], center)
 
 
 def _is_balanced(body: Body, frame: Pose, kind: JointKind) -> bool:
