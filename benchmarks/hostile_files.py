@@ -32,10 +32,10 @@ from tests.trust.made import wmspec
 from wmspec.core.diagnostics import WmsError
 from wmspec.eval.study.serve import StudyServer
 
-#: What stands in a file of every machine.
+#: Text of /etc/passwd, which no output may contain.
 FOREIGN = "root:x:0"
-#: The file in the output folder with what the commands say.
-SAID = "said.txt"
+#: File of the output folder with the messages of the commands.
+MESSAGES = "messages.txt"
 Opened = Callable[[Case, Path], int]
 
 
@@ -51,14 +51,14 @@ def _command(*arguments: str) -> Opened:
         }
         split = [part.partition("/") for part in arguments]
         result = wmspec(*(f"{places.get(head, head)}{slash}{rest}" for head, slash, rest in split))
-        _said(out, result.output)
+        _record(out, result.output)
         return result.exit_code
 
     return run
 
 
-def _said(out: Path, words: str) -> None:
-    with (out / SAID).open("a") as file:
+def _record(out: Path, words: str) -> None:
+    with (out / MESSAGES).open("a") as file:
         file.write(words)
 
 
@@ -67,7 +67,7 @@ def _served(case: Case, out: Path) -> int:
     try:
         server = StudyServer(case.path, "127.0.0.1", 0)
     except WmsError as error:
-        _said(out, error.render())
+        _record(out, error.render())
         return 2
     thread = threading.Thread(target=server.serve_forever)
     thread.start()
@@ -145,7 +145,7 @@ def attempt(number: int, root: str) -> Outcome:
             kind = "failed"
         elif 0 not in codes:
             kind = "refused"
-        words = (out / SAID).read_text()
+        words = (out / MESSAGES).read_text()
     except BaseException as error:  # noqa: BLE001  that is what is looked for
         kind, words = "failed", f"{type(error).__name__}: {error}"[:300]
     if _contents(Path(root), home) != before:

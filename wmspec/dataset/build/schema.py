@@ -11,6 +11,7 @@ import pyarrow as pa
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 
 from wmspec.core.safe_io import is_file_name
+from wmspec.core.signals import defer_signals
 from wmspec.dataset.build.columns import COLUMNS, EARLIER_TYPES
 from wmspec.dataset.build.film_files import FILM
 from wmspec.dataset.build.images import image_format
@@ -86,8 +87,6 @@ class _Manifest(_Strict):
 
 def manifest_fault(manifest: Any) -> str:
     """Return the first problem of a manifest (JSON values), or ''."""
-    from wmspec.runtime.workers.pool import defer_signals
-
     try:
         with defer_signals():  # Pydantic takes a signal's exception for a fault of the manifest
             _Manifest.model_validate(manifest)

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.core.safe_io import is_within, regular_file
+from wmspec.core.signals import defer_signals
 from wmspec.dataset.film.codec import Frames, pyav
-from wmspec.runtime.workers.pool import WorkerContext, defer_signals
+from wmspec.runtime.workers.pool import WorkerContext
 
 #: Largest file (bytes), side (px), length (s) and number of frames of a clip.
 MAX_BYTES, MAX_SIDE, MAX_SECONDS, MAX_FRAMES = 64 << 20, 4096, 60.0, 3600

@@ -17,13 +17,13 @@ from importlib import import_module
 from typing import Any, TypeVar
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.signals import defer_signals
 from wmspec.runtime.workers.pool import (
     MAX_RETRIES,
     JobFailure,
     LocalWorkers,
     PoolConfig,
     PoolJob,
-    defer_signals,
     result,
 )
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 import gc
 import signal
 import sys
-import threading
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from concurrent.futures import TimeoutError as FutureTimeout
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import chain, islice
 from multiprocessing.context import SpawnContext, SpawnProcess
@@ -22,6 +20,7 @@ from pebble import ProcessExpired, ProcessPool
 
 from wmspec.core.crash import Crash
 from wmspec.core.diagnostics import GraphicsError, WmsError
+from wmspec.core.signals import defer_signals
 
 T = TypeVar("T")
 Piece = tuple[Any, ...]
@@ -294,30 +293,6 @@ def _run_job(work: Callable[..., T], *piece: Any) -> T | JobFailure:
     except Exception as error:  # noqa: BLE001  whatever it is, it must not cost the other pieces
         crash = Crash.of(error, skip=1)  # this frame
         return JobFailure("error", crash.line, crash)
-
-
-@contextmanager
-def defer_signals() -> Iterator[None]:
-    """Defer signals until the block ends.
-
-    If a signal handler raises while a queue notifies its reader (in `threading.Condition.notify`), the notification is
-    lost, and the processes never end. Ray aborts, or exits with its own code.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    came: list[int] = []
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    ours = {number: handler for number, handler in handlers.items() if callable(handler)}
-    for number in ours:
-        signal.signal(number, lambda number, _: came.append(number))
-    try:
-        yield
-    finally:
-        for number, handler in ours.items():
-            signal.signal(number, handler)
-        for signalled in came:
-            signal.raise_signal(signalled)
 
 
 class HelperProcess:

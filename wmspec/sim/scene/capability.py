@@ -293,7 +293,9 @@ def armatures_above(share: float) -> Capability:
 
 def armatures_below(share: float) -> Capability:
     """Armatures of at most a `share` of that inertia."""
-    return Capability(f"armatures up to {100 * share:g} % of it", partial(_armatures, least=0.0, most=share))
+    return Capability(
+        f"armatures up to {100 * share:g} % of what a joint moves", partial(_armatures, least=0.0, most=share)
+    )
 
 
 def pieces_above(most: int) -> Capability:
