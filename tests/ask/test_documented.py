@@ -12,7 +12,7 @@ from wmspec.runtime.questions import visibility_gate as gate
 from wmspec.runtime.questions.kinds import pictures
 from wmspec.runtime.questions.model import Reason
 
-PAGE = (Path(__file__).parents[2] / "docs/questions.md").read_text()
+PAGE = " ".join((Path(__file__).parents[2] / "docs/questions.md").read_text().split())
 
 
 @pytest.mark.parametrize(
@@ -31,7 +31,7 @@ PAGE = (Path(__file__).parents[2] / "docs/questions.md").read_text()
         f"{pictures.MIN_DIFFERENT_SHARE * 256**2:.0f} of 256 × 256 pixels show another",
         f"as near (to {pictures.DISTANCE_TOLERANCE * 1e6:g} micrometre)",
         f"By {robustness.DEFAULT_NUDGE * 1000:g} mm, once",
-        f"{gate.MIN_VISIBLE_SHARE * 256**2:.0f} of 256 × 256\n   pixels",
+        f"{gate.MIN_VISIBLE_SHARE * 256**2:.0f} of 256 × 256 pixels",
         f"at most {gate.MAX_HIDDEN * 100:.0f} % hidden; and a contrast of {gate.MIN_CONTRAST:g}",
     ],
 )
