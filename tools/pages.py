@@ -21,6 +21,7 @@ from tools import cards
 from wmspec.api.task import Task
 from wmspec.cli import main
 from wmspec.dataset.build.columns import COLUMNS, FACTOR_COLUMNS, OPTIONAL
+from wmspec.eval.models.results import COLUMNS as RESULTS
 from wmspec.lang.parse.codes import CODES
 from wmspec.lang.parse.pages import page as diagnostic_page
 from wmspec.runtime.engines.registry import info, names
@@ -58,6 +59,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     made |= {f"tasks/{task.name}": "\n".join(cards.card(task)) for task in _tasks()}
     made["tasks/index"] = "\n".join(cards.index(_tasks()))
     made["reference/columns"] = columns()
+    made["reference/results"] = results()
     made["reference/capabilities"] = "\n".join(_capabilities())
     made |= {f"diagnostics/{code}": diagnostic_page(code).markdown for code in CODES}
     made["changelog"] = CHANGELOG.read_text(encoding="utf-8")
@@ -114,6 +116,12 @@ def _columns() -> Iterator[str]:
     yield "\n## Factors\n\nFor every factor and nuisance `f` of the task:\n\n| column | holds |\n|---|---|"
     for prefix, meaning in FACTOR_COLUMNS.items():
         yield f"| `{prefix}.f` | {meaning} |"
+
+
+def results() -> str:
+    """Return the page of the columns of results."""
+    head = "# Columns of results\n\nEvery row of `wmspec evaluate` and `wmspec study collect` is a reply.\n"
+    return "\n".join((head, *_column_table(RESULTS)))
 
 
 def _capabilities() -> Iterator[str]:

@@ -14,6 +14,7 @@ import wmspec
 from wmspec.api import HOMES
 from wmspec.cli import COMMANDS
 from wmspec.dataset.build.columns import COLUMNS
+from wmspec.eval.models.results import COLUMNS as RESULTS
 from wmspec.runtime.engines.registry import info, names
 from wmspec.sim.scene.capability import capability_table
 
@@ -34,6 +35,8 @@ def test_it_builds_without_warnings(tmp_path: Path) -> None:
         assert all(f"<code>{factor.name}</code>" in card for factor in task.factors)
     columns = (tmp_path / "reference/columns/index.html").read_text()
     assert all(f"<code>{name}</code>" in columns for name in COLUMNS)
+    results = (tmp_path / "reference/results/index.html").read_text()
+    assert all(f"<code>{name}</code>" in results for name in RESULTS)
     capabilities = (tmp_path / "reference/capabilities/index.html").read_text()
     assert all(name in capabilities for name, _ in capability_table({n: info(n).lacks for n in names()}))
     reference = (tmp_path / "api/index.html").read_text()

@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 
 from tools.replies import LANGUAGES, Labelled, corpus
 from wmspec.eval import replies
-from wmspec.eval.models.results import COLUMNS
 from wmspec.eval.replies import LETTERS, ORDINALS, choice, is_near, mark, number_in
 
 PICTURES = (None, None, None, None)
@@ -223,9 +222,3 @@ def test_the_documentation_reads_replies_as_the_parser_does() -> None:
     for text, reported in rows:
         place = choice(text, ("the red cube", "the blue cube", "neither"))
         assert reported == ("unparsed" if place is None else str(place + 1)), text
-
-
-def test_the_documentation_has_every_column() -> None:
-    page = (Path(__file__).parents[2] / "docs/evaluate.md").read_text()
-    for name, (_, meaning) in COLUMNS.items():
-        assert f"| `{name}` | {meaning} |\n" in page
