@@ -75,7 +75,7 @@ def test_a_trace_is_the_same_after_writing_and_reading(tmp_path: Path) -> None:
     assert np.array_equal(again["ball"].orientation, trace["ball"].orientation)
 
 
-def test_what_does_not_happen_fails_with_a_reason() -> None:
+def test_event_that_never_happens_fails_with_a_reason() -> None:
     """A pendulum that does not swing has no period."""
     case = all_cases()["pendulum_60"]
     still = {name: np.zeros((case.samples, 1, 3)) for name in ("position", "linear_velocity", "angular_velocity")}

@@ -34,7 +34,7 @@ task fall : custom {
 """
 
 
-def test_what_is_public() -> None:
+def test_public_names() -> None:
     """Taking a name away, or adding one, is a promise to users: change this list with the changelog."""
     assert sorted(api.HOMES) == [
         *("Agreement", "DatasetOptions", "Diagnosis", "Episode", "Factor", "Instance", "InstanceQuestions"),
@@ -87,7 +87,7 @@ def test_neighbors_differ_in_one_factor_alone(data: st.DataObject) -> None:
         assert one.nuisances == other.nuisances
 
 
-def test_names_that_are_not_there_are_told_with_those_that_are() -> None:
+def test_unknown_names_are_reported_with_the_known_ones() -> None:
     one = wmspec.load(COLLIDE)[3]
     with pytest.raises(wmspec.WmsError, match="no factor `fil`; did you mean `fill`"):
         one.neighbors("fil")
@@ -179,7 +179,7 @@ def test_pictures_show_the_same_moment(episode: wmspec.Episode) -> None:
     assert episode.frame("front", 0.2, size=(64, 32)).shape == (32, 64, 3)
 
 
-def test_what_cannot_be_drawn_is_told(episode: wmspec.Episode) -> None:
+def test_unsupported_looks_are_reported(episode: wmspec.Episode) -> None:
     with pytest.raises(wmspec.WmsError, match="outside the episode, which lasts"):
         episode.frame("front", 3.0)
     with pytest.raises(wmspec.WmsError, match="no camera `frnt`"):

@@ -13,9 +13,7 @@ def test_a_line_every_tenth(capsys: pytest.CaptureFixture[str]) -> None:
     assert lines == [f"{n} of 40 instances (slide)" for n in range(4, 41, 4)]
 
 
-def test_a_line_when_nothing_was_told_for_long(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_line_after_a_long_silence(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     now = 0.0
     monkeypatch.setattr(progress, "monotonic", lambda: now)
     with progress_bar(10_000, "making") as advance:

@@ -45,7 +45,7 @@ def check(path: Path, *options: str) -> Any:
     return CliRunner().invoke(main, ["check", str(path), "--try=8", *options])
 
 
-def test_what_is_kept_is_counted_by_answer(spec: Any) -> None:
+def test_kept_questions_are_counted_by_answer(spec: Any) -> None:
     (task,) = try_tasks(spec(), 8)
     (question,) = task.questions
     assert (task.instances, question.kept, question.rejected) == (8, 8, {})

@@ -39,7 +39,7 @@ def test_the_other_way_has_one_number() -> None:
 @pytest.mark.parametrize(
     ("degrees", "said"), [(-179.99, "180°"), (-180, "180°"), (179.99, "180°"), (-179.5, "-179.5°")]
 )
-def test_it_is_said_in_one_way(degrees: float, said: str) -> None:
+def test_bearing_is_verbalized_in_one_way(degrees: float, said: str) -> None:
     assert verbalize(Bearing(math.radians(degrees)), "angle", None) == said  # type: ignore[arg-type]
 
 
@@ -72,7 +72,7 @@ LEFT = """
 """
 
 
-def test_what_goes_left_is_asked() -> None:
+def test_cube_that_goes_left_keeps_its_question() -> None:
     """Nudged, pybullet's cube is now just above -180 degrees and now just below 180."""
     question = one(LEFT.format(a=180, b=180, gates="within 5 deg  stable by 1 mm"))
     assert question.value == "180°"

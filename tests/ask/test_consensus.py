@@ -89,7 +89,7 @@ def test_pictures_agree_where_each_picks_the_others_truth() -> None:
 
 
 @pytest.mark.parametrize("slot", [0, 1, 2])
-def test_options_that_differ_in_looks_alone_are_told_apart_by_look(slot: int) -> None:
+def test_options_of_different_looks_are_distinguished_by_look(slot: int) -> None:
     """Wherever the truth stands: it was the first of the nearest once."""
     looks = ("red", "blue", "red")
     mine = picture("mujoco", 0.0, 0.0, 0.4, looks=looks, slot=slot)
@@ -102,7 +102,7 @@ def test_options_that_differ_in_looks_alone_are_told_apart_by_look(slot: int) ->
 
 
 @pytest.mark.parametrize("slot", [0, 1, 2])
-def test_what_nothing_tells_apart_is_not_picked(slot: int) -> None:
+def test_indistinguishable_option_is_not_picked(slot: int) -> None:
     mine, other = picture("mujoco", 0.0, 0.0, 0.4, slot=slot), picture("sapien", 0.01, 0.01, 0.4, slot=slot)
     assert picked_option(mine, other) is None
     assert not agree(mine, other)

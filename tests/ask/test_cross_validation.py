@@ -141,7 +141,7 @@ def test_an_engine_that_cannot_execute_it_rejects_it_by_name() -> None:
     assert {vote.engine: vote.apart for vote in second.agreement} == {"pybullet": 0.0, "failing": None}
 
 
-def test_what_the_reference_rejects_is_executed_nowhere_else() -> None:
+def test_rejected_by_the_reference_is_not_executed_elsewhere() -> None:
     renders = RenderCache("pybullet", 96, 96)
     pairs = {engine: EnginePair(TraceCache(engine), renders) for engine in ("pybullet", "near")}
     impossible = GLIDE.replace("within 1 cm", "within 1 cm  ensure displacement(ball) > 1 m")

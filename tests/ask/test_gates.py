@@ -34,7 +34,7 @@ def test_a_tie_is_an_answer_and_needs_no_margin(pace: str, said: str) -> None:
     assert question.difference.value == pytest.approx(float(pace) / 10, rel=1e-3)
 
 
-def test_what_is_neither_a_tie_nor_clear_is_too_close() -> None:
+def test_leads_between_tie_and_margin_are_rejected() -> None:
     assert refused(RACE.replace("{paces}", "11") + FASTER).startswith("margin: 1.1 where 1.2")
 
 

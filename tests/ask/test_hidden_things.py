@@ -74,7 +74,7 @@ def test_it_must_be_seen_when_the_question_says_so(event: str) -> None:
     assert "the pictures are taken at 0 s, 0.4 s, 0.8 s" in refused(body(event, "seen ball at [0.3 s]"))
 
 
-def test_what_no_text_names_must_be_seen_if_the_question_says_so() -> None:
+def test_seen_clause_covers_objects_outside_the_text() -> None:
     wall = "object wall { size: 4 cm  color: green  on: table at (5 cm, 2 cm) }"
     assert one(body(f"{HIDDEN} {wall}", "may hide ball")).value == "red"
     assert refused(body(f"{HIDDEN} {wall}", "may hide ball  seen wall at [0.8 s]")).startswith("unseen: wall")

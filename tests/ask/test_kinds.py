@@ -55,7 +55,7 @@ QUESTIONS = """
 """
 
 
-def test_every_kind_is_told_by_its_answer_and_clauses() -> None:
+def test_kind_follows_from_answer_and_clauses() -> None:
     questions = ask_all(QUESTIONS)
     assert [q.kind for q in questions if isinstance(q, QuestionRow)] == ["labels", "labels", "numbers", "pictures"]
     assert [q.answer is None for q in questions if isinstance(q, QuestionRow)] == [False, False, True, False]
@@ -78,7 +78,7 @@ DARKER = "sun.ambient: 0.2"
 
 
 @pytest.mark.parametrize("change", ["ball.color: blue", "front.at: (10 cm, -105 cm, 92 cm)"])
-def test_what_differs_in_looks_alone_is_an_option_wherever_the_truth_stands(change: str) -> None:
+def test_look_distractors_appear_at_any_place_of_the_truth(change: str) -> None:
     """In a dataset of several engines, and in a crosscheck."""
     design = Design(spec_of(LOOKS % (change, "distinct by 5 cm")))
     slots = set()

@@ -59,7 +59,7 @@ def test_measures_do_not_depend_on_the_size_of_the_picture() -> None:
         assert small[name] == pytest.approx(value, rel=0.06, abs=tolerance), name
 
 
-def test_what_leads_by_less_is_less_legible() -> None:
+def test_smaller_lead_is_less_legible() -> None:
     leads = [glide(other=other)["lead"] for other in (2, 6, 11)]
     assert leads == sorted(leads, reverse=True)
     assert leads[1] == pytest.approx(glide()["path"], rel=0.1, abs=4)  # one is twice as fast
@@ -92,7 +92,7 @@ def test_only_the_branch_that_is_taken_counts(taken: str, expected: set[str]) ->
     assert found.keys() & {"place", "length"} == expected
 
 
-def test_what_is_counted() -> None:
+def test_count_measures_number_and_size() -> None:
     body = """
     objects ball[5] {
       shape: sphere  size: if index == 2 then 4 cm else 6 cm  color: red  on: table at (-30 cm + 12 cm * index, 0)

@@ -109,7 +109,7 @@ def test_only_what_is_observed_counts() -> None:
     assert of(m, "onset", "b") == pytest.approx(1.0)
 
 
-def test_who_is_faster() -> None:
+def test_fastest_and_slowest() -> None:
     m = measured(a=straight(0, 2, 0.2), b=straight(0, 2, 0.21), c=straight(0, 2, 0.5), still=straight(0, 0, 0))
     assert of(m, "fastest", ["a", "b", "c"]) == "c"
     assert of(m, "fastest", ["a", "b"], 1.1) == "neither"
@@ -131,7 +131,7 @@ def test_where_it_goes(angle: float) -> None:
     assert of(m, "distance", "a", "o0") > 0
 
 
-def test_what_is_left_stands_still() -> None:
+def test_remaining_bodies_are_at_rest() -> None:
     m = measured(a=straight(0.0, 1.5, 0.3), b=straight(0.0, 1.95, 0.3), contacts=(Contact("b", "a", 0.1, 0.2),))
     assert (of(m, "at_rest", "a"), of(m, "at_rest", "b")) == (True, False)
     assert of(m, "contact", "a", "b") is True
@@ -162,7 +162,7 @@ def test_where_one_is_from_the_other(way: tuple[float, ...], word: str) -> None:
     assert of(m, "relation", "a", "b") == word
 
 
-def test_what_lies_diagonally_has_no_relation() -> None:
+def test_diagonal_position_has_no_relation() -> None:
     m = measured(a=straight(0, 0, 0) + np.array([0.3, 0.28, 0]), b=straight(0, 0, 0))
     with pytest.raises(WmsError, match="diagonal"):
         of(m, "relation", "a", "b")
@@ -190,7 +190,7 @@ def test_a_compound_is_measured_at_its_middle() -> None:
     assert of(over, "displacement", "rack") == pytest.approx(math.hypot(0.1, 0.1))
 
 
-def test_what_is_absent_cannot_be_measured() -> None:
+def test_absent_objects_cannot_be_measured() -> None:
     with pytest.raises(WmsError, match="`ghost` is absent"):
         of(measured(a=straight(0, 0, 0)), "speed", "ghost")
     with pytest.raises(WmsError, match="need pictures, which are not drawn"):
@@ -263,7 +263,7 @@ def test_touches_and_their_order() -> None:
         of(m, "touches_first", "d", ["a", "b"])
 
 
-def test_what_touches_two_at_once_touches_neither_first() -> None:
+def test_simultaneous_touches_have_no_first() -> None:
     still: dict[str, Any] = {name: straight(0, 0, 0) for name in "abc"}
     m = measured(contacts=(Contact("a", "b", 0, 2), Contact("a", "c", 0, 1)), **still)
     with pytest.raises(WmsError, match="at once"):
@@ -291,7 +291,7 @@ def test_a_relation_is_seen_as_the_viewer_is_turned(turned: float, word: str) ->
     assert of(m, "relation", "b", "a") == "right_of"
 
 
-def test_who_looks_up_has_no_left() -> None:
+def test_viewer_looking_up_has_no_left() -> None:
     up = np.tile(turn((0, 1, 0), -math.pi / 2), (len(T), 1))
     m = measured(turned={"eye": up}, a=straight(0, 0, 0), b=straight(0, 0, 0), eye=straight(0, 0, 0))
     with pytest.raises(WmsError, match="straight up or down"):

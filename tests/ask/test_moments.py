@@ -126,5 +126,5 @@ def test_a_measure_is_what_mechanics_says(answer: str, engine: str) -> None:
 @pytest.mark.engine
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("answer", SAID)
-def test_what_happened_is_so_in_every_engine(answer: str, engine: str) -> None:
+def test_events_are_equal_in_every_engine(answer: str, engine: str) -> None:
     assert answers(engine)[answer] is SAID[answer]

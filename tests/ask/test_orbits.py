@@ -159,7 +159,7 @@ def answer(*turns: float, axis: float = np.nan, lever: float = 0.1) -> PictureAn
 
 
 @pytest.mark.parametrize("lever", [0.0, 0.1])
-def test_what_differs_in_a_turn_alone_is_decided_by_the_turn(lever: float) -> None:
+def test_turn_decides_if_options_differ_in_it_alone(lever: float) -> None:
     mine, other = answer(0.0, 0.6, lever=lever), answer(0.5, 0.1, lever=lever)
     assert KINDS["pictures"].picked(mine, other) == "other1"
     assert KINDS["pictures"].picked(mine, answer(0.1, 0.5, lever=lever)) == "truth"
@@ -185,7 +185,7 @@ TIPPED = """
 
 @pytest.mark.engine
 @pytest.mark.parametrize(("by", "kept"), [("5 cm", False), ("5 cm or 20 deg", True), ("5 cm or 80 deg", False)])
-def test_options_are_told_apart_by_a_turn_that_is_large_enough(by: str, kept: bool) -> None:
+def test_large_enough_turn_distinguishes_options(by: str, kept: bool) -> None:
     (found,) = ask(Design(spec_of(TIPPED.format(by=by))), 0, pair())
     assert isinstance(found, QuestionRow) == kept, found
     if isinstance(found, Rejected):

@@ -45,7 +45,7 @@ def test_two_spheres(a: float, b: float, depth: float, turn: float, tilt: float)
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)
 @settings(max_examples=20)
 @given(turn=turns, depth=st.floats(0.002, 0.008))
-def test_what_lies_on_a_floor_touches_it_and_no_more(shape: Shape, turn: tuple[float, ...], depth: float) -> None:
+def test_body_on_the_floor_touches_it_exactly(shape: Shape, turn: tuple[float, ...], depth: float) -> None:
     lowest = bounds(shape, at(0, 0, 0, turn))[0, 2]
     assert overlap(FLOOR, at(0, 0, -0.1), shape, at(0.1, 0.2, -lowest, turn), LEAST) == 0
     sunk = overlap(FLOOR, at(0, 0, -0.1), shape, at(0.1, 0.2, -lowest - depth, turn), 1e-6)

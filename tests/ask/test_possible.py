@@ -48,7 +48,7 @@ def possibility(odd: str, engine: str = "pybullet", pace: str = FAST) -> Questio
     ],
 )
 @pytest.mark.parametrize("engine", ENGINES)
-def test_what_changes_something_is_impossible(odd: str, value: str, engine: str) -> None:
+def test_altered_film_is_impossible(odd: str, value: str, engine: str) -> None:
     row = possibility(odd, engine)
     assert row.value == value
     assert [option.text for option in row.options if option.kind == "truth"] == [value]
@@ -71,7 +71,7 @@ def test_a_teleport_to_where_it_is_changes_nothing(to: str, value: str) -> None:
     assert found.value == value
 
 
-def test_what_no_picture_shows_is_not_asked() -> None:
+def test_unseen_change_is_not_asked() -> None:
     late = "paint(ball, color: green) at 0.95 s"
     assert possibility(late).value == "possible", "after the last picture"
     screen = "object screen { shape: box  size: (60 cm, 2 cm, 30 cm)  color: white  on: table at (0, -10 cm) }"

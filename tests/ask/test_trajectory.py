@@ -24,7 +24,7 @@ def path(form: str, length: float, width: float, angle: float, samples: int) -> 
     st.integers(0, 10**6),
 )  # fmt: skip
 @example("square", 0.15625, 0.5, 2.5, 100, 100)  # a corner that the noise blunts over 2.6 cm
-def test_the_paths_of_follow_are_told_with_a_millimetre_of_noise(
+def test_path_forms_are_recognized_despite_a_millimetre_of_noise(
     name: str, length: float, share: float, angle: float, samples: int, seed: int
 ) -> None:
     made = path(name, length, max(share * length, 0.04), angle, samples)
@@ -39,7 +39,7 @@ def test_a_few_relocations_are_enough(name: str) -> None:
     assert path_form(np.repeat(path(name, 0.4, 0.12, 0.3, 9), 60, axis=0)) == name
 
 
-def test_what_is_thrown_flies_an_arc() -> None:
+def test_thrown_object_flies_an_arc() -> None:
     t = np.linspace(0, 0.5, 121)
     assert path_form(np.stack([2 * t, 0 * t, 2.4 * t - 4.905 * t**2], axis=1)) == "arc"
 

@@ -55,7 +55,7 @@ def test_the_same_color_does_not_stand_out() -> None:
     assert contrasts[0] < 20 < contrasts[1], contrasts
 
 
-def test_what_is_outside_has_no_silhouette() -> None:
+def test_body_outside_the_picture_has_no_silhouette() -> None:
     observed = seen(an("a", "0, 0"), "object b { size: 10 cm  at: (0, -3 m, 1 m)  fixed: true }")
     i = observed.index("b")
     outline = visibility.outline(observed, i, LOOK)
@@ -95,7 +95,7 @@ WALL = "object wall { shape: box  size: (14 cm, 2 cm, 20 cm)  color: white  on: 
         ("red", "-44 cm, -32 cm", "outside the frame"),
     ],
 )
-def test_what_is_asked_about_must_be_seen(color: str, at: str, why: str) -> None:
+def test_objects_of_the_question_must_be_seen(color: str, at: str, why: str) -> None:
     body = f"{TWO.format(color=color, at=at)} {WALL} observe front at [0 s] {QUESTION.format(answer='largest([a, b])')}"
     if why:
         assert why in refused(body)
@@ -114,7 +114,7 @@ RIDE = """
 """
 
 
-def test_what_a_riding_camera_comes_by_must_be_seen_once() -> None:
+def test_riding_camera_must_see_an_object_once() -> None:
     """What carries it need not be seen, and is not."""
     assert one(RIDE % ("0, 0", "eye")).value == "yes"
     assert one(RIDE % ("-10 cm, 12 cm", "eye")).value == "yes", "seen at first, passed at last"
@@ -139,7 +139,7 @@ SCREEN = "object wall { shape: box  size: (80 cm, 4 cm, 40 cm)  color: gray  on:
     "answer", ["ball.color", "shade", "if ball.color == red then red else blue", "tone"], ids=lambda a: a.split()[0]
 )
 @pytest.mark.parametrize("wall", ["", SCREEN], ids=["open", "hidden"])
-def test_what_the_answer_rests_on_is_seen_however_it_is_named(answer: str, wall: str) -> None:
+def test_objects_of_the_answer_must_be_seen_under_any_name(answer: str, wall: str) -> None:
     """A text that says `the ball` without braces, and an answer by a `let` or by the factor that decides the colour."""
     body = f"""
       factor tone in [red, blue]

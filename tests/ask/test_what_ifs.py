@@ -123,7 +123,7 @@ def test_engines_agree_on_both_episodes() -> None:
         assert isinstance(row, QuestionRow), row
 
 
-def test_what_moves_in_the_changed_episode_alone_is_nudged() -> None:
+def test_bodies_that_move_in_the_what_if_alone_are_nudged() -> None:
     """In the episode as it is nothing moves; without its support the block falls, on either side of a line."""
     spec = task_from("""use tabletop
       task one : custom {
@@ -210,7 +210,7 @@ def test_rows_of_a_task_with_a_what_if_have_the_same_columns() -> None:
     ("change", "shown", "moments"),
     [("", "1 s", 3), ("", "0.4 s", 2), (" without blocker", "1 s", 2), (" without go", "1 s", 2)],
 )
-def test_a_course_that_nobody_is_shown_is_predicted_from_two_moments(change: str, shown: str, moments: int) -> None:
+def test_unseen_course_is_predicted_from_two_moments(change: str, shown: str, moments: int) -> None:
     body = f"""
       factor tone in [red, blue]
       object ball {{ shape: sphere  size: 8 cm  color: tone  on: table at (-20 cm, 0) }}

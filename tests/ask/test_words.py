@@ -38,7 +38,7 @@ def two(first: str, second: str) -> Evaluator:
         ('called: "toy car"  material: wood', 'called: "toy car"', "the red wooden toy car", "the red plastic toy car"),
     ],
 )
-def test_what_tells_two_objects_apart(first: str, second: str, a: str, b: str) -> None:
+def test_expressions_distinguish_two_objects(first: str, second: str, a: str, b: str) -> None:
     both = two(first, second) if "color" not in first else values(f"object a {{ {first} }}  object b {{ {second} }}")
     assert (referring_expression("a", both), referring_expression("b", both)) == (a, b)
 
@@ -54,7 +54,7 @@ def test_what_tells_two_objects_apart(first: str, second: str, a: str, b: str) -
         (("rider",), "on the left"),
     ],
 )
-def test_what_is_on_the_left_is_so_in_the_pictures(cameras: tuple[str, ...], said: str) -> None:
+def test_left_is_left_in_the_pictures(cameras: tuple[str, ...], said: str) -> None:
     body = """object a { color: red  at: (-9 cm, 0, 0) }  object b { color: red  at: (9 cm, 0, 0) }
       camera other { at: (5 cm, 1 m, 50 cm)  look_at: (0, 0, 0) }
       camera rider { ride: b  at: (0, 0, 10 cm)  look_at: (-1 m, 0, 0) }
@@ -62,7 +62,7 @@ def test_what_is_on_the_left_is_so_in_the_pictures(cameras: tuple[str, ...], sai
     assert referring_expression("a", Evaluator(task_from(SCENE.format(body=body)), {})) == f"the red cube {said}"
 
 
-def test_what_is_not_there_needs_no_telling_apart() -> None:
+def test_absent_objects_need_no_distinction() -> None:
     assert referring_expression("b", two("present: false", "")) == "the red cube"
 
 
@@ -127,7 +127,7 @@ def test_expressions_read_as_they_were_written() -> None:
         ('shape: cube  called: "die"  plural: "dice"  color: red', "the red dice"),
     ],
 )
-def test_several_are_said_together_where_nothing_else_is_called_so(look: str, said: str) -> None:
+def test_group_has_one_expression_if_nothing_else_matches_it(look: str, said: str) -> None:
     many = f"objects many[3] {{ {look}  at: (index * 20 cm, 0, 0) }}"
     names = tuple(t.name for t in values(many).spec.things if t.set == "many")
     assert verbalize(names, "list of objects", values(many)) == said

@@ -136,7 +136,7 @@ INHERITING = {
 
 
 @pytest.mark.parametrize("case", INHERITING)
-def test_what_a_body_inherits_is_what_mujoco_gives_it(case: str, tmp_path: Path) -> None:
+def test_inherited_defaults_are_those_of_mujoco(case: str, tmp_path: Path) -> None:
     defaults, body, actuator = INHERITING[case]
     text = f'{defaults}<worldbody><body name="x">{body}</body></worldbody><actuator>{actuator}</actuator>'
     (tmp_path / "a.xml").write_text(f'<mujoco><compiler angle="radian"/>{text}</mujoco>')

@@ -102,7 +102,7 @@ LARGE = {
 
 
 @pytest.mark.parametrize("what", LARGE)
-def test_what_is_too_large_is_refused_soon(tmp_path: Path, what: str) -> None:
+def test_oversized_input_is_refused_early(tmp_path: Path, what: str) -> None:
     said, work = calls(lambda: reported(tmp_path, LARGE[what].encode()))
     assert "WMS210" in said
     assert work < 2_000_000

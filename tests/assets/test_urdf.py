@@ -92,7 +92,7 @@ def poses(found: Scene, name: str) -> np.ndarray[tuple[int], np.dtype[np.float64
     return np.concatenate([named(found, name).pose.position, named(found, name).pose.orientation])
 
 
-def test_what_is_drawn_and_what_is_touched(tmp_path: Path) -> None:
+def test_visual_and_collision_geoms_differ(tmp_path: Path) -> None:
     found = scene(spec(ARM.format("true", 0, 0.1), here(tmp_path)))
     assert [(type(g.shape).__name__, g.collides, g.visible) for g in named(found, "arm_shoulder").geoms] == [
         ("Mesh", False, True),
@@ -111,7 +111,7 @@ def test_the_whole_is_placed_and_turned_as_one(tmp_path: Path) -> None:
     assert named(found, "cabinet_drawer").pose.position == pytest.approx((1, 0, 0.47))
 
 
-def test_what_hangs_lowest_is_what_rests(tmp_path: Path) -> None:
+def test_lowest_part_rests(tmp_path: Path) -> None:
     """The arm's base is not its lowest part when the arm is turned over."""
     found = scene(spec('object arm { file: "arm.urdf"  at: (0, 0)  roll: 180 deg  fixed: true }', here(tmp_path)))
     assert named(found, "arm").pose.position[2] > 0.3

@@ -59,7 +59,7 @@ def test_an_unknown_child_or_attribute_is_reported(place: int, tag: str, tmp_pat
 
 
 @pytest.mark.parametrize(("place", "tag"), ELEMENTS)
-def test_what_has_a_prefix_belongs_to_another_program(place: int, tag: str, tmp_path: Path) -> None:
+def test_prefixed_attributes_belong_to_other_programs(place: int, tag: str, tmp_path: Path) -> None:
     robot = ET.fromstring(ROBOT)
     list(robot.iter())[place].set("other:peculiar", "1")
     assert len(reported(robot, tmp_path)) == 1

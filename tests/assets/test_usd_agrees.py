@@ -415,7 +415,7 @@ BEYOND = {
 
 
 @pytest.mark.parametrize("message", BEYOND)
-def test_what_a_spec_may_not_have_of_a_stage_is_told(tmp_path: Path, message: str) -> None:
+def test_unsupported_parts_of_a_stage_are_reported_in_specs(tmp_path: Path, message: str) -> None:
     read(Usd.Stage.Open(str(written(tmp_path, BEYOND[message]))))
     (tmp_path / "spec.wms").write_text('task t : custom { object a { file: "stage.usda"  at: (0, 0, 0) } }')
     reported = checked(tmp_path / "spec.wms")[1].diagnostics

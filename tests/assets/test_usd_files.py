@@ -101,7 +101,7 @@ def test_a_file_that_changes_is_read_again(tmp_path: Path) -> None:
         assert np.ptp(found.bounds, axis=0) == pytest.approx((2 * times,) * 3, rel=1e-5)
 
 
-def test_what_is_too_large_is_refused_soon(tmp_path: Path) -> None:
+def test_oversized_input_is_refused_early(tmp_path: Path) -> None:
     n = 250_001
     stage = Usd.Stage.CreateNew(str(tmp_path / "large.usdc"))
     made = UsdGeom.Mesh.Define(stage, "/large")

@@ -166,7 +166,7 @@ TYPES = {"sourceColorSpace": "Token", "varname": "String", "file": "Asset", "opa
 
 
 @pytest.mark.parametrize(("shader", "name", "value", "reported"), ODD)
-def test_what_cannot_be_drawn_is_reported_unless_the_spec_paints_it(
+def test_unsupported_looks_are_reported_unless_painted_over(
     tmp_path: Path, shader: str, name: str, value: object, reported: str
 ) -> None:
     where = folder(tmp_path)

@@ -169,12 +169,12 @@ def test_a_mesh_is_touched_as_its_file_says_or_the_spec(tmp_path: Path, way: str
         assert ways(tmp_path, f'object a {{ file: "mesh.usda"  at: (0, 0, 0)  {said} }}') == ["boundingCube"]
 
 
-def test_what_is_convex_is_its_own_hull(tmp_path: Path) -> None:
+def test_convex_mesh_is_its_own_hull(tmp_path: Path) -> None:
     written(tmp_path, "mesh.usda", way="none")
     assert ways(tmp_path, 'object a { file: "mesh.usda"  at: (0, 0, 0) }') == ["convexHull"]
 
 
-def test_what_never_moves_is_touched_as_it_is(tmp_path: Path) -> None:
+def test_static_body_collides_with_its_exact_shape(tmp_path: Path) -> None:
     solid = 'prepend apiSchemas = ["PhysicsCollisionAPI"]'
     still = f'def Mesh "stand" ( {solid} ) {{\n{ANGLE}\n}}'
     free = 'def Sphere "ball" ( prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"] ) { }'
@@ -185,7 +185,7 @@ def test_what_never_moves_is_touched_as_it_is(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("way", ["none", "meshSimplification", "sdf"])
-def test_what_can_move_and_cannot_be_touched_so_is_reported(tmp_path: Path, way: str) -> None:
+def test_movable_body_without_collision_is_reported(tmp_path: Path, way: str) -> None:
     written(tmp_path, "mesh.usda", form=ANGLE, way=way)
     for strict, severity in (("", "warning"), ("strict: true", "error")):
         (tmp_path / "spec.wms").write_text(

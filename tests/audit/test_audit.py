@@ -164,7 +164,7 @@ def test_a_question_about_one_moment_may_be_answered_from_its_picture(tmp_path: 
 
 
 @pytest.mark.usefixtures("roughly")
-def test_what_holds_from_the_start_may_be_seen_at_any_moment(tmp_path: Path) -> None:
+def test_standing_answers_may_follow_from_any_picture(tmp_path: Path) -> None:
     def standing(question: QuestionRow, random: np.random.Generator) -> QuestionRow:
         return replace(race(level=True)(question, random), standing=True)
 
@@ -174,7 +174,7 @@ def test_what_holds_from_the_start_may_be_seen_at_any_moment(tmp_path: Path) -> 
     assert any("from picture 2: pixels alone" in f.what and f.verdict == "reported" for f in found.findings)
 
 
-def test_too_few_questions_are_said_to_be_too_few(audited: Audited) -> None:
+def test_too_few_questions_are_reported(audited: Audited) -> None:
     found = audited("race of 12")
     assert found.passed
     assert any("groups are too few" in f.what and f.verdict == "unclear" for f in found.findings)
@@ -206,7 +206,7 @@ def test_a_place_that_goes_with_a_factor_fails(tmp_path: Path) -> None:
     assert any("place of the truth depends on tone" in f.what for f in found if f.verdict == "fails")
 
 
-def test_a_favoured_place_fails_and_the_deciding_factor_is_told(audited: Audited) -> None:
+def test_favoured_place_fails_and_names_the_deciding_factor(audited: Audited) -> None:
     found = audited("race favoured")
     assert any("the place of the truth is not uniform" in f.what for f in failing(found, "balance"))
     (decides,) = [f for f in found.findings if "answer depends on faster" in f.what]
@@ -256,14 +256,14 @@ def test_the_same_question_with_another_answer_fails(noise: int, tmp_path: Path)
     assert "different answers" in finding.what
 
 
-def test_what_only_who_enlarges_can_tell_apart_is_told(tmp_path: Path) -> None:
+def test_questions_distinct_only_at_full_size_are_reported(tmp_path: Path) -> None:
     (finding,) = doubled(make(tmp_path / "made", "race", copied(True, darker=5), 320))
     assert finding.verdict == "reported"
     assert "1 pair of questions are distinguishable only at full picture size" in finding.what
 
 
 @pytest.mark.parametrize(("noise", "exact"), [(0, "1 to the byte"), (3, "0 to the byte")])
-def test_a_question_asked_twice_is_told(noise: int, exact: str, tmp_path: Path) -> None:
+def test_duplicate_question_is_reported(noise: int, exact: str, tmp_path: Path) -> None:
     (finding,) = doubled(make(tmp_path / "made", "race", copied(False, noise), 320))
     assert finding.verdict == "reported"
     assert exact in finding.what
@@ -381,13 +381,13 @@ def test_an_answer_that_points_at_a_false_option_fails(tmp_path: Path) -> None:
     assert any("no or another true option" in f.what for f in failing(look(folder), "counts"))
 
 
-def test_what_is_not_a_dataset_is_told(tmp_path: Path) -> None:
+def test_invalid_dataset_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(WmsError, match="no finished dataset"):
         look(tmp_path)
 
 
 @pytest.mark.parametrize("key", ["", "{", '"shards"', '"dimension"', '"sha256": "'])
-def test_a_damaged_manifest_is_told(key: str, tmp_path: Path) -> None:
+def test_damaged_manifest_is_an_error(key: str, tmp_path: Path) -> None:
     """It is cut off at the beginning or after the key, or lacks it."""
     manifest = make(tmp_path, "race", race(), 16) / "manifest.json"
     text = manifest.read_text()

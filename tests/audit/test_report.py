@@ -81,5 +81,5 @@ def test_a_damaged_dataset_fails_and_is_not_shown(tmp_path: Path) -> None:
         assert not (tmp_path / output).exists()
 
 
-def test_what_cannot_be_audited_is_told(tmp_path: Path) -> None:
+def test_dataset_that_cannot_be_audited_is_an_error(tmp_path: Path) -> None:
     assert "no finished dataset" in wmspec("audit", "nowhere", folder=tmp_path, code=2).stderr

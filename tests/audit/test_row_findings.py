@@ -119,7 +119,7 @@ def test_companions_concern_what_the_options_vary(text: str, companions: list[Un
     assert words in found.what
 
 
-def test_without_companions_or_a_closed_set_nothing_is_said() -> None:
+def test_without_companions_or_closed_sets_there_is_no_finding() -> None:
     question, other = pictured("What next?"), bystander()
     assert companion_finding([question], question) is None
     assert companion_finding([question, other], other) is None
@@ -214,7 +214,7 @@ def test_tiers_of_one_answer_are_left_out() -> None:
     [(lambda answer, _: answer, "unclear"), (lambda answer, _: {"yes": "no", "no": "yes"}[answer], "unclear"),
      (lambda _, weight: "yes" if weight == LEVELS[0][0] else "no", "holds"), (lambda *_: None, None)],
 )  # fmt: skip
-def test_what_ifs_are_not_what_happens(actual: Callable[[str, str], str | None], verdict: str | None) -> None:
+def test_what_if_answers_differ_from_actual_ones(actual: Callable[[str, str], str | None], verdict: str | None) -> None:
     def make(_: int, weight: str, way: str) -> dict[str, Any]:
         answer = "yes" if way == "left" else "no"
         return labelled(["yes", "no"], answer, answer_value=answer, actual_value=actual(answer, weight))

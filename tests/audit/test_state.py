@@ -47,7 +47,7 @@ def test_of_two_pictures_it_sees_how_far_things_go() -> None:
     assert np.allclose(row[-3:], [0.3, 0.0, 0.3])
 
 
-def test_what_no_picture_shows_is_no_evidence() -> None:
+def test_unseen_change_is_no_evidence() -> None:
     def trembling(turn: float) -> Case:
         seen = thing(0, "ball", "red ball", 0.2 + turn / 10) | {"qy": turn}
         return Case({"context_objects": [seen], "text": "How fast?"}, (b"",), ())

@@ -61,7 +61,7 @@ def _every_table(table: np.ndarray) -> float:
     return total
 
 
-def test_what_does_not_vary_goes_with_nothing() -> None:
+def test_constant_variable_depends_on_nothing() -> None:
     assert independence(np.array([[5, 5], [0, 0]])) == (0.0, 1.0, "nothing varies")
 
 
@@ -89,7 +89,7 @@ def test_cases_of_a_group_are_no_evidence_of_their_own(swapped: bool) -> None:
     assert naive > 30
 
 
-def test_what_is_dealt_to_groups_is_found_where_it_tells() -> None:
+def test_dependence_within_groups_is_found() -> None:
     answers, levels, groups = _grouped(np.random.default_rng(1), 0.5)
     strength, p, method, effect = dependence(answers, levels, groups)
     assert p < 0.001
@@ -146,7 +146,7 @@ def test_the_interval_is_the_exact_one(right: int) -> None:
     assert clopper_pearson(right, 20, 0.95) == pytest.approx((there.low, there.high))
 
 
-def test_the_strength_that_is_found_is_found_as_often_as_is_said() -> None:
+def test_detectable_strength_is_detected_at_its_stated_power() -> None:
     random, level = np.random.default_rng(2), 0.01
     strength = detectable(np.full((2, 2), 75).tolist(), level)
     joint = np.array([[1 + strength, 1 - strength], [1 - strength, 1 + strength]]).ravel() / 4
@@ -205,14 +205,14 @@ def test_it_answers_as_scikit_learn_does() -> None:
     assert cross_validated_scores(ProbeFeatures(seen, "questions", "forest"), probed) == pytest.approx(right)
 
 
-def test_options_that_cannot_be_told_apart_count_as_a_guess() -> None:
+def test_indistinguishable_options_count_as_a_guess() -> None:
     probed, _ = _questions(40, 4)
     assert cross_validated_scores(ProbeFeatures(np.ones((160, 2)), "options", "linear"), probed) == pytest.approx(
         np.full(40, 0.25)
     )
 
 
-def test_what_is_known_of_a_group_does_not_help_with_that_group() -> None:
+def test_folds_keep_groups_together() -> None:
     probed, random = _questions(300, 2, 10)
     lucky = random.integers(2, size=30)[np.arange(300) // 10]  # in each group the truth is where its others have it
     probed = probed.with_labels(lucky)
@@ -253,7 +253,7 @@ def _alarm(seen: ProbeFeatures, probed: ProbeDataset, tests: int) -> bool:
     [("options", "linear", 50), pytest.param("questions", "forest", 60, marks=pytest.mark.slow)],
 )
 @pytest.mark.parametrize("choices", [2, 4])
-def test_a_shortcut_of_the_size_told_is_found_in_four_of_five_draws(
+def test_shortcut_of_the_reported_size_is_found_in_four_of_five_draws(
     of: Any, model: Any, draws: int, choices: int
 ) -> None:
     """A law of the audit: what it says that it would have found, it finds; and where there is nothing, it is silent."""
@@ -293,7 +293,7 @@ def test_the_one_that_sees_a_shortcut_is_picked_and_judged_by_what_it_answers() 
     assert right.mean() > 0.8
 
 
-def test_what_picks_has_seen_nothing_of_what_is_judged() -> None:
+def test_selection_never_sees_the_held_out_fold() -> None:
     """If the truths of a fold are others, all that picks for it, and all that is fitted to judge it, stays the same."""
     probed, random = _questions(80, 2, 4)
     seen = ProbeFeatures(random.normal(size=(160, 4)), "options", "forest")
@@ -323,7 +323,7 @@ def test_the_best_of_probes_that_see_noise_is_as_good_as_guessing() -> None:
 
 
 @pytest.mark.slow
-def test_a_shortcut_of_the_size_told_is_found_by_the_best() -> None:
+def test_shortcut_of_the_reported_size_is_found_by_the_best_probe() -> None:
     draws, tests, chance = 40, 6, np.full(160, 0.25)
     probed, random = _questions(160, 4, 4)
     noise = [ProbeFeatures(random.normal(size=(640, 8)), "options", "forest") for _ in range(6)]
@@ -341,7 +341,7 @@ def test_a_shortcut_of_the_size_told_is_found_by_the_best() -> None:
     assert stats.binomtest(found, draws, 0.8, alternative="less").pvalue > 0.01, found
 
 
-def test_what_is_too_faint_is_said_to_be_overlooked() -> None:
+def test_undetectable_shortcuts_count_as_missed() -> None:
     beyond = power.threshold(20)
 
     def least(learned: tuple[float, ...] | None) -> float:

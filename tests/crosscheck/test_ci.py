@@ -44,7 +44,7 @@ def entries() -> list[Path]:
 # ---------------------------------------------------------------- results kept by content
 
 
-def test_what_was_executed_is_not_executed_again(repository: Path) -> None:
+def test_executed_episodes_are_reused(repository: Path) -> None:
     first, second = checked(), checked()
     assert (first.cached, second.cached, len(entries())) == (0, 6, 6)
     assert second.record() == first.record()
@@ -126,7 +126,7 @@ def test_a_result_that_says_something_else_is_not_believed(repository: Path) -> 
         assert (again.cached, again.refused) == (0, 1)
 
 
-def test_what_a_spec_names_belongs_to_its_content(repository: Path) -> None:
+def test_named_files_belong_to_the_content_of_a_spec(repository: Path) -> None:
     mesh = repository / "specs/ramp.obj"
     mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
     race = repository / "specs/race.wms"
@@ -199,7 +199,7 @@ def test_a_vanished_disagreement_is_named_and_removed_on_request(repository: Pat
         "\xff",
     ],
 )
-def test_what_is_no_baseline_is_an_error_with_its_file(tmp_path: Path, content: str) -> None:
+def test_invalid_baseline_is_an_error_with_its_file(tmp_path: Path, content: str) -> None:
     path = tmp_path / "known.json"
     path.write_text(content, encoding="latin-1")
     with pytest.raises(WmsError) as caught:

@@ -73,7 +73,7 @@ def test_a_shift_is_found_where_when_and_how_large(race: tuple[Scene, Trace]) ->
     assert (found.cause.body, found.cause.other) == ("far", "floor")
 
 
-def test_what_rests_from_the_start_has_no_first_touch_though_an_engine_reports_it_late(
+def test_resting_contact_has_no_first_touch_even_if_reported_late(
     race: tuple[Scene, Trace],
 ) -> None:
     scene, trace = race
@@ -112,7 +112,7 @@ def test_a_first_touch_may_be_10_ms_late(tumble: tuple[Scene, Trace], late: floa
     assert all(e.times[0] is not None and e.times[1] == pytest.approx(e.times[0] + late) for e in found.events)
 
 
-def test_a_touch_that_never_comes_is_told(tumble: tuple[Scene, Trace]) -> None:
+def test_missing_touch_is_reported(tumble: tuple[Scene, Trace]) -> None:
     scene, trace = tumble
     missing = tuple(c for c in trace.contacts if "post_a" not in (c.first, c.second))
     found = judged(scene, trace, replace(trace, engine="other", contacts=missing))
@@ -123,7 +123,7 @@ def test_a_touch_that_never_comes_is_told(tumble: tuple[Scene, Trace]) -> None:
     assert (found.cause.body, found.cause.restitution) == ("a", pytest.approx(0.9))
 
 
-def test_coming_to_rest_in_one_engine_alone_is_told(race: tuple[Scene, Trace]) -> None:
+def test_coming_to_rest_in_one_engine_alone_is_reported(race: tuple[Scene, Trace]) -> None:
     scene, trace = race
     stopped = trace.linear_velocity.copy()
     stopped[-1, trace.bodies.index("near")] = 0
@@ -168,7 +168,7 @@ def test_tolerances_are_read_with_units() -> None:
         ("rest=3 parsec", "expected a length"),
     ],
 )
-def test_a_wrong_tolerance_is_told_with_the_right_one(setting: str, remedy: str) -> None:
+def test_wrong_tolerance_is_reported_with_the_right_one(setting: str, remedy: str) -> None:
     with pytest.raises(WmsError) as error:
         tolerances([setting])
     assert remedy in str(error.value)

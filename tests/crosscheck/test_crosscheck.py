@@ -122,7 +122,7 @@ def test_a_picture_after_the_end_is_no_answer() -> None:
     assert all(r and "s is outside the episode" in r for r in found.verdicts[0].rejected)
 
 
-def test_what_cannot_be_executed_fails_with_its_reason() -> None:
+def test_failed_execution_has_its_reason() -> None:
     text = (HERE / "race.wms").read_text().replace("size: 10 cm  color: red", "size: (ratio - 1.5) * 10 cm  color: red")
     (found,) = checked(text, ratio=1.5)
     assert not found.passes(strict=False)
@@ -166,7 +166,7 @@ def test_the_factor_at_fault_is_named() -> None:
         (("nowhere.wms",), "nowhere.wms"),
     ],
 )
-def test_a_mistake_is_told_with_its_remedy(arguments: tuple[str, ...], remedy: str) -> None:
+def test_mistake_is_reported_with_its_remedy(arguments: tuple[str, ...], remedy: str) -> None:
     assert remedy in crosscheck(*arguments, code=2)
 
 

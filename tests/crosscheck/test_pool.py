@@ -39,7 +39,7 @@ class Unforeseen(Exception):
         self.lock = lock or (i for i in "")
 
 
-def test_results_are_in_order_and_what_is_lost_is_told() -> None:
+def test_results_are_in_order_and_losses_are_reported() -> None:
     found = list(map_ordered(square, ((i,) for i in (0, 1, 2, 4, 5)), PoolConfig(workers=2, timeout=60)))
     assert found == [0, 1, JobFailure("crashed", "the worker process died twice (exit code 7)"), 16, 25]
 
@@ -109,7 +109,7 @@ def test_ctrl_c_reaches_no_worker_from_its_start_on() -> None:
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
 
 
-def test_what_hangs_is_given_up() -> None:
+def test_hanging_jobs_time_out() -> None:
     found = list(map_ordered(square, ((i,) for i in (3,)), PoolConfig(workers=2, timeout=3)))
     assert found == [JobFailure("timeout", "took longer than 3 s, twice")]
 

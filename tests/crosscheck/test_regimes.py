@@ -101,7 +101,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_what_enters_is_told(name: str) -> None:
+def test_entering_object_is_reported(name: str) -> None:
     text, engine, kind = CASES[name]
     (reported,) = kinds(text, engine)
     assert kind in reported
@@ -122,7 +122,7 @@ def test_what_enters_is_told(name: str) -> None:
         (stage(floor(), body("can", cylinder(0.05, 0.2, "Y"), (0, 0, 0.05), velocity=(0.5, 0, 0))), "sapien"),
     ],
 )
-def test_what_does_not_is_not(text: str, engine: str) -> None:
+def test_ordinary_scenes_are_outside_the_regimes(text: str, engine: str) -> None:
     assert not kinds(text, engine)
 
 
@@ -152,7 +152,7 @@ def gyroscope(spin: float) -> str:
 
 
 @pytest.mark.parametrize(("engine", "wrong"), [("mujoco", False), ("pybullet", True)])
-def test_a_gyroscope_precesses_or_is_told_to_be_wrong(engine: str, wrong: bool) -> None:
+def test_gyroscope_precesses_or_is_reported_as_wrong(engine: str, wrong: bool) -> None:
     """MuJoCo's usual integrator gains 42 % of its energy in a second, at 50 rad/s."""
     assert [("spins fast" in kind) for kind in kinds(gyroscope(50.0), engine, 1.0)] == [True] * wrong
 

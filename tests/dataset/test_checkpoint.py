@@ -91,7 +91,7 @@ def test_no_instance_is_made_twice_however_often_it_is_stopped(
     assert not [p for p in (tmp_path / "out").rglob("*") if p.is_dir() and not any(p.iterdir())]
 
 
-def test_what_was_kept_goes_together_with_what_is_reused(tmp_path: Path, whole: dict[str, bytes], run: Run) -> None:
+def test_checkpoints_and_reused_instances_combine(tmp_path: Path, whole: dict[str, bytes], run: Run) -> None:
     with pytest.raises(Stopped):
         run(2)
     few = replace(PLAN, tasks=tuple(replace(t, indices=t.indices[:3]) for t in PLAN.tasks))
@@ -102,7 +102,7 @@ def test_what_was_kept_goes_together_with_what_is_reused(tmp_path: Path, whole: 
 
 
 @pytest.mark.parametrize("damage", [lambda b: b[:-1], lambda b: b[:-50] + bytes([b[-50] ^ 1]) + b[-49:], lambda b: b""])
-def test_what_was_kept_and_damaged_is_made_again(
+def test_damaged_checkpoint_is_generated_again(
     tmp_path: Path, whole: dict[str, bytes], run: Run, damage: Callable[[bytes], bytes]
 ) -> None:
     with pytest.raises(Stopped):
@@ -113,7 +113,7 @@ def test_what_was_kept_and_damaged_is_made_again(
     assert contents(tmp_path / "out") == whole
 
 
-def test_what_was_kept_of_a_shard_that_is_whole_is_cleared_away(tmp_path: Path, whole: dict[str, bytes]) -> None:
+def test_checkpoint_of_a_complete_shard_is_removed(tmp_path: Path, whole: dict[str, bytes]) -> None:
     make(tmp_path, PLAN)
     with Dataset.open(tmp_path, PLAN) as dataset:
         shard = next(PLAN.shards())
@@ -123,7 +123,7 @@ def test_what_was_kept_of_a_shard_that_is_whole_is_cleared_away(tmp_path: Path, 
     assert contents(tmp_path) == whole
 
 
-def test_what_was_kept_for_another_plan_is_not_taken(tmp_path: Path, run: Run) -> None:
+def test_checkpoint_of_another_plan_is_not_used(tmp_path: Path, run: Run) -> None:
     with pytest.raises(Stopped):
         run(3)
     other = replace(PLAN, seed=8, tasks=PLAN.tasks[1:])
@@ -154,7 +154,7 @@ def test_an_instance_has_its_name_once_it_is_whole(tmp_path: Path, monkeypatch: 
         assert list(dataset.kept(shard)) == [shard.indices[0]]
 
 
-def test_a_full_disk_is_told_when_an_instance_is_kept(tmp_path: Path, whole: dict[str, bytes], run: Run) -> None:
+def test_full_disk_is_an_error_when_an_instance_is_saved(tmp_path: Path, whole: dict[str, bytes], run: Run) -> None:
     with pytest.raises(Stopped):
         run(2)
     with largest_file(3000), pytest.raises(WmsError, match=r"\.instance cannot be written.*free some space.*again"):
@@ -202,14 +202,14 @@ def with_lost(folder: Path, *pieces: tuple[str, int]) -> None:
         dataset.finish()
 
 
-def test_what_took_too_long_is_tried_again_and_nothing_else(tmp_path: Path, whole: dict[str, bytes], run: Run) -> None:
+def test_only_timed_out_instances_are_retried(tmp_path: Path, whole: dict[str, bytes], run: Run) -> None:
     with_lost(tmp_path / "out", ALL[1], ALL[13])
     assert run() == [ALL[1], ALL[13]]
     assert contents(tmp_path / "out") == whole
     assert run() == []
 
 
-def test_what_took_too_long_is_not_reused(tmp_path: Path, whole: dict[str, bytes], run: Run) -> None:
+def test_timed_out_instances_are_not_reused(tmp_path: Path, whole: dict[str, bytes], run: Run) -> None:
     with_lost(tmp_path / "late", ALL[0], ALL[5])
     assert run(before=[tmp_path / "late"]) == [ALL[0], ALL[5]]
     assert contents(tmp_path / "out") == whole

@@ -57,7 +57,7 @@ def files(folder: Path) -> dict[str, str]:
     }
 
 
-def test_a_python_that_ray_cannot_start_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_python_that_ray_cannot_start_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "executable", "/a folder/bin/python")
     with pytest.raises(WmsError, match="whose path has a space"), ray_cluster("", 1, 5, {}):
         pass
@@ -87,7 +87,7 @@ def test_other_versions_are_refused(cluster: Any) -> None:
         pass
 
 
-def test_no_cluster_is_told(tmp_path: Path) -> None:
+def test_missing_cluster_is_an_error(tmp_path: Path) -> None:
     command = ["generate", str(SPEC), "-o", str(tmp_path / "out"), "-b", "mujoco", "--per-task", "1"]
     reported = CliRunner().invoke(main, [*command, "--address", "auto"])
     assert reported.exit_code != 0

@@ -144,7 +144,7 @@ def test_a_killed_writer_loses_at_most_one_shard(tmp_path: Path, whole: dict[str
     assert contents(tmp_path) == whole
 
 
-def test_what_a_killed_writer_left_is_cleared_away(tmp_path: Path, whole: dict[str, bytes]) -> None:
+def test_leftovers_of_a_killed_writer_are_removed(tmp_path: Path, whole: dict[str, bytes]) -> None:
     Dataset.open(tmp_path, plan()).close()
     (tmp_path / ".progress").mkdir()
     (tmp_path / ".progress/0123456789abcdef.part").write_bytes(b"half")
@@ -173,7 +173,7 @@ def test_two_processes_do_not_write_to_one_folder(tmp_path: Path) -> None:
         (lambda p: replace(p, tasks=p.tasks[:1]), "tasks (motion_speed)"),
     ],
 )
-def test_another_plan_is_told_apart_and_needs_force(tmp_path: Path, other: Callable[[Plan], Plan], said: str) -> None:
+def test_other_plan_is_recognized_and_needs_force(tmp_path: Path, other: Callable[[Plan], Plan], said: str) -> None:
     make(tmp_path, plan())
     before = contents(tmp_path)
     with pytest.raises(WmsError) as error:
@@ -265,7 +265,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
     subprocess.run(["umount", "-l", str(disk)], check=True)
 
 
-def test_a_full_disk_is_told_and_the_run_goes_on_when_there_is_space(small_disk: Path, whole: dict[str, bytes]) -> None:
+def test_full_disk_is_an_error_and_the_run_resumes_with_space(small_disk: Path, whole: dict[str, bytes]) -> None:
     with pytest.raises(WmsError, match=r"no space left.*free some space"):
         make(small_disk, plan())
     assert not list(small_disk.rglob("*.part"))

@@ -75,7 +75,7 @@ def test_a_dataset_grows(tmp_path: Path) -> None:
     assert contents(tmp_path / "larger") == contents(tmp_path / "whole")
 
 
-def test_what_was_damaged_or_never_made_is_made_again(tmp_path: Path, parts: list[Path]) -> None:
+def test_damaged_or_missing_parts_are_generated_again(tmp_path: Path, parts: list[Path]) -> None:
     part = next(shares(plan(count=11))).tasks[0]
     damaged = parts[0] / "data/collide/test-00000-of-00002.parquet"
     damaged.write_bytes(damaged.read_bytes()[:-1])
@@ -99,14 +99,14 @@ def test_more_shares_than_instances(tmp_path: Path) -> None:
     ("other", "said"),
     [(plan(seed=8), "seed 8 there, 7 now"), (plan(tasks=("collide",)), r"specs \(motion_speed.wms\)")],
 )
-def test_what_was_made_otherwise_is_refused(tmp_path: Path, other: Plan, said: str) -> None:
+def test_dataset_of_other_options_is_refused(tmp_path: Path, other: Plan, said: str) -> None:
     make(tmp_path, other)
     with pytest.raises(WmsError, match=f"cannot be reused, .* {said}"):
         PriorInstances([tmp_path], plan())
 
 
 @pytest.mark.parametrize("text", [None, "", "[]", "{}", '{"tasks": {"collide": 3}}'])
-def test_what_is_no_dataset_is_refused(tmp_path: Path, text: str | None) -> None:
+def test_invalid_dataset_is_refused(tmp_path: Path, text: str | None) -> None:
     if text is not None:
         (tmp_path / "plan.json").write_text(text)
     with pytest.raises(WmsError, match="holds no dataset that could be reused"):

@@ -24,7 +24,7 @@ def private(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_what_was_sealed_is_known_again_and_nothing_else(private: Path, tmp_path: Path) -> None:
+def test_sealed_dataset_is_recognized_and_no_other(private: Path, tmp_path: Path) -> None:
     attest(private, tmp_path / "public", workers=0)
     public = [path for path in (tmp_path / "public").rglob("*") if path.is_file()]
     assert all(str(SEED).encode() not in path.read_bytes() for path in public)
@@ -43,7 +43,7 @@ def test_what_was_sealed_is_known_again_and_nothing_else(private: Path, tmp_path
     assert check(other, tmp_path / "public" / "seal.json")[0] == "the seed differs"
 
 
-def test_what_is_shown_is_drawn_as_what_is_not(tmp_path: Path) -> None:
+def test_sealed_and_debug_datasets_share_a_renderer(tmp_path: Path) -> None:
     for engine in ("mujoco", "pybullet"):
         installed(engine)
     choices: Any = {"per_task": 1, "size": 48, "seed": SEED, "workers": 0}
@@ -65,7 +65,7 @@ def test_a_seed_that_no_column_holds_is_refused(tmp_path: Path) -> None:
         generate(SPEED, tmp_path / "out", per_task=1, backend="mujoco", seed=2**63)
 
 
-def test_what_is_no_seal_is_told(private: Path, tmp_path: Path) -> None:
+def test_invalid_seal_is_an_error(private: Path, tmp_path: Path) -> None:
     (tmp_path / "seal.json").write_text("{}")
     for path in (tmp_path / "seal.json", tmp_path / "none.json"):
         with pytest.raises(WmsError, match="is no seal"):

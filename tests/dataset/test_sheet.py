@@ -65,7 +65,7 @@ def test_a_word_that_is_too_long_is_broken() -> None:
     assert long.height > 20 * style.height
 
 
-def test_what_is_not_a_finished_dataset_is_told(tmp_path: Path, folder: Path) -> None:
+def test_unfinished_dataset_is_an_error(tmp_path: Path, folder: Path) -> None:
     with Dataset.open(tmp_path, replace(plan(), seed=3)), pytest.raises(WmsError, match="no finished dataset"):
         contact_sheet(tmp_path)
     with pytest.raises(WmsError, match="no task `nothing`; it has collide, motion_speed"):

@@ -97,7 +97,7 @@ def test_a_dataset_without_its_plan_differs_in_that_file_alone(made: Path, tmp_p
     assert [difference.id for difference in verify(folder, sample=1, workers=0).differences] == ["plan.json"]
 
 
-def test_what_was_altered_is_named(made: Path, tmp_path: Path) -> None:
+def test_altered_files_are_named(made: Path, tmp_path: Path) -> None:
     def other(row: dict[str, Any]) -> None:
         row["answer"] = (row["answer"] + 1) % len(row["option_text"])
 
@@ -108,7 +108,7 @@ def test_what_was_altered_is_named(made: Path, tmp_path: Path) -> None:
     assert re.search(r"3 of 3 questions generated again: \d different", reported)
 
 
-def test_what_is_nearly_the_same_passes_and_is_told(made: Path, tmp_path: Path) -> None:
+def test_near_equality_passes_and_is_reported(made: Path, tmp_path: Path) -> None:
     folder = altered(made, tmp_path / "near", noisy)
     result = verify(folder, every=True, other_machine=True, workers=0)
     difference = next(one for one in result.differences if one.column)

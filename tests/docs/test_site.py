@@ -49,7 +49,7 @@ def test_the_page_of_the_api_names_all_that_is_public() -> None:
     assert sorted(re.findall(r"heading: wmspec\.(\w+)", page)) == sorted(HOMES)
 
 
-def test_make_has_what_contributors_are_told_to_type() -> None:
+def test_make_has_the_targets_that_contributors_need() -> None:
     targets = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
     reported = re.findall(r"^make ([\w-]+)", (ROOT / "docs/contributing.md").read_text(), re.MULTILINE)
     assert reported

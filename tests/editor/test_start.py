@@ -59,6 +59,6 @@ def test_a_file_that_is_there_stays_as_it_is(tmp_path: Path, monkeypatch: pytest
         ("fine", "predictoin", "did you mean `prediction`?"),
     ],
 )
-def test_what_cannot_be_is_told_with_a_remedy(name: str, template: str, reported: str) -> None:
+def test_impossible_first_spec_has_a_remedy(name: str, template: str, reported: str) -> None:
     with pytest.raises(WmsError, match=reported.replace("?", r"\?")):
         first_spec(name, template)

@@ -81,7 +81,7 @@ def test_it_follows_the_file(served: Page) -> None:
     assert fixed.tasks == (("marbles", 27),)
 
 
-def test_a_text_may_be_gone_before_its_mistakes_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_file_may_vanish_before_its_mistakes_are_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "gone.wms"
     path.write_text("task t : custom { objekt }")
 
@@ -105,7 +105,7 @@ def test_a_text_may_be_gone_before_its_mistakes_are_told(tmp_path: Path, monkeyp
 
 @pytest.mark.engine
 @pytest.mark.pixels
-def test_pictures_that_a_page_was_told_of_outlive_the_next_sheet(served: Page) -> None:
+def test_pictures_of_a_page_outlive_the_next_sheet(served: Page) -> None:
     good = first_spec("marbles", "perception")
     sheets = []
     for text in (good, good.replace("in [red, orange, yellow]", "in [purple]")):

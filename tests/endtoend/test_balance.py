@@ -109,7 +109,7 @@ def test_an_interruption_leaves_no_trace(spec: Path, whole: Path, tmp_path: Path
     assert table(made(spec, tmp_path / "out")) == table(whole)
 
 
-def test_the_cost_is_told(spec: Path, tmp_path: Path) -> None:
+def test_cost_is_printed(spec: Path, tmp_path: Path) -> None:
     args = ["-b", "mujoco", "--size", "32", "--per-task", "4", "-j", "1"]
     output = CliRunner().invoke(main, ["generate", str(spec), "-o", str(tmp_path / "out"), *args]).output
     assert "reach: answers are balanced, for which " in output

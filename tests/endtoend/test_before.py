@@ -87,6 +87,6 @@ def test_the_papers_tasks_are_as_large_as_the_papers_unless_all_is_asked_for() -
         (["--dimension", "taste", "-o", "out"], "no task has the dimension `taste`"),
     ],
 )
-def test_what_cannot_be_generated_is_told(args: list[object], said: str, tmp_path: Path) -> None:
+def test_impossible_generation_is_an_error(args: list[object], said: str, tmp_path: Path) -> None:
     assert said in wmspec("generate", SPEED, *args, folder=tmp_path, code=2).stderr
     assert not list(tmp_path.iterdir())

@@ -93,7 +93,7 @@ def test_three_mistakes_give_three_diagnostics(tmp_path: Path) -> None:
         (["list", "."], "there is no .wms file"),
     ],
 )
-def test_a_mistake_on_the_command_line_is_told_in_a_sentence(args: list[object], said: str, tmp_path: Path) -> None:
+def test_mistake_on_the_command_line_is_one_sentence(args: list[object], said: str, tmp_path: Path) -> None:
     (tmp_path / "folder.usda").mkdir()
     (tmp_path / "a.usda").write_text('#usda 1.0\n( upAxis = "Z" )\n')
     (tmp_path / "a.usdc").write_bytes(b"PXR-USDC\xff\xfe")
@@ -176,7 +176,7 @@ MARBLE = "object ball { shape: sphere  size: 10 cm  color: red  on: floor at (0,
 
 
 @pytest.mark.parametrize("objects", [(WALL, MARBLE), (MARBLE, WALL)])
-def test_a_touch_of_what_is_fixed_is_told_whichever_comes_first(objects: tuple[str, str], tmp_path: Path) -> None:
+def test_touch_of_a_fixed_object_is_reported_in_either_order(objects: tuple[str, str], tmp_path: Path) -> None:
     installed("pybullet")
     push = "action push = launch(ball, direction: right, speed: 1 m/s)  horizon 0.5 s  observe front at [0 s]"
     (tmp_path / "t.wms").write_text("\n".join(("use room", "task t : custom {", *objects, push, "}")))
@@ -188,7 +188,7 @@ def test_a_touch_of_what_is_fixed_is_told_whichever_comes_first(objects: tuple[s
     assert said.count(" touches ") == len(contacts)
 
 
-def test_how_long_a_stage_really_ran_is_told(tmp_path: Path) -> None:
+def test_actual_duration_of_a_stage_is_reported(tmp_path: Path) -> None:
     """10 ms are nearest to two samples of 1/240 s."""
     installed("pybullet")
     (tmp_path / "ball.usda").write_text(BALL)
@@ -196,7 +196,7 @@ def test_how_long_a_stage_really_ran_is_told(tmp_path: Path) -> None:
     assert "pybullet, 0.00833333 s" in reported
 
 
-def test_where_a_stage_is_broken_is_told_once(tmp_path: Path) -> None:
+def test_place_of_a_broken_stage_is_reported_once(tmp_path: Path) -> None:
     (tmp_path / "broken.usda").write_text('#usda 1.0\ndef Xform "a" {\n    double x =\n}\n')
     reported = wmspec("run", "broken.usda", "--for", "1s", folder=tmp_path, code=2).stderr
     assert "broken.usda: not a stage that USD can open: broken.usda:3:" in reported

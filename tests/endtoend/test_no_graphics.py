@@ -22,7 +22,9 @@ RENDER, GENERATE = ["render", COLLIDE, "--size", "32"], ["generate", COLLIDE, "-
     ],
     ids=lambda value: " ".join(map(str, value)) if isinstance(value, list) else "",
 )
-def test_missing_graphics_are_told(without: dict[str, str], arguments: list[str], said: str, tmp_path: Path) -> None:
+def test_missing_graphics_are_an_error(
+    without: dict[str, str], arguments: list[str], said: str, tmp_path: Path
+) -> None:
     pytest.importorskip(arguments[arguments.index("-b") + 1])
     reported = wmspec(*arguments, "-o", "out", folder=tmp_path, code=2, MUJOCO_GL="egl", **without).stderr
     assert said in reported

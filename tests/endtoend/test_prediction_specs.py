@@ -43,7 +43,7 @@ def test_groups_tiers_and_questions(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", PHYSICS, ids=lambda path: path.stem)
-def test_what_the_options_vary_is_asked_and_not_told(path: Path) -> None:
+def test_questions_ask_for_the_varied_factors_without_naming_them(path: Path) -> None:
     task = task_of(path)
     varied = {orbit.factor for orbit in task.questions[0].orbit}
     probed = [varied & decisive(task, question) for question in task.questions[1:]]

@@ -32,7 +32,7 @@ task still : custom {{
         ("", "2 m", "unseen", 0),
     ],
 )
-def test_what_cannot_be_asked_is_counted(gate: str, where: str, reason: str, kept: int, tmp_path: Path) -> None:
+def test_impossible_questions_are_counted(gate: str, where: str, reason: str, kept: int, tmp_path: Path) -> None:
     installed("pybullet")
     (tmp_path / "still.wms").write_text(SPEC.format(gate=gate, where=where))
     command = ["generate", "still.wms", "-o", "out", "-b", "pybullet", "--size", 64, "-j", 1]
@@ -63,7 +63,7 @@ task grab : custom {
 """
 
 
-def test_what_cannot_be_planned_is_refused_with_its_place(tmp_path: Path) -> None:
+def test_failed_plan_is_refused_with_its_place(tmp_path: Path) -> None:
     installed("pybullet")
     (tmp_path / "grab.wms").write_text(ROBOT)
     for command in (["check", "grab.wms"], ["run", "grab.wms", "-b", "pybullet"]):

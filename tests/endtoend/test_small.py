@@ -83,13 +83,13 @@ def test_run_tells_the_middle_of_a_compound_as_measures_do(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize(("mass", "words"), [(0.2, "200 g"), (0.9994, "999.4 g"), (1.0, "1 kg"), (1.5, "1.5 kg")])
-def test_a_mass_is_said_as_people_do(mass: float, words: str) -> None:
+def test_mass_is_verbalized_in_usual_units(mass: float, words: str) -> None:
     values = Evaluator(task("t", thing("camera", "front", at=(0, -1, 1)), observe("front", [0.0])), {})
     assert verbalize(mass, "mass", values) == words
     assert mass < 1 or format_value(mass, "kg") == words
 
 
-def test_who_reads_no_further_is_no_failure() -> None:
+def test_closed_pipe_is_no_failure() -> None:
     """As of what SIGPIPE ends, not 1, which says that a check failed; and nothing is printed."""
     reads, writes = os.pipe()
     os.close(reads)
@@ -99,7 +99,7 @@ def test_who_reads_no_further_is_no_failure() -> None:
     assert (done.returncode, done.stderr) == (141, "")
 
 
-def test_a_camera_that_is_not_there_is_told_in_a_sentence() -> None:
+def test_missing_camera_is_one_sentence() -> None:
     from wmspec.core.diagnostics import WmsError
     from wmspec.sim.scene.render.camera import find_camera
     from wmspec.sim.usd import read
@@ -109,7 +109,7 @@ def test_a_camera_that_is_not_there_is_told_in_a_sentence() -> None:
         find_camera(read(first.stage()), "frnt")
 
 
-def test_distinct_by_is_told_where_it_says_nothing() -> None:
+def test_redundant_distinct_by_is_reported() -> None:
     for tail in ("answer moved(ball)", "answer height(ball)  within 1 cm"):
         body = BALL + f'question "Does it?" {{ {tail}  distinct by 3 cm }}'
         with pytest.raises(wmspec.SpecError, match="`distinct by` is for options that are pictures"):

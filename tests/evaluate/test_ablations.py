@@ -121,7 +121,7 @@ def test_different_options_have_different_words(options: list[str]) -> None:
     assert len({reworded(option) for option in options}) == len(options)
 
 
-def test_what_has_no_other_words_is_left_out(words: Path, pictures: Path, tmp_path: Path) -> None:
+def test_questions_without_other_wording_are_left_out(words: Path, pictures: Path, tmp_path: Path) -> None:
     numbers = in_numbers(tmp_path / "n", 2)
     for dataset in (words, pictures, numbers):
         question = all_questions(dataset)[0]

@@ -111,7 +111,7 @@ def test_every_reply_is_accounted_for(rules: str, status: str, tries: int, words
 
 
 @pytest.mark.parametrize("rules", ["right", "right+chatty+429"])
-def test_who_knows_the_answers_is_right(rules: str, pictures: Path, tmp_path: Path) -> None:
+def test_system_that_knows_the_answers_is_right(rules: str, pictures: Path, tmp_path: Path) -> None:
     """Only what the request shows distinguishes it."""
     known = {(q.context[0], q.pictures[q.answer or 0]) for q in all_questions(pictures)}
 
@@ -128,7 +128,7 @@ def test_who_knows_the_answers_is_right(rules: str, pictures: Path, tmp_path: Pa
     assert all(row["right"] for row in got)
 
 
-def test_who_always_takes_the_first_is_right_once_in_a_round(pictures: Path, tmp_path: Path) -> None:
+def test_first_option_is_right_once_in_a_round(pictures: Path, tmp_path: Path) -> None:
     with loopback() as server:
         evaluate(
             pictures, "-m", "openai:first", "--base-url", server.address, "-o", tmp_path / "r.parquet", "--permute"
@@ -254,7 +254,7 @@ def test_options_are_turned_with_their_labels(pictures: Path, words: Path) -> No
     assert f"A. {two.options[1]}\nB. {two.options[0]}" in said
 
 
-def test_what_is_left_out_is_not_there(pictures: Path, words: Path) -> None:
+def test_ablated_parts_are_absent(pictures: Path, words: Path) -> None:
     for name in prompt.builtin_prompts():
         for one in (all_questions(pictures)[0], all_questions(words)[0]):
             blind = Ask(one, prompt.load(name), ablation="pictures").request
@@ -315,7 +315,7 @@ def test_a_prompt_of_ones_own(words: Path, tmp_path: Path) -> None:
         ('extends = "mine.toml"', "does not extend this one"),
     ],
 )
-def test_a_wrong_prompt_is_told(text: str, reported: str, words: Path, tmp_path: Path) -> None:
+def test_wrong_prompt_is_an_error(text: str, reported: str, words: Path, tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text(text)
     assert (
         reported
@@ -339,7 +339,7 @@ def test_a_wrong_prompt_is_told(text: str, reported: str, words: Path, tmp_path:
         (["-m", "hf:nowhere", "-o", "r.parquet"], "hf:nowhere"),
     ],
 )
-def test_a_mistake_is_told(
+def test_mistake_is_reported(
     args: list[str], reported: str, words: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

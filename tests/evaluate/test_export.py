@@ -93,7 +93,7 @@ def test_datasets_opens_the_folder_and_comes_to_the_same_score(dataset: Path, tm
 
 
 @pytest.mark.parametrize("name", ["default", "paper", "montage"])
-def test_what_is_sent_is_what_wmspec_sends(name: str, dataset: Path, tmp_path: Path) -> None:
+def test_exported_requests_equal_those_of_evaluate(name: str, dataset: Path, tmp_path: Path) -> None:
     from tests.evaluate.test_evaluate import all_questions
 
     wmspec("export", dataset, "--to", "inspect", "-o", tmp_path / "x", "--prompt", name)
@@ -151,7 +151,7 @@ def test_every_export_has_the_parser_and_is_the_same_again(tool: str, tmp_path: 
     assert copied == {path.name: path.read_text() for path in Path(replies.__file__).parent.glob("*.py")}
 
 
-def test_what_is_not_an_export_stays_and_logs_too(tmp_path: Path) -> None:
+def test_foreign_files_and_logs_stay(tmp_path: Path) -> None:
     dataset = in_words(tmp_path / "d", 2)
     assert "files that are not an export" in wmspec("export", dataset, "--to", "hf", "-o", dataset, code=2).output
     wmspec("export", dataset, "--to", "inspect", "-o", tmp_path / "x")

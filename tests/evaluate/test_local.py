@@ -23,7 +23,7 @@ def evaluate(*args: object, code: int = 0) -> str:
     return done.output
 
 
-def test_weights_reply_and_say_who_they_are(tmp_path: Path) -> None:
+def test_local_weights_reply_and_identify_themselves(tmp_path: Path) -> None:
     dataset, model = in_pictures(tmp_path / "d", 2), tiny.make(tmp_path / "tiny")
     args = (dataset, "-m", f"hf:{model}", "-p", "max_tokens=4")
     for name in ("default", "montage"):
@@ -41,7 +41,7 @@ def test_weights_reply_and_say_who_they_are(tmp_path: Path) -> None:
     assert [row["text"] for row in pq.read_table(again).to_pylist()] == [row["text"] for row in rows]
 
 
-def test_what_cannot_be_opened_or_shown_is_told(tmp_path: Path) -> None:
+def test_unreadable_or_unshowable_datasets_are_errors(tmp_path: Path) -> None:
     dataset = in_pictures(tmp_path / "d", 2)
     assert "no config.json" in evaluate(dataset, "-m", f"hf:{tmp_path}", "-o", tmp_path / "r.parquet", code=2)
     (tmp_path / "bad").mkdir()

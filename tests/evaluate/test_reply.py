@@ -165,7 +165,7 @@ def test_of_angles_the_shorter_way_counts(truth: float, off: float) -> None:
     assert not is_near(turned, truth, 3.1)
 
 
-def test_what_is_within_is_right() -> None:
+def test_numbers_within_tolerance_are_right() -> None:
     assert mark("31 cm", (), number=0.3, unit="m", within=0.01).right
     assert not mark("32 cm", (), number=0.3, unit="m", within=0.01).right
     assert not mark("far", (), number=0.3, unit="m", within=0.01).parsed

@@ -67,7 +67,7 @@ def test_a_damaged_future_is_recognized(damage: str, reference: Reference) -> No
 
 
 @pytest.mark.parametrize("damage", SPOILS)
-def test_what_is_no_future_is_none_of_them(damage: str, reference: Reference) -> None:
+def test_spoiled_clip_is_no_future(damage: str, reference: Reference) -> None:
     for option in range(4):
         decision = decide(measure(SPOILS[damage](Original(reference, option)), reference, option), reference.rate)
         assert decision.choice is None
@@ -84,7 +84,7 @@ def test_the_order_of_the_options_changes_nothing_but_the_place(reference: Refer
 
 
 @pytest.mark.parametrize("begins", ["context", "first", "after"])
-def test_what_a_clip_begins_with_is_found(begins: str, reference: Reference) -> None:
+def test_start_of_a_clip_is_found(begins: str, reference: Reference) -> None:
     film = reference.films[2]
     start = {"context": 0, "first": film.context - 1, "after": film.context}[begins]
     measured = measure(clip(film.frames[start:], reference.rate), reference, 2)

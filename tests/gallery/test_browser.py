@@ -127,7 +127,7 @@ def test_a_quiz_is_taken_with_the_keys(page: Any, gallery: Path) -> None:
     assert page.locator(".true").count() == 0
 
 
-def test_who_has_seen_the_truth_cannot_score(page: Any) -> None:
+def test_viewer_who_saw_the_truth_cannot_score(page: Any) -> None:
     page.keyboard.press("r")
     page.keyboard.press("1")
     assert page.inner_text("#score") == ""

@@ -83,7 +83,7 @@ def test_a_difference_is_black_where_nothing_differs(page: Any) -> None:
     assert canvas(page).max() == 0
 
 
-def test_pictures_flicker_until_told(page: Any) -> None:
+def test_pictures_flicker_until_stopped(page: Any) -> None:
     page.keyboard.press("z")
     page.keyboard.press("x")
     first = page.inner_text("#caption")
@@ -135,7 +135,7 @@ def test_ways_are_drawn(browser: Any, dataset: DatasetReader, tmp_path: Path) ->
 # ---------------------------------------------------------------- sorting, models, rejections
 
 
-def test_what_models_answered_is_beside_the_truth(compared: tuple[Any, Path], answered: Path) -> None:
+def test_replies_of_models_stand_beside_the_truth(compared: tuple[Any, Path], answered: Path) -> None:
     tab, _ = compared
     rows = {row["id"]: row for row in results.read(answered / "random.parquet")[0]}
     assert tab.locator(".replies").count() == 0, "not before the truth is shown"
@@ -169,7 +169,7 @@ def test_sorted_by_accuracy_and_counted(compared: tuple[Any, Path]) -> None:
     assert counted(tab) == whole
 
 
-def test_rejected_instances_are_told_with_their_reasons(page: Any, dataset: DatasetReader) -> None:
+def test_rejected_instances_are_reported_with_their_reasons(page: Any, dataset: DatasetReader) -> None:
     lost = dataset.manifest["rejected"]["list"]
     assert page.inner_text("#rejected summary") == f"Rejected: {len(lost)} alike"
     page.click("#rejected summary")

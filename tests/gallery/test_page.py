@@ -100,7 +100,7 @@ def test_values_in_words() -> None:
         ([".", "-o", "/proc/x"], "/proc/x"),
     ],
 )
-def test_what_cannot_be_shown_is_told(args: list[str], said: str, dataset: DatasetReader, tmp_path: Path) -> None:
+def test_unshowable_datasets_are_errors(args: list[str], said: str, dataset: DatasetReader, tmp_path: Path) -> None:
     args = [str(dataset.folder) if a == "." else a for a in args]
     assert said in wmspec("view", *args, folder=tmp_path, code=2).stderr
 

@@ -115,7 +115,7 @@ def test_a_lap_has_every_answer_equally_often_whichever_of_its_groups_asks(seed:
         assert balanced_batch(task, other, drawn(SKEW, seed)) == lap  # type: ignore[arg-type]
 
 
-def test_an_answer_that_never_comes_is_told_with_how_often_the_others_did() -> None:
+def test_answer_that_never_occurs_is_reported_with_the_counts_of_the_others() -> None:
     lap = balanced_batch(design(), 0, drawn({"a": 0.5, "b": 0.5, "c": 0.0}, 1))  # type: ignore[arg-type]
     (first, *_) = [answer for each in lap.answers.values() for answer in each if answer.reason == "balance"]  # type: ignore[union-attr]
     assert isinstance(first, Rejected)
@@ -148,7 +148,7 @@ def test_no_place_in_a_lap_is_that_of_the_first_choice() -> None:
 
 @settings(max_examples=30, deadline=None)
 @given(index=st.integers(0, 20), times=st.integers(1, 9))
-def test_what_is_redrawn_has_the_same_factors_and_other_nuisances(index: int, times: int) -> None:
+def test_redrawn_instance_keeps_factors_and_changes_nuisances(index: int, times: int) -> None:
     task = design()
     here, there = task[index], task.redrawn(times)[index]
     assert (there.factors, there.block, there.index, there.redrawn) == (here.factors, here.block, index, times)
@@ -200,7 +200,7 @@ def test_sample_sizes_are_the_groups_in_which_something_is_compared() -> None:
         ),
     ],
 )
-def test_what_cannot_be_balanced_is_told_where_it_is_asked_for(text: str, reported: str) -> None:
+def test_impossible_balance_is_reported_at_its_clause(text: str, reported: str) -> None:
     errors = [d for d in wmspec.diagnose(text=text).diagnostics if d.severity == "error"]
     assert len(errors) == 1, errors
     assert reported in str(errors[0])

@@ -29,7 +29,7 @@ def test_json_has_a_shorthand() -> None:
     assert long.exit_code == 2
 
 
-def test_good_tasks_are_told_beside_one_with_mistakes() -> None:
+def test_good_tasks_are_listed_beside_one_with_mistakes() -> None:
     outcome = run(CORPUS / "three_mistakes.wms", CORPUS / "good.wms", CORPUS / "as_written_scene.wms")
     assert outcome.exit_code == 2
     assert outcome.stdout.splitlines()[0] == "good: 2 instances, no mistakes"

@@ -126,14 +126,14 @@ def test_the_largest_number_is_looked_for_over_all_factors() -> None:
     assert sum(t.set == "a" for t in checked(body).things) == 11
 
 
-def test_what_is_made_of_a_small_text_is_bounded() -> None:
+def test_expansion_of_a_small_text_is_bounded() -> None:
     doubling = ", ".join(["p0: 1", *(f"p{i}: p{i - 1} + p{i - 1}" for i in range(1, 60))])
     assert codes("object a : t { }", f"template t({doubling}) {{ shape: cube  size: p59 * 1 cm }}\n") == ["WMS105"]
     members = "\n".join(f"objects a{i}[500] {{ on: table }}" for i in range(12))
     assert set(codes(members)) == {"WMS105"}
 
 
-def test_long_chains_are_told_and_not_followed() -> None:
+def test_long_chains_are_reported_and_not_followed() -> None:
     lets = "let a0 = 1\n" + "\n".join(f"let a{i} = a{i - 1} + 1" for i in range(1, 400))
     backwards = "\n".join(f"action a{i} = launch(b, 0 deg, 1 m/s) after a{i + 1}" for i in range(400))
     last = "action a400 = launch(b, 0 deg, 1 m/s)\nobject b { on: table }\n"

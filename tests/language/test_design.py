@@ -60,7 +60,7 @@ def test_index_and_assignment_are_inverse(spec: TaskSpec, seed: int) -> None:
         assert design.index(instance.factors, instance.block) == instance.index
 
 
-def test_what_is_excluded_has_no_index() -> None:
+def test_excluded_combinations_have_no_index() -> None:
     design = Design(design_of({"a": 3, "b": 3}, compare("!=", "a", "b")))
     assert design.index({"a": 1.0, "b": 1.0}) is None
     assert design.index({"a": 7.0, "b": 1.0}) is None

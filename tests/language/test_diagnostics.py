@@ -63,7 +63,7 @@ def test_a_report_tells_each_once_in_the_order_of_the_text(reported: list[Diagno
 
 
 @given(diagnostics())
-def test_what_is_wrong_is_in_every_form_of_it(reported: Diagnostic) -> None:
+def test_every_form_of_a_diagnostic_has_its_message(reported: Diagnostic) -> None:
     for text in (str(reported), reported.render()):
         shown = escape_controls if text == reported.render() else str  # what a terminal would obey is shown instead
         assert shown(reported.message) in text
@@ -100,7 +100,7 @@ def test_only_the_places_and_the_words_that_lead_are_coloured() -> None:
     assert heads == ["<error>error[WMS101]", carets, "<note>note", carets, "<help>help"]
 
 
-def test_what_has_no_place_in_a_text_has_a_result_too() -> None:
+def test_diagnostics_without_a_text_position_have_a_result() -> None:
     reported = [Diagnostic("m", place, code="WMS210") for place in (None, PrimPlace("/World"), FilePlace("a.urdf", 3))]
     nowhere, prim, file = (r for r in sarif(reported)["runs"][0]["results"])
     assert "locations" not in nowhere

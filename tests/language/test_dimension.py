@@ -58,7 +58,7 @@ def test_a_dimension_follows_from_what_a_factor_changes(domain: str, properties:
     assert about(domain, properties) == name
 
 
-def test_what_moves_along_with_a_size_is_about_size() -> None:
+def test_factor_of_size_and_place_is_about_size() -> None:
     spec = task_from(SPEC.format("[6, 8] cm", "at (big, 0)").replace("size: 6 cm", "size: f"))
     assert dimension(spec, spec.factor("f")) == "size"
 

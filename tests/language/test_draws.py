@@ -86,7 +86,7 @@ SCATTERED = """
 
 @settings(max_examples=20, deadline=None)
 @given(text=random_text() | random_text(grouped=True), data=st.data())
-def test_what_is_added_fixed_or_reordered_moves_no_other_draw(text: str, data: st.DataObject) -> None:
+def test_additions_and_reordering_keep_other_draws(text: str, data: st.DataObject) -> None:
     """Whatever happens to the rest of a spec, a draw stays bit by bit what it was."""
     head, _, body = text.partition("custom {\n")
     lines = (body.rpartition("}")[0] + SCATTERED).strip("\n").split("\n")

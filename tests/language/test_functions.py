@@ -56,7 +56,7 @@ def test_sums(function: str, arguments: tuple[Any, ...], expected: float) -> Non
 
 
 @pytest.mark.parametrize(("function", "arguments"), [("sqrt", (-1.0,)), ("mod", (1.0, 0.0)), ("largest", ((),))])
-def test_what_has_no_value_says_so(function: str, arguments: tuple[Any, ...]) -> None:
+def test_undefined_values_are_errors(function: str, arguments: tuple[Any, ...]) -> None:
     with pytest.raises(WmsError):
         values().call(function, arguments)
 
@@ -85,7 +85,7 @@ def test_a_compound_takes_the_room_of_its_parts() -> None:
     assert values(*compound("tray", TRAY)).call("volume", ("tray",)) == pytest.approx(2 * 0.0002 + 0.00028)
 
 
-def test_the_largest_is_told_only_beyond_a_tie() -> None:
+def test_largest_needs_a_lead_beyond_a_tie() -> None:
     small, big = thing("object", "small", size=0.1), thing("object", "big", shape="sphere", size=0.13)
     found = values(small, big)  # 1 and 1.15 dm³
     assert found.call("largest", (("small", "big"),)) == "big"
@@ -134,7 +134,7 @@ def test_only_what_is_there_is_counted() -> None:
         ({"size": 0.09, "yaw": math.pi / 4}, False),
     ],
 )
-def test_what_fits_into_a_hollow(properties: dict[str, Any], fits: bool) -> None:
+def test_fits_in_a_hollow(properties: dict[str, Any], fits: bool) -> None:
     for yaw in (0.0, 0.7):  # both turned, the hollow is the same
         turned = properties | {"yaw": properties.get("yaw", 0.0) + yaw}
         found = values(*compound("tray", TRAY, at=(1, 2, 3), yaw=yaw), thing("object", "a", **turned))
@@ -159,7 +159,7 @@ def test_a_box_has_room_where_trying_every_place_finds_some(
     assert has_room(tuple(map(float, edges)), whole, boxes) is tried  # type: ignore[arg-type]
 
 
-def test_the_place_of_a_property_that_is_out_of_bounds_is_told() -> None:
+def test_place_of_a_property_out_of_bounds_is_reported() -> None:
     shrunk = thing("object", "a", size=ir.Operation(operator="-", operands=(ir.Value(value=0.1), ir.Value(value=0.2))))
     with pytest.raises(WmsError, match=r"`size` of `a` is -10 cm here; it must be more than 0"):
         values(shrunk).pose("a")
@@ -180,7 +180,7 @@ def test_items_from_the_end() -> None:
 
 
 @given(st.floats(-180, 180), st.floats(0.01, 1))
-def test_what_is_placed_for_a_viewer_is_seen_there_by_it(turned: float, far: float) -> None:
+def test_placement_relative_to_a_viewer_is_seen_by_it(turned: float, far: float) -> None:
     """A place to somebody's left is to the left as that one sees it, and as far."""
     found = values(thing("object", "eye", yaw=math.radians(turned), at=(0, 0, 0)), thing("object", "a", at=(1, 2, 0)))
     for name, expected in {

@@ -36,7 +36,7 @@ def reported(
 
 
 @pytest.mark.parametrize("answer", ["ball.color", "tone"])
-def test_what_is_hidden_is_told_however_it_is_named(answer: str) -> None:
+def test_hidden_answer_is_reported_under_any_name(answer: str) -> None:
     assert reported(answer=answer)
 
 
@@ -51,7 +51,7 @@ def test_what_is_hidden_is_told_however_it_is_named(answer: str) -> None:
     ],
     ids="".join,
 )
-def test_what_can_be_seen_is_not_told(seen: dict[str, object]) -> None:
+def test_visible_answers_are_not_reported_as_hidden(seen: dict[str, object]) -> None:
     assert not reported(**seen)  # type: ignore[arg-type]
 
 

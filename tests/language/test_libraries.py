@@ -19,7 +19,7 @@ def test_a_library_next_to_the_spec_is_found(tmp_path: Path) -> None:
     assert codes(spec) == []
 
 
-def test_libraries_in_a_circle_are_told(tmp_path: Path) -> None:
+def test_circular_libraries_are_an_error(tmp_path: Path) -> None:
     (tmp_path / "a.wms").write_text("use b\n")
     (tmp_path / "b.wms").write_text("use a\n")
     spec = tmp_path / "spec.wms"

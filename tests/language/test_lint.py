@@ -97,7 +97,7 @@ def _meet(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
     return bool(solved.success)
 
 
-def test_what_cannot_collide_may_overlap() -> None:
+def test_bodies_without_collision_may_overlap() -> None:
     here: dict[str, Any] = {"shape": "cube", "size": 0.1, "at": (0.0, 0.0, 0.0)}
     a = thing("object", "a", **here)
     assert found(a, thing("object", "b", **here))
@@ -108,7 +108,7 @@ def test_what_cannot_collide_may_overlap() -> None:
 
 @settings(max_examples=25, deadline=None)
 @given(text=random_text(), data=st.data())
-def test_what_rests_on_a_thing_is_not_inside_it(text: str, data: st.DataObject) -> None:
+def test_resting_body_is_not_inside_its_support(text: str, data: st.DataObject) -> None:
     design = Design(task_from(text))
     instance = design[data.draw(st.integers(0, len(design) - 1))]
     values = Evaluator(design.spec, instance.values, None, instance.key)
@@ -140,7 +140,7 @@ def test_a_camera_is_blind_only_if_the_middle_is_out_of_its_picture(
         assert blind_cameras(values) == ("eye",)
 
 
-def test_what_comes_into_view_by_its_own_action_is_seen() -> None:
+def test_object_that_moves_into_view_is_seen() -> None:
     camera = thing("camera", "eye", at=(2.0, -1.0, 0.1), look_at=(2.0, 0.0, 0.1), fov=0.3)
     ball = thing("object", "ball", shape="sphere", size=0.1, at=(0.0, 0.0, 0.1))
     for pace, expected in ((1.5, ()), (0.5, ("eye",))):
@@ -149,7 +149,7 @@ def test_what_comes_into_view_by_its_own_action_is_seen() -> None:
         assert blind_cameras(Evaluator(spec, {})) == expected
 
 
-def test_nothing_is_said_of_a_camera_that_rides_or_of_a_task_without_a_matter() -> None:
+def test_no_blind_camera_if_it_rides_or_nothing_is_asked() -> None:
     away: dict[str, Any] = {"at": (0.0, -1.0, 0.1), "look_at": (0.0, -2.0, 0.1)}
     ball = thing("object", "ball", shape="sphere", size=0.1, at=(0.0, 0.0, 0.1))
     go = action("go", "glide", object="ball", direction=0.0, speed=1.0, duration=1.0)

@@ -67,7 +67,7 @@ def test_trees_are_read_as_lark_reads_them(tree: File) -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(random_text(), files)
-def test_what_is_cut_short_or_mixed_up_is_refused_where_lark_refuses_it(text: str, tree: File) -> None:
+def test_truncated_and_shuffled_texts_fail_where_lark_fails(text: str, tree: File) -> None:
     other = written(tree)
     for mixed in (text[: len(other)], text[: len(text) // 2] + other, other[: len(other) // 2]):
         assert ours(mixed) == theirs(mixed)

@@ -157,7 +157,7 @@ def test_the_spec_is_right() -> None:
 
 
 @pytest.mark.parametrize(("written", "instead", "code", "line", "remedy"), MISTAKES.values(), ids=MISTAKES)
-def test_one_mistake_is_told_once_where_it_is_with_what_mends_it(
+def test_one_mistake_is_reported_once_at_its_place_with_a_remedy(
     written: str, instead: str, code: str, line: int, remedy: str
 ) -> None:
     assert SPEC.count(written) == 1
@@ -182,13 +182,13 @@ VARIANTS = """task tone : custom {
 @pytest.mark.parametrize(
     ("written", "instead", "remedy"), [("factor tint", "factor tnit", "tnit"), ("groups", "gruops", "groups")]
 )
-def test_a_mistake_is_told_once_for_all_variants_and_all_that_follows(written: str, instead: str, remedy: str) -> None:
+def test_mistake_is_reported_once_for_all_variants_and_consequences(written: str, instead: str, remedy: str) -> None:
     (only,) = reported(VARIANTS.replace(written, instead))
     assert only.code == "WMS201"
     assert only.help == f"did you mean `{remedy}`?"
 
 
-def test_two_tasks_of_one_name_are_told() -> None:
+def test_two_tasks_of_one_name_are_an_error() -> None:
     (only,) = reported(SPEC + SPEC.partition("\n\n")[2])
     assert only.code == "WMS202"
     assert "another name" in only.help
@@ -197,7 +197,7 @@ def test_two_tasks_of_one_name_are_told() -> None:
 @pytest.mark.parametrize(
     ("words", "remedy"), [(["chekc", "my.wms"], "check"), (["explain", "WMS999"], "WMS"), (["explain", "wms203"], "")]
 )
-def test_misspelled_commands_and_codes_are_told(words: list[str], remedy: str) -> None:
+def test_misspelled_commands_and_codes_are_reported(words: list[str], remedy: str) -> None:
     result = CliRunner().invoke(main, words)
     assert remedy in result.output
     assert "Traceback" not in result.output

@@ -56,7 +56,7 @@ def test_a_parameter_may_be_a_factor_of_the_task(tmp_path: Path) -> None:
     ("given", "expected"),
     [("", "white"), ('(open: "day")', "white"), ('(open: "night")', "black"), ("(open: when)", "black")],
 )
-def test_a_parameter_is_the_first_of_its_list_or_what_is_said(tmp_path: Path, given: str, expected: str) -> None:
+def test_parameter_is_the_first_of_its_list_or_as_given(tmp_path: Path, given: str, expected: str) -> None:
     when = 'factor when in ["night", "day"]'
     found, errors = tasks(tmp_path, f"use shop{given}\ntask a : custom {{ {when} {TASK.format('')} }}")
     assert not errors
@@ -89,7 +89,7 @@ def test_a_library_used_twice_by_different_names_is_there_twice(tmp_path: Path) 
     assert "one_front" not in names(found["a"])
 
 
-def test_what_is_chosen_comes_with_what_it_needs(tmp_path: Path) -> None:
+def test_chosen_names_bring_their_dependencies(tmp_path: Path) -> None:
     found, errors = tasks(tmp_path, f"use shop only [crate, front]\ntask a : custom {{ {TASK.format('')} }}")
     assert not errors
     assert names(found["a"]) == {"ground", "crate", "front", "ball"}
@@ -129,7 +129,7 @@ def test_each_variant_is_a_task_with_what_is_common(tmp_path: Path) -> None:
         ("use shop as here  light lamp { diffuse: 1 }", "1:25: `lamp` is a second light, and there is one sun"),
     ],
 )
-def test_mistakes_are_told(tmp_path: Path, text: str, expected: str) -> None:
+def test_mistakes_are_reported(tmp_path: Path, text: str, expected: str) -> None:
     _, errors = tasks(tmp_path, f"{text}\ntask a : custom {{ {TASK.format('here.' if ' as here' in text else '')} }}")
     assert any(expected in error for error in errors), errors
 

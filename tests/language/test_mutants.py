@@ -8,7 +8,7 @@ from benchmarks.mutate import SPELLED, checked, measured, specs
 
 
 @pytest.mark.parametrize("count", [30, pytest.param(120, marks=pytest.mark.slow)])
-def test_a_mistake_is_told_once_where_it_is_and_with_what_mends_it(count: int) -> None:
+def test_mistake_is_reported_once_at_its_place_with_a_remedy(count: int) -> None:
     outcomes = [o for o in measured(range(10_000, 10_000 + count)) if o.errors]
     reported = Counter[str]()
     for o in outcomes:

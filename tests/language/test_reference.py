@@ -110,7 +110,7 @@ def codes(statements: str) -> set[str]:
     return {d.code for d in report.diagnostics if d.severity == "error"}
 
 
-def test_what_the_first_example_is_said_to_print() -> None:
+def test_first_example_prints_as_documented() -> None:
     ((task, count),) = tasks_in(EXAMPLES[0])
     assert f"{task.name}: {count:,} instances, no mistakes\n" in PAGE
 

@@ -102,7 +102,7 @@ def test_a_turn_ends_in_the_lane_behind_the_crossing(
 
 @settings(max_examples=40, deadline=None)
 @given(st.floats(0.1, 50), st.floats(0.5, 10), st.floats(0, 3), st.floats(0, 3))
-def test_nobody_goes_back_on_the_way(length: float, lasts: float, enters: float, leaves: float) -> None:
+def test_arc_length_never_decreases(length: float, lasts: float, enters: float, leaves: float) -> None:
     pace = length / lasts
     ways = [arc_length_at(length, lasts, enters * pace, leaves * pace, lasts * i / 100) for i in range(101)]
     assert ways[0] == 0
@@ -163,7 +163,7 @@ def test_a_car_changes_lanes() -> None:
         ),
     ],
 )
-def test_what_a_car_cannot_do_is_refused(spec: tuple[Any, ...], message: str) -> None:
+def test_impossible_drives_are_refused(spec: tuple[Any, ...], message: str) -> None:
     with pytest.raises(WmsError, match=message) as caught:
         planned(town(*spec))
     (diagnostic,) = caught.value.diagnostics
@@ -310,7 +310,7 @@ def test_a_walker_looks_up_about_its_neck() -> None:
     assert (x, z) == pytest.approx((1.2 * math.sin(math.pi / 6), 1.2 - 1.2 * math.cos(math.pi / 6)))
 
 
-def test_nobody_stands_in_a_thing() -> None:
+def test_walker_may_not_start_inside_an_object() -> None:
     more = "object crate { shape: cube  size: 1 m  color: red  on: floor at (60 cm, 0)  fixed: true }"
     with pytest.raises(WmsError, match="`someone` stands less than 25 cm from `crate`"):
         planned(room("action go = someone.move(1 m) for 1 s", more=more))
@@ -323,7 +323,7 @@ def test_nobody_stands_in_a_thing() -> None:
         ("someone.turn(left, angle: 180 deg) for 0.1 s", r"turn at 2686 deg/s, and walkers here do at most 720"),
     ],
 )
-def test_nobody_is_faster_than_such_a_thing_is(act: str, message: str) -> None:
+def test_walkers_and_cars_have_a_largest_speed(act: str, message: str) -> None:
     with pytest.raises(WmsError, match=message):
         planned(room(f"action go = {act}"))
 

@@ -62,7 +62,7 @@ def test_backends_are_imported_by_the_name_that_they_have_when_installed() -> No
     assert not {str(path): found for path in files if (found := absolute.findall(path.read_text("utf-8")))}
 
 
-def test_what_tests_start_imports_the_wmspec_that_they_import() -> None:
+def test_subprocesses_of_tests_import_the_same_wmspec() -> None:
     code = "import wmspec.backends; print(wmspec.__file__, wmspec.backends.__file__)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout.split() == [wmspec.__file__, wmspec.backends.__file__]

@@ -72,7 +72,7 @@ def test_a_turning_paddle_sweeps_a_ball_along(execute: Execute) -> None:
     assert np.linalg.norm(trace.linear_velocity[-1, 1]) == pytest.approx(expected, rel=0.01)
 
 
-def test_what_is_placed_elsewhere_pushes_nothing_on_its_way(execute: Execute) -> None:
+def test_relocated_body_pushes_nothing(execute: Execute) -> None:
     """The ball lies between the two places; then the cube goes on from where it was put."""
     ball = body("ball", Sphere(0.05), (0.5, 0, 0.05))
     actions = (
@@ -123,7 +123,7 @@ def test_a_force_beats_friction_or_does_not(execute: Execute) -> None:
     assert trace.position[-1, 2, 0] == pytest.approx(0.2 * 0.5 * G / 2, rel=0.01)
 
 
-def test_what_is_released_falls_from_where_it_was_held(execute: Execute) -> None:
+def test_released_object_falls_from_the_hand(execute: Execute) -> None:
     """A ball that hits it before bounces off as off a wall; a ball on it lies still."""
     held = body("b", CUBE, (0, 0, 2), mass=0.1, velocity=(1, 0, 0), spin=(0, 0, 5), restitution=0.64)
     hitting = body("hit", Sphere(0.05), (-0.2, 0, 2), velocity=(2, 0, 0), mass=3, restitution=1, friction=0)
@@ -175,7 +175,7 @@ WRONG: dict[str, tuple[tuple[Action, ...], str]] = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_what_cannot_be_done_is_refused(case: str) -> None:
+def test_impossible_actions_are_refused(case: str) -> None:
     from wmspec.sim.scene.validate import validate
 
     actions, message = WRONG[case]
@@ -184,7 +184,7 @@ def test_what_cannot_be_done_is_refused(case: str) -> None:
         validate(scene(*bodies, actions=actions))
 
 
-def test_what_stands_on_what_vanishes_falls(execute: Execute) -> None:
+def test_body_on_a_vanishing_support_falls(execute: Execute) -> None:
     """From when its support is gone, a cube falls freely, for the root of 2 h / g; nothing touches what is gone."""
     support, cube = body("support", CUBE, (0, 0, 0.05)), body("cube", CUBE, (0, 0, 0.15))
     trace = execute(scene(floor(), support, cube, duration=0.6, actions=(Vanish("v", "support", 0.25),)))
@@ -197,7 +197,7 @@ def test_what_stands_on_what_vanishes_falls(execute: Execute) -> None:
     assert max(c.stop for c in trace.contacts if {c.first, c.second} == {"support", "cube"}) < 0.27
 
 
-def test_what_is_carried_vanishes_on_its_way(execute: Execute) -> None:
+def test_carried_bodies_may_vanish(execute: Execute) -> None:
     glide = Glide("g", "b", 0.0, 1.0, np.array([1.0, 0, 0]))
     trace = execute(
         scene(body("b", CUBE, (0, 0, 1), motion="kinematic"), duration=1, actions=(glide, Vanish("v", "b", 0.5)))
@@ -208,7 +208,7 @@ def test_what_is_carried_vanishes_on_its_way(execute: Execute) -> None:
     assert not trace.linear_velocity[t >= 0.5].any()
 
 
-def test_what_goes_through_a_wall_flies_on_as_if_it_were_not_there(execute: Execute) -> None:
+def test_impossible_pass_through_a_wall_continues_undisturbed(execute: Execute) -> None:
     wall = body("wall", Box((0.02, 0.2, 0.2)), (0.5, 0, 0), motion="static")
     ball = body("ball", Sphere(0.05), velocity=(1.0, 0, 0))
     through = PassThrough("p", "ball", "wall", 0.2, 0.8)
@@ -255,7 +255,7 @@ def test_a_glide_goes_on_from_where_a_teleport_puts_the_body(execute: Execute) -
 
 
 @pytest.mark.parametrize("turned", [None, turn((0, 0, 1), 1.0)])
-def test_what_flies_goes_on_from_where_a_teleport_puts_it(execute: Execute, turned: np.ndarray | None) -> None:
+def test_flight_continues_from_a_teleport(execute: Execute, turned: np.ndarray | None) -> None:
     """It falls and spins as before: positions and speeds are those of the flight, 2 m to the side."""
     flying = body("b", CUBE, (0, 0, 5), velocity=(1.0, 0, 2.0), spin=(0, 0, 3.0))
     jump = Teleport("t", "b", 0.3011, np.array([1.0, 2.0, 4.0]), turned)
@@ -272,7 +272,7 @@ def test_what_flies_goes_on_from_where_a_teleport_puts_it(execute: Execute, turn
     assert np.abs(trace.orientation[:, 0, 3] - np.sin(angle / 2)).max() < 0.01
 
 
-def test_what_rolls_rolls_on_elsewhere_and_what_rests_is_woken(execute: Execute) -> None:
+def test_relocated_body_keeps_rolling_and_wakes_others(execute: Execute) -> None:
     ball = body("ball", Sphere(0.05), (0, 0, 0.05), velocity=(1.0, 0, 0), spin=(0, 20.0, 0))
     rests = body("rests", CUBE, (0, 2, 0.05))
     wall = body("wall", Box((0.02, 0.2, 0.2)), (0.8, 1.0, 0.2), motion="static")

@@ -83,7 +83,7 @@ def turned(orientation: np.ndarray, angle: float, axis: int = 3) -> float:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_what_is_picked_is_as_high_as_was_said(engine: str) -> None:
+def test_picked_object_reaches_its_height(engine: str) -> None:
     moved, orientation = ended(one(PICK), engine, "cup")
     assert moved == pytest.approx([0, 0, 0.12], abs=NEAR)
     assert turned(orientation, 0.0) < TURN
@@ -107,20 +107,20 @@ def test_it_falls_when_the_hand_opens(engine: str) -> None:
 
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(("way", "step"), [("left", (-0.1, 0)), ("away", (0, 0.1)), ("nearer", (0, -0.1))])
-def test_what_is_pushed_goes_where_it_is_pushed(engine: str, way: str, step: tuple[float, float]) -> None:
+def test_pushed_object_follows_the_push(engine: str, way: str, step: tuple[float, float]) -> None:
     moved, _ = ended(one(f"action shove = arm.push(cup, direction: {way}, distance: 10 cm) for 5 s"), engine, "cup")
     assert moved == pytest.approx([*step, 0], abs=1.5e-3)
 
 
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(("density", "friction"), [(80_000, 0.5), (3000, 0.0001)])
-def test_what_is_too_heavy_or_too_smooth_slips(engine: str, density: float, friction: float) -> None:
+def test_too_heavy_or_smooth_object_slips(engine: str, density: float, friction: float) -> None:
     moved, _ = ended(one(PICK, density, friction), engine, "cup")
     assert abs(moved[2]) < 2 * NEAR
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_what_is_held_back_is_told(engine: str) -> None:
+def test_blocked_push_is_reported(engine: str) -> None:
     """Whether the tie between hand and thing gives, as in MuJoCo and PyBullet, or what is in the way, as in SAPIEN."""
     installed(engine)
     stop = "object stop { shape: box  size: (3 cm, 8 cm, 6 cm)  on: table at (1.5 cm, -3 cm)  mass: 100 g }"
@@ -132,7 +132,7 @@ def test_what_is_held_back_is_told(engine: str) -> None:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_what_is_held_may_push_along_what_can_move(engine: str) -> None:
+def test_held_object_may_push_a_movable_one(engine: str) -> None:
     installed(engine)
     more = """object stop { shape: box  size: (3 cm, 8 cm, 6 cm)  on: table at (1.5 cm, -3 cm)  mass: 100 g }
       action grab = arm.pick(cup, height: 2 cm) for 3.4 s
@@ -161,7 +161,7 @@ def test_nothing_that_is_held_or_pushed_goes_through_what_is_fixed() -> None:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_what_is_pushed_on_into_something_fixed_is_told(engine: str) -> None:
+def test_push_into_a_fixed_object_is_reported(engine: str) -> None:
     installed(engine)
     more = """object next { shape: cube  size: 5 cm  on: table at (-12 cm, -3 cm) }
       object wall { shape: box  size: (2 cm, 16 cm, 12 cm)  on: table at (-17 cm, -3 cm)  fixed: true }
@@ -170,7 +170,7 @@ def test_what_is_pushed_on_into_something_fixed_is_told(engine: str) -> None:
         one(more)[0].run(engine)
 
 
-def test_what_lies_on_a_thing_or_in_it_comes_along_in_the_plan() -> None:
+def test_contents_move_with_a_carried_object_in_the_plan() -> None:
     """So it can be taken where it is by then, and what it lies on is put down through nothing of its own."""
     more = """object plank { shape: box  size: (20 cm, 6 cm, 3 cm)  on: table at (-4 cm, 12 cm) }
       object rider { shape: cube  size: 3 cm  on: plank at (-7 cm, 0 cm) }
@@ -185,7 +185,7 @@ def test_what_lies_on_a_thing_or_in_it_comes_along_in_the_plan() -> None:
     assert run["rider"].position[-1][2] - run["plank"].position[-1][2] == pytest.approx(0.03 + 0.09, abs=3 * NEAR)
 
 
-def test_what_is_no_longer_there_is_not_held_from_afar() -> None:
+def test_vanished_object_is_not_held() -> None:
     more = """object ball { shape: sphere  size: 5 cm  on: table at (-16 cm, -3 cm) }
       action shove = arm.push(cup, direction: left, distance: 9 cm) for 5 s
       action grab = arm.pick(ball, height: 9 cm) for 4 s after shove"""
@@ -291,7 +291,7 @@ DRAWER = """object body { shape: box  size: (26 cm, 1 cm, 9 cm)  on: table at (0
 
 @pytest.mark.parametrize("wide", [34, 45])
 @pytest.mark.parametrize("engine", FIRST)
-def test_what_is_narrower_than_the_hand_is_pushed_too(engine: str, wide: int) -> None:
+def test_objects_narrower_than_the_hand_are_pushed(engine: str, wide: int) -> None:
     more = "action go = arm.push(cup, direction: left, distance: 8 cm) for 6 s"
     text = ONE.format(more=more, density=500, friction=0.5).replace("(6 cm, 5 cm, 6 cm)", f"(6 cm, {wide} mm, 4 cm)")
     moved, orientation = ended(wmspec.load(text=text), engine, "cup")
@@ -310,7 +310,7 @@ def test_a_drawer_is_opened_and_closed_by_its_knob(engine: str) -> None:
 
 
 @pytest.mark.parametrize("engine", FIRST)
-def test_what_a_tilted_hand_holds_tilts_with_it(engine: str) -> None:
+def test_held_object_tilts_with_the_hand(engine: str) -> None:
     more = f"{PICK} action pour = arm.tilt(cup, angle: 70 deg, direction: right) for 2.4 s after grab"
     _, orientation = ended(one(more), engine, "cup")
     assert turned(orientation, radians(70), axis=2) < TURN
@@ -452,7 +452,7 @@ def test_only_what_can_be_touched_is_driven_step_by_step(engine: str, monkeypatc
         ),
     ],
 )
-def test_what_an_arm_cannot_do_is_told_where_it_stands(more: str, message: str) -> None:
+def test_impossible_arm_action_is_reported_at_its_place(more: str, message: str) -> None:
     with pytest.raises(SpecError, match=message):
         one(more)[0].stage()
 
@@ -483,13 +483,13 @@ def test_nothing_is_squeezed_out(shape: str, at: str, message: str) -> None:
 
 
 @pytest.mark.parametrize("high", [4, 12])
-def test_what_is_thin_is_taken_above_what_it_lies_on(high: int) -> None:
+def test_thin_object_is_gripped_above_its_support(high: int) -> None:
     thin = f"object tile {{ shape: box  size: (6 cm, 5 cm, {high} mm)  on: table at (14 cm, 9 cm) }}"
     moved, _ = ended(one(f"{thin} {PICK.replace('cup', 'tile')}"), "mujoco", "tile")
     assert moved == pytest.approx([0, 0, 0.12], abs=NEAR)
 
 
-def test_what_two_arms_hold_neither_moves_alone() -> None:
+def test_one_arm_cannot_move_an_object_held_by_two() -> None:
     grips = """action a = left_arm.grasp(plank, at: (-12 cm, 0)) for 3 s
       action b = right_arm.grasp(plank, at: (12 cm, 0)) for 3 s after a
       action c = right_arm.carry(plank, direction: right, distance: 3 cm) for 1 s after b"""
@@ -497,7 +497,7 @@ def test_what_two_arms_hold_neither_moves_alone() -> None:
         wmspec.load(text=TWO.format(size="(34 cm, 7 cm, 3 cm)", more=grips))[0].stage()
 
 
-def test_what_an_arm_could_not_do_names_the_counterfactual() -> None:
+def test_impossible_arm_action_names_the_counterfactual() -> None:
     task = one("""factor height in [6, 12] cm
       action grab = arm.pick(cup, height: height) for 3.4 s
       question "Where?" { answer frame(facing, end)
@@ -506,7 +506,7 @@ def test_what_an_arm_could_not_do_names_the_counterfactual() -> None:
         task[0].stage(counterfactual="sudden")
 
 
-def test_what_arms_do_obeys_the_law_of_one_factor() -> None:
+def test_arm_actions_obey_the_law_of_one_factor() -> None:
     task = one("""factor height in [6, 12] cm
       action grab = arm.pick(cup, height: height) for 3.4 s
       question "Where?" { answer frame(facing, end)

@@ -58,7 +58,7 @@ def test_a_thin_wall_holds_what_is_fast_in_mujoco() -> None:
     assert score.passed, score.measured
 
 
-def test_what_falls_on_what_rests_stays_there_in_sapien() -> None:
+def test_body_that_falls_on_a_resting_one_stays_there_in_sapien() -> None:
     installed("sapien")
     (score,) = score_engine("sapien", select_cases(["drop_on_box"]))
     assert score.passed, score.measured

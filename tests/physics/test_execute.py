@@ -139,7 +139,7 @@ def test_every_shape_rests_where_it_is_put(execute: Execute, shape: Shape, heigh
 
 @pytest.mark.parametrize("shape", [cube(0.04), Sphere(0.04)], ids=lambda v: type(v).__name__)
 @pytest.mark.parametrize("gap", [0.0003, 0.001, 0.0019])
-def test_what_stands_close_by_does_not_touch(execute: Execute, shape: Shape, gap: float) -> None:
+def test_close_bodies_do_not_touch(execute: Execute, shape: Shape, gap: float) -> None:
     trace = execute(
         scene(floor(), body("a", shape, (0, 0, 0.04)), body("b", shape, (0.08 + gap, 0, 0.04)), duration=0.5)
     )
@@ -179,7 +179,7 @@ def test_bodies_whose_motion_is_given_pass_through_each_other(execute: Execute) 
     assert np.allclose(trace.position[-1, 1], [0.5, 0, 0.2], atol=1e-12)
 
 
-def test_what_makes_no_sense_is_refused_with_its_prim(execute: Execute) -> None:
+def test_nonsense_is_refused_with_its_prim(execute: Execute) -> None:
     bad = body("b", cube(0.05), restitution=1.5)
     with pytest.raises(WmsError, match=r"/World/b.*restitution"):
         execute(scene(bad))
@@ -189,7 +189,7 @@ def test_what_makes_no_sense_is_refused_with_its_prim(execute: Execute) -> None:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_of_two_coefficients_of_friction_that_of_motion_counts_and_this_is_told(engine: str) -> None:
+def test_dynamic_friction_counts_and_the_other_is_reported(engine: str) -> None:
     slope = turn((0, 1, 0), np.radians(27))
     pair = Friction(static=0.6, dynamic=0.4)
     box = body("b", cube(0.05), rotate(slope, np.array([0, 0, 0.05])), orientation=slope)

@@ -306,7 +306,7 @@ def test_filtered_pairs_pass_through_each_other(execute: Execute) -> None:
     assert ("b0", "x0") not in {(c.first, c.second) for c in trace.contacts}
 
 
-def test_neighbours_touch_if_they_are_said_to(execute: Execute) -> None:
+def test_jointed_bodies_collide_if_enabled(execute: Execute) -> None:
     """A lid on a hinge in the air falls until it meets the box that it is hinged to."""
     box = body("box", Box((0.1, 0.1, 0.1)), (0, 0, 0.1), mass=50)
     lid = body("lid", Box((0.1, 0.1, 0.01)), (-0.11, 0, 0.31), orientation=turn((0, 1, 0), -pi / 2))
@@ -351,7 +351,7 @@ def test_joints_that_make_no_sense_are_refused(execute: Execute, case: str) -> N
         execute(scene(a, b, joints=make(a, b)))
 
 
-def test_what_cannot_be_done_to_jointed_bodies_is_refused(execute: Execute) -> None:
+def test_impossible_actions_on_jointed_bodies_are_refused(execute: Execute) -> None:
     a, b = body("a", Box((0.1,) * 3)), body("b", Box((0.1,) * 3), (0.3, 0, 0), velocity=(1, 0, 0))
     hinge = joint("j", "hinge", None, a, (0, 0, 0))
     with pytest.raises(WmsError, match="'a' has joints; give it an impulse"):

@@ -35,7 +35,7 @@ class Counted:
 
 @pytest.mark.parametrize("place", range(2))
 @pytest.mark.parametrize("task", TASKS)
-def test_what_is_left_out_leaves_nothing_behind(task: str, place: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_omitted_bodies_have_no_effect(task: str, place: int, monkeypatch: pytest.MonkeyPatch) -> None:
     installed("mujoco")
     from wmspec.backends.mujoco import physics, world
     from wmspec.backends.mujoco.mjcf import mjcf
@@ -73,7 +73,7 @@ TWO = """<mujoco><asset><mesh name="wedge" vertex="0 0 0  .3 0 0  0 .2 0  0 0 .4
 
 @pytest.mark.parametrize("reported", SHAPES.values(), ids=SHAPES)
 @pytest.mark.parametrize("other", SHAPES.values(), ids=SHAPES)
-def test_what_is_clear_of_something_does_not_touch_it(reported: str, other: str) -> None:
+def test_clear_of_excludes_contact(reported: str, other: str) -> None:
     installed("mujoco")
     import mujoco
 

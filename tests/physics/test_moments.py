@@ -40,7 +40,7 @@ def trace(request: pytest.FixtureRequest) -> Trace:
 
 
 @given(time=MOMENTS)
-def test_what_moves_is_on_its_way_between_two_samples(trace: Trace, time: float) -> None:
+def test_moving_body_is_between_two_samples(trace: Trace, time: float) -> None:
     falls, carried, _, pushed = trace.poses(time)
     assert falls.position == pytest.approx((2 * time, 0, 9 - G * time**2 / 2), abs=6e-3), "an engine's own steps"
     assert carried.position == pytest.approx(WAY * np.clip(time - 0.1, 0, 0.3) + (0, 1, 0), abs=1e-6)
@@ -49,7 +49,7 @@ def test_what_moves_is_on_its_way_between_two_samples(trace: Trace, time: float)
 
 
 @given(time=MOMENTS)
-def test_what_is_put_elsewhere_is_nowhere_between(trace: Trace, time: float) -> None:
+def test_teleport_has_no_path(trace: Trace, time: float) -> None:
     assert trace.poses(time)[2].position[0] in (0.0, AWAY[0])
 
 

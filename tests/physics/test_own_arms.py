@@ -111,7 +111,7 @@ def test_it_picks_turns_and_puts_down(tmp_path: Path, arm: str, engine: str) -> 
 
 
 @pytest.mark.parametrize("arm", [IIWA, pytest.param(XARM, marks=pytest.mark.slow)], ids=["iiwa", "xarm6"])
-def test_where_its_tool_is_told_to_be_it_comes(tmp_path: Path, arm: str) -> None:
+def test_tool_reaches_its_target(tmp_path: Path, arm: str) -> None:
     mine = read_arm(written(tmp_path, arm))
     start = mine.tool(mine.rest, np.eye(4))
     assert start[:3, 2] == pytest.approx([0, 0, -1], abs=0.35)
@@ -168,12 +168,12 @@ def test_which_arm_it_is_can_be_a_factor(tmp_path: Path) -> None:
         ("rest =", "rest", "is no TOML"),
     ],
 )
-def test_what_is_wrong_with_a_description_is_told(tmp_path: Path, old: str, new: str, message: str) -> None:
+def test_errors_of_a_description_are_reported(tmp_path: Path, old: str, new: str, message: str) -> None:
     with pytest.raises(WmsError, match=message):
         written(tmp_path, IIWA.replace(old, new, 1))
 
 
-def test_a_file_that_is_no_arm_is_told(tmp_path: Path) -> None:
+def test_file_without_an_arm_is_an_error(tmp_path: Path) -> None:
     written(tmp_path, IIWA)
     (tmp_path / "mine.usdc").write_text("#usda 1.0\n")
     with pytest.raises(WmsError, match=r"mine.usdc is no arm"):

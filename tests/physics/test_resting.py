@@ -41,7 +41,7 @@ RELEASE = {"its release": "action go = drop(block, height: 20 cm) at 1 s"}
 
 
 @pytest.mark.parametrize("happens", WAKES.values(), ids=WAKES)
-def test_what_moves_wakes_what_slept(happens: str) -> None:
+def test_moving_body_wakes_a_sleeping_one(happens: str) -> None:
     installed("mujoco")
     from wmspec.backends.mujoco import physics
     from wmspec.backends.mujoco.mjcf import mjcf
@@ -88,7 +88,7 @@ def test_engines_without_sleep_leave_out_the_steps_that_change_nothing(
 
 
 @pytest.mark.parametrize("engine", ["pybullet", "sapien"])
-def test_what_is_about_to_fall_is_stepped(engine: str) -> None:
+def test_falling_bodies_are_stepped(engine: str) -> None:
     """A board that lies 0.3 mm beyond its balance starts slower than anything that is seen to move."""
     backend = installed(engine)
     tilting = """task still : custom {

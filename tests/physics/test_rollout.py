@@ -47,7 +47,7 @@ def test_the_states_and_what_touches_are_the_same(task: str, place: int) -> None
 
 
 @pytest.mark.parametrize("task", DRIVEN)
-def test_what_lasts_is_made_step_by_step(task: str) -> None:
+def test_lasting_actions_are_stepped(task: str) -> None:
     installed("mujoco")
     from wmspec.backends.mujoco import physics, rollout
 
@@ -69,7 +69,7 @@ STRUCK = """task struck : custom {{
 
 
 @pytest.mark.parametrize("door", ["0.2 m", "1 m"])
-def test_what_strikes_what_moves_as_it_is_told_is_made_step_by_step(door: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_impact_on_a_prescribed_motion_is_stepped(door: str, monkeypatch: pytest.MonkeyPatch) -> None:
     installed("mujoco")
     from wmspec.backends.mujoco import physics, rollout
     from wmspec.backends.mujoco.mjcf import mjcf

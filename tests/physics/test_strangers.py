@@ -32,7 +32,7 @@ def test_a_pendulum_that_is_pushed_and_a_weight_on_a_drum_in_centimetres_grams_a
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_masses_are_said_in_every_way_and_instances_slide(engine: str) -> None:
+def test_masses_are_read_in_every_form_and_instances_slide(engine: str) -> None:
     installed(engine)
     run = wmspec.run(HERE / "masses.usda", engine, 1.5)
     masses = {body.path: body.inertia.mass for body in run.scene.bodies if body.inertia}

@@ -43,7 +43,7 @@ def test_floor_loses_the_light_that_a_sphere_hides() -> None:
 
 
 @pytest.mark.parametrize("high", [0.31, 1.0])
-def test_what_is_high_above_casts_none(high: float) -> None:
+def test_high_bodies_cast_no_contact_shadow(high: float) -> None:
     assert (shaded(ball(high)) == 255).all()
 
 

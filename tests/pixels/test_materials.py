@@ -131,7 +131,7 @@ def test_engines_tint_alike(pair: tuple[str, str], frames: dict[str, Frame]) -> 
     assert everything.max() < 1.6
 
 
-def test_materials_are_told_apart(engine: str, renderer: Any) -> None:
+def test_materials_are_distinguishable(engine: str, renderer: Any) -> None:
     """Of one colour, their pictures still differ, on average by more than engines may."""
     names, shots = sorted(MATERIALS), {}
     for name in names:

@@ -52,7 +52,7 @@ def wall() -> Scene:
     )
 
 
-def test_what_is_far_is_known_to_micrometres(engine: str, renderer: Any) -> None:
+def test_far_depth_is_accurate_to_micrometres(engine: str, renderer: Any) -> None:
     """The floor, whose triangles reach from behind the camera to the wall: distances follow from the pixels' rows."""
     what = wall()
     frame = renderer(engine, what, 128, 128).draw(Shot("eye", [one.pose for one in what.bodies]), depth=True)
@@ -63,7 +63,7 @@ def test_what_is_far_is_known_to_micrometres(engine: str, renderer: Any) -> None
     assert off.max() < 2e-5
 
 
-def test_what_comes_near_is_not_cut_off(engine: str, renderer: Any) -> None:
+def test_near_objects_are_not_clipped(engine: str, renderer: Any) -> None:
     """A block comes from the wall to the camera: the same pixels as with a near plane that stays where it was."""
     block = body("block", "dynamic", (0, -0.5, 0), Box((0.05, 0.05, 0.05)), GREY)
     what = wall()

@@ -39,7 +39,7 @@ def seen(color: Any, deficiency: str) -> Any:
 
 
 @pytest.mark.parametrize("deficiency", DEFICIENCIES)
-def test_question_colours_are_told_apart(deficiency: str) -> None:
+def test_question_colours_are_distinguishable(deficiency: str) -> None:
     bar = 16 if deficiency == "none" else 9.5
     for one, other in combinations(DISTINCT_COLORS, 2):
         apart = ciede2000(seen(COLORS[one], deficiency), seen(COLORS[other], deficiency))
@@ -75,7 +75,7 @@ def test_the_lights_of_libraries_keep_names_in_the_shade(path: Path) -> None:
 
 
 @pytest.mark.parametrize("deficiency", DEFICIENCIES)
-def test_shades_come_in_order_and_are_told_apart(deficiency: str) -> None:
+def test_shades_are_ordered_and_distinguishable(deficiency: str) -> None:
     labs = np.array([seen(color, deficiency) for color in SHADES.values()])
     assert np.all(np.diff(labs[:, 0]) < -8), "every shade is darker than the one before"
     assert ciede2000(labs[1:], labs[:-1]).min() > 8

@@ -126,7 +126,7 @@ def test_outlines_agree_with_the_masks() -> None:
         assert (mine & theirs).sum() / (mine | theirs).sum() > 0.96, name
 
 
-def test_without_mitsuba_the_remedy_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_without_mitsuba_the_remedy_is_printed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setitem(sys.modules, "mitsuba", None)
     spec = tmp_path / "one.wms"
     spec.write_text(Path(SPEED).read_text())

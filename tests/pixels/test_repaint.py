@@ -64,7 +64,7 @@ def test_things_of_many_colours_are_repainted_in_sapien(table: Scene) -> None:
     fresh.close()
 
 
-def test_what_is_not_a_colour_is_built_anew(table: Scene) -> None:
+def test_only_colours_share_a_built_form(table: Scene) -> None:
     other = painted(table, 1)
     assert form_key(other) == form_key(table)
     assert look_key(other) != look_key(table)

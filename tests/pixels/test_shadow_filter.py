@@ -34,7 +34,7 @@ def test_a_straight_edge_becomes_a_ramp() -> None:
     assert np.abs(np.diff(shaded)).max() < 0.1, "no step"
 
 
-def test_what_is_nearer_to_the_sun_or_outside_of_its_map_is_lit() -> None:
+def test_points_nearer_to_the_sun_or_outside_its_map_are_lit() -> None:
     x = np.linspace(-40, 40, 81, dtype=np.float32)[None]
     rows = np.full_like(x, 4)
     assert not occlusion(x, rows, np.full_like(x, 0.5), half_plane(8, 8)).any()

@@ -49,7 +49,7 @@ def test_no_pixel_tells(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     renderer.close()
 
 
-def test_what_is_seen_throws_a_shadow_that_may_be_seen(scene: Scene) -> None:
+def test_visible_geoms_cast_visible_shadows(scene: Scene) -> None:
     thrown = ShadowCulling(scene)
     shown = [body.name for body in scene.bodies for geom in body.geoms if geom.visible]
     counts = {}

@@ -63,7 +63,7 @@ def test_pictures_are_those_that_are_drawn_at_once(scene: Scene, monkeypatch: py
     renderer.close()
 
 
-def test_what_was_drawn_before_changes_no_byte(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_earlier_pictures_change_no_byte(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     renderer = Renderer(scene, SIZE, SIZE)
     first = [renderer.draw(shot) for shot in shots(scene)]
     monkeypatch.setattr(render, "_BACKDROPS", LRU(MAX_BACKDROPS))
@@ -78,7 +78,7 @@ def test_what_was_drawn_before_changes_no_byte(scene: Scene, monkeypatch: pytest
     renderer.close(), fresh.close()
 
 
-def test_what_stands_still_in_another_colour_is_another_backdrop(scene: Scene) -> None:
+def test_recoloured_static_body_is_another_backdrop(scene: Scene) -> None:
     renderer = Renderer(scene, SIZE, SIZE)
     shot = shots(scene)[0]
     before = renderer.draw(shot)

@@ -107,7 +107,7 @@ def test_scores_are_exact(make: Any, tmp_path: Path) -> None:
         assert (receipt["model"], receipt["date"]) == (name, "2026-11-26")
 
 
-def test_what_is_missing_or_failed_is_wrong(holder: Holder) -> None:
+def test_missing_and_failed_replies_are_wrong(holder: Holder) -> None:
     path = holder.submission("partial")
     about, *lines = path.read_text().splitlines()
     changed = [json.loads(line) for line in lines[:-4]]

@@ -156,7 +156,7 @@ def test_large_pictures_are_made_smaller_and_keep_their_form(folder: Path) -> No
     assert row["context_time"] == [0.0, 1.0]
 
 
-def test_what_is_transparent_is_white_and_greys_stay_grey(folder: Path) -> None:
+def test_transparency_is_white_and_greys_stay_grey(folder: Path) -> None:
     Image.new("RGBA", (20, 20), (9, 9, 9, 0)).save(folder / "pictures" / "clear.png")
     Image.fromarray(np.full((20, 20), 32768, np.uint16)).save(folder / "pictures" / "deep.png")
     assert recast(folder, "Which?,clear.png;deep.png,a;b,a").exit_code == 0
@@ -271,7 +271,7 @@ def test_a_spreadsheets_mark_and_line_breaks_are_read(folder: Path) -> None:
         ("Q,red.png,a;b,a,,,,5", "quantity", "it is empty"),
     ],
 )
-def test_a_mistake_is_told_with_row_column_and_remedy(folder: Path, line: str, column: str, said: str) -> None:
+def test_mistake_is_reported_with_row_column_and_remedy(folder: Path, line: str, column: str, said: str) -> None:
     pictures = folder / "pictures"
     (pictures / "words.txt").write_text("words")
     (pictures / "torn.png").write_bytes((pictures / "red.png").read_bytes()[:60])
@@ -285,7 +285,7 @@ def test_a_mistake_is_told_with_row_column_and_remedy(folder: Path, line: str, c
     assert not (folder / "out").exists()
 
 
-def test_all_mistakes_are_told_at_once(folder: Path) -> None:
+def test_all_mistakes_are_reported_at_once(folder: Path) -> None:
     done = recast(folder, ",red.png,a;b,c", "Q,none.png,a;b,a", "Q,red.png,a;b,a", "Q,red.png,b;a,b")
     assert done.exit_code == 2
     wrong = (
@@ -311,7 +311,7 @@ def test_all_mistakes_are_told_at_once(folder: Path) -> None:
         (b'question,pictures,options,answer\nQ,"red.png"x,a;b,a\n', ":2: this is not CSV"),
     ],
 )
-def test_a_table_that_is_none_is_told(folder: Path, content: bytes, said: str) -> None:
+def test_file_without_a_table_is_an_error(folder: Path, content: bytes, said: str) -> None:
     (folder / "table.csv").write_bytes(content)
     done = run("import-images", folder / "table.csv", "--images", folder / "pictures", "-o", folder / "out")
     assert (done.exit_code, said in done.output) == (2, True), done.output
@@ -324,7 +324,7 @@ def test_a_task_has_one_dimension(folder: Path) -> None:
     assert "table.csv:3: column `dimension`: task `table` is of perception.space here" in done.output
 
 
-def test_what_is_not_ours_is_not_overwritten_and_what_is_ours_is_made_again(folder: Path) -> None:
+def test_foreign_folders_stay_and_own_output_is_replaced(folder: Path) -> None:
     assert recast(folder, "Q,red.png,a;b,a").exit_code == 0
     assert recast(folder, "Q,blue.png,a;b,b").exit_code == 0
     assert [row["answer_value"] for row in rows(folder / "out")] == ["b"]
@@ -336,7 +336,7 @@ def test_what_is_not_ours_is_not_overwritten_and_what_is_ours_is_made_again(fold
     assert [p.name for p in (folder / "mine").iterdir()] == ["letter.txt"]
 
 
-def test_pictures_that_nobody_asks_about_and_missing_licences_are_told(folder: Path) -> None:
+def test_unused_pictures_and_missing_licences_are_reported(folder: Path) -> None:
     done = recast(folder, "Q,red.png,a;b,a")
     assert "1 rows have no licence" in done.output
     assert "pictures without a question: blue.png, grows.gif, wide.jpg" in done.output

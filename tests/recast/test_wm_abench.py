@@ -130,7 +130,7 @@ def test_a_wrong_row_is_named(changed: Row, message: str, tmp_path: Path) -> Non
     assert message in wmspec("import", "wm-abench", tmp_path / "in", "-o", tmp_path / "out", code=2).output
 
 
-def test_what_is_no_release_is_an_error(tmp_path: Path) -> None:
+def test_invalid_release_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "in").mkdir()
     assert "no Parquet files" in wmspec("import", "wm-abench", tmp_path / "in", "-o", tmp_path / "o", code=2).output
     pq.write_table(pa.table({"prompt": ["x"]}), tmp_path / "in/x.parquet")

@@ -96,7 +96,7 @@ def test_it_makes_a_dataset(wmspec: Wmspec, tmp_path: Path) -> None:
     ],
     ids=["meeting", "native"],
 )
-def test_what_it_lacks_is_said_in_a_sentence(
+def test_missing_capability_is_one_sentence(
     wmspec: Wmspec, tmp_path: Path, arguments: tuple[Any, ...], message: str
 ) -> None:
     given = [tmp_path if a == "OUT" else a for a in arguments]

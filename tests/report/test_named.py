@@ -91,7 +91,7 @@ def test_options_have_levels() -> None:
     assert true_properties(changes) == {"start": "low", "pace": "slow"}
 
 
-def test_who_takes_one_outcome_for_others_is_seen_signed(made: Made) -> None:
+def test_bias_to_one_outcome_is_signed(made: Made) -> None:
     """A rater who errs to the higher speed has a bias to that level, and against the true one."""
     high = Rater(
         "hasty",

@@ -54,7 +54,7 @@ def test_the_command_writes_everything(made: Made, tmp_path: Path) -> None:
     assert {line["system"] for table in said["tables"] for line in table["lines"]} == {"a", "b"}
 
 
-def test_without_the_dataset_what_needs_none_is_told(made: Made, tmp_path: Path) -> None:
+def test_without_the_dataset_independent_figures_are_reported(made: Made, tmp_path: Path) -> None:
     results = write(tmp_path / "few.parquet", answers(made.rows[::9], Rater("a", lambda row: 0.8)))
     done = run(results, "-o", tmp_path / "out")
     assert done.exit_code == 0, done.output
@@ -157,7 +157,7 @@ def test_names_of_models_cannot_write_into_the_page(made: Made, tmp_path: Path) 
 # ---------------------------------------------------------------- bad input
 
 
-def test_bad_input_is_told_with_a_remedy(made: Made, tmp_path: Path) -> None:
+def test_bad_input_is_reported_with_a_remedy(made: Made, tmp_path: Path) -> None:
     broken = tmp_path / "broken.parquet"
     broken.write_bytes(b"PAR1 but no more")
     other = tmp_path / "other.parquet"

@@ -109,7 +109,7 @@ def test_a_comparison_is_right_as_often_as_it_says() -> None:
 # ---------------------------------------------------------------- choices
 
 
-def test_who_takes_the_first_option_is_seen_by_place_and_by_permutation(made: Made) -> None:
+def test_position_bias_shows_by_place_and_by_permutation(made: Made) -> None:
     places = {p.place: p for p in made.report.positions if (p.system, p.options) == ("first", 4)}
     assert places[0].accuracy.value == 1.0
     assert places[2].accuracy.value == pytest.approx(0.4, abs=0.06)
@@ -166,7 +166,7 @@ def test_pairs_of_a_prediction_are_those_whose_outcomes_were_made_by_what_differ
     assert {p.both.questions for p in made.report.pairs if p.task == "roll" and p.system == "ideal"} == {3 * 40 * 6}
 
 
-def test_wrong_predictions_are_told_by_what_was_otherwise_in_them(made: Made) -> None:
+def test_wrong_predictions_are_classified_by_the_changed_factor(made: Made) -> None:
     chosen = {(m.system, m.changed): m for m in made.report.mistaken}
     assert chosen["confused", "action"].chosen > 0.95
     assert chosen["ideal", "action"].chosen == pytest.approx(2 / 3, abs=0.12)
@@ -186,7 +186,7 @@ def test_wrong_predictions_are_told_by_what_was_otherwise_in_them(made: Made) ->
         (None, ""),
     ],
 )
-def test_what_a_change_changes(said: str | None, what: str) -> None:
+def test_sources_of_a_change(said: str | None, what: str) -> None:
     assert kind_of_change(said) == what
 
 
@@ -211,7 +211,7 @@ def test_entanglement_is_found_where_it_is_and_not_where_it_is_not(made: Made) -
     assert shapes.p > 0.01
 
 
-def test_what_a_question_is_about_is_not_called_entangled(made: Made) -> None:
+def test_factor_of_the_question_is_not_entangled(made: Made) -> None:
     requested = {(e.task, e.question, e.factor) for e in made.report.entanglement if e.probed}
     assert requested == {("race", "", "ratio"), ("race", "", "faster"), ("roll", "", "pace"), ("tally", "", "n")}
 
@@ -263,7 +263,7 @@ def test_a_known_threshold_is_found_within_its_interval(made: Made) -> None:
     assert people.high < curve.low
 
 
-def test_who_does_not_hang_on_the_difference_has_no_threshold(made: Made) -> None:
+def test_flat_curve_has_no_threshold(made: Made) -> None:
     flat = [c for c in made.report.curves if c.system in ("ideal", "random")]
     assert len(flat) == 4
     assert all(c.threshold is None and c.flat is not None and c.flat > 0.05 for c in flat)

@@ -66,7 +66,7 @@ def test_questions_about_what_is_seen_are_no_predictions(made: Made) -> None:
     assert line(made.report, "prediction", "foresees").tasks["roll"].value == pytest.approx(probed["right"].mean())
 
 
-def test_replies_without_an_answer_are_wrong_and_told_apart(made: Made) -> None:
+def test_replies_without_an_answer_are_wrong_and_have_outcomes_of_their_own(made: Made) -> None:
     one = line(made.report, "perception", "mumbles")
     assert one.parsed == pytest.approx(0.6, abs=0.04)
     assert one.average.value == pytest.approx(0.75 * one.parsed, abs=0.02)
@@ -103,7 +103,7 @@ def test_people_are_the_majority_of_the_raters(made: Made) -> None:
     assert made.report.raters == 3
 
 
-def test_systems_are_told_apart_by_what_was_kept_from_them(made: Made) -> None:
+def test_ablations_are_systems_of_their_own(made: Made) -> None:
     seen = answers(made.rows[:40], Rater("model", lambda row: 1.0))
     blind = answers(made.rows[:40], Rater("model", lambda row: 0.0)).assign(ablation="pictures")
     read = replies(pd.concat([seen, blind], ignore_index=True))

@@ -216,7 +216,7 @@ BROKEN = {
 
 
 @pytest.mark.parametrize("name", BROKEN)
-def test_what_is_not_drawn_as_the_shape_that_it_says_to_be_is_refused(name: str) -> None:
+def test_shape_with_other_geometry_is_refused(name: str) -> None:
     value, message = BROKEN[name]
     eye, stairs = thing("camera", "front", at=(0.0, -2.0, 1.0)), dict(EXAMPLES)["extrude"]
     stair = thing("object", "stair", shape="extrude", at=(0.0, 0.0, 0.5), fixed=True, **stairs)
@@ -255,7 +255,7 @@ def test_they_rest_and_hold_what_falls_into_them(engine: str) -> None:
         ("rounded_box", {"round": 0.05}, "is thinner than its round edges"),
     ],
 )
-def test_what_makes_no_shape(word: str, words: dict[str, Any], message: str) -> None:
+def test_impossible_shapes_are_refused(word: str, words: dict[str, Any], message: str) -> None:
     with pytest.raises(UnfitError, match=message):
         SHAPES[word].from_words({"size": 0.1, **words})
     spec = task("t", thing("object", "a", shape=word, at=(0.0, 0.0, 0.0), **words))

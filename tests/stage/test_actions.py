@@ -78,7 +78,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_makes_no_sense_is_refused(case: str) -> None:
+def test_nonsense_is_refused(case: str) -> None:
     verb, body, more, message = REFUSED[case]
     with pytest.raises(StageError, match=message) as caught:
         action(verb, body, more)

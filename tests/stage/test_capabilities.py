@@ -41,7 +41,7 @@ def test_a_cone_that_an_engine_lets_joints_pass_is_refused(engine: str) -> None:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_what_an_engine_says_of_itself_is_so(engine: str) -> None:
+def test_engine_description_is_true(engine: str) -> None:
     said = info(engine)
     assert said.name == engine
     assert len({lack.capability.name for lack in said.lacks}) == len(said.lacks)

@@ -102,7 +102,7 @@ def test_the_top_of_a_plane_is_where_it_is_placed() -> None:
     assert apply(body.pose, geom.pose.position)[2] + 0.05 == pytest.approx(0.5)
 
 
-def test_what_is_absent_has_no_prims_and_nothing_is_done_to_it() -> None:
+def test_absent_objects_have_no_prims_and_no_actions() -> None:
     parts = (
         *compound("arch", ARCH, on="table", present=False),
         action("go", "impulse", object="arch", direction=0, impulse=1),
@@ -254,7 +254,7 @@ def test_a_drive_is_in_radians_and_an_action_changes_its_target() -> None:
          "which is not there"),
     ],
 )  # fmt: skip
-def test_what_makes_no_sense_is_refused_where_it_stands(parts: tuple[Any, ...], message: str) -> None:
+def test_nonsense_is_refused_at_its_place(parts: tuple[Any, ...], message: str) -> None:
     with pytest.raises(WmsError, match=rf"^<python>:1:1: .*{message}"):
         built(*parts)
 
@@ -286,7 +286,7 @@ def test_impulses_and_forces_keep_their_size_and_direction() -> None:
     assert (pulled.start, pulled.stop) == (0.5, 1.5)
 
 
-def test_what_slides_sets_off_as_friction_demands() -> None:
+def test_sliding_starts_at_the_friction_limit() -> None:
     block = thing("object", "block", shape="cube", size=0.1, on="table", at=(0.2, 0.1), friction=0.9)
     slide = deed(block, action("go", "slide", object="block", direction="right", distance=0.5))
     assert isinstance(slide, Launch)
@@ -308,7 +308,7 @@ def test_what_slides_sets_off_as_friction_demands() -> None:
         ({"shape": "box", "pitch": math.pi / 2}, "away", False),
     ],
 )
-def test_what_is_round_where_it_rests_rolls_and_does_not_slide(form: Any, direction: Any, rolls: bool) -> None:
+def test_round_contact_rolls_and_does_not_slide(form: Any, direction: Any, rolls: bool) -> None:
     parts = (
         thing("object", "it", size=0.1, on="table", **form),
         action("go", "slide", object="it", direction=direction, distance=0.5),
@@ -363,7 +363,7 @@ def test_each_way_begins_where_the_last_one_ended() -> None:
     np.testing.assert_allclose(four.points[0], three.position)
 
 
-def test_what_is_only_teleported_moves_freely_if_it_is_solid() -> None:
+def test_teleported_solid_body_is_free() -> None:
     jump = action("a", "teleport", object="ball", to=(1, 0))
     made = scene(BALL, jump)
     (ball,) = (body for body in made.bodies if body.name == "ball")

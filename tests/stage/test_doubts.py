@@ -20,18 +20,18 @@ def reported(text: str) -> list[str]:
 
 
 @pytest.mark.parametrize(("height", "depth"), [(0.03, "20"), (0.044, "6"), (0.046, ""), (0.05, ""), (0.2, "")])
-def test_what_begins_inside_something_else_is_told_from_5_mm_on(height: float, depth: str) -> None:
+def test_initial_overlap_is_reported_from_5_mm_on(height: float, depth: str) -> None:
     notes = reported(stage(floor(), body("cube", CUBE, (0, 0, height))))
     assert [f"/World/cube: it starts {depth} mm inside /World/floor" in note for note in notes] == [True] * bool(depth)
 
 
-def test_what_is_filtered_or_joined_may_be_inside() -> None:
+def test_filtered_and_jointed_pairs_may_overlap() -> None:
     pair = body("one", CUBE), body("other", CUBE, (0.05, 0, 0)), joint("Fixed", "j", "one", "other", (0.05, 0, 0))
     assert not reported(stage(*pair))
     assert reported(stage(*pair[:2]))
 
 
-def test_several_joints_between_two_bodies_are_told_and_lock_each_other() -> None:
+def test_several_joints_between_two_bodies_are_reported_and_lock() -> None:
     bodies = body("one", CUBE), body("other", CUBE, (0.5, 0, 0))
     hinges = [joint("Revolute", f"about_{axis}", "one", "other", (0.25, 0, 0), (-0.25, 0, 0), axis) for axis in "XY"]
     (note,) = [note for note in reported(stage(*bodies, *hinges)) if "same two bodies" in note]

@@ -82,7 +82,7 @@ def test_without_a_scale_there_is_no_tint() -> None:
         ("st", "varname", "String", "uv", "but the mesh has 'st'"),
     ],
 )
-def test_what_is_not_supported_is_refused(shader: str, name: str, kind: str, value: object, message: str) -> None:
+def test_unsupported_input_is_refused(shader: str, name: str, kind: str, value: object, message: str) -> None:
     stage = painted()
     prim = UsdShade.Shader(stage.GetPrimAtPath(f"/World/look/{shader}"))
     prim.CreateInput(name, getattr(Sdf.ValueTypeNames, kind)).Set(value)

@@ -219,7 +219,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_is_not_supported_is_refused(case: str) -> None:
+def test_unsupported_input_is_refused(case: str) -> None:
     text, reason = REFUSED[case]
     with pytest.raises(StageError, match=reason) as caught:
         read(stage(BODIES + text))

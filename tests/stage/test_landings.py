@@ -28,7 +28,9 @@ HIGH = body("high", CUBE, (0.1, 0, 0.9))
         ((BELOW, HIGH, joint("Fixed", "j", "", "high", (0.1, 0, 0.9))), {}, set()),
     ],
 )
-def test_what_falls_on_what(prims: tuple[str, ...], material: dict[str, float], found: set[tuple[int, int]]) -> None:
+def test_initial_drops_are_found(
+    prims: tuple[str, ...], material: dict[str, float], found: set[tuple[int, int]]
+) -> None:
     made = Usd.Stage.CreateInMemory()
     made.GetRootLayer().ImportFromString(stage(floor(), *prims, **material))
     assert initial_drops(read(made, strict=False)) == found

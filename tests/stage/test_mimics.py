@@ -47,7 +47,7 @@ def test_coefficients_are_in_degrees_and_lengths_of_the_stage(physx: bool, units
     assert mimic.ratio == pytest.approx(math.pi / 2 / meters)
 
 
-def test_what_mimics_a_mimic_does_what_that_does() -> None:
+def test_mimic_of_a_mimic_follows_it() -> None:
     third = joint("Prismatic", "third_rail", "", "third", axis="Z", mimic=("axle", 0.0, 0.5))
     scene = opened(machine(RAIL, axle(("rail", 0.0, 90.0)), third))
     made = {j.name: j.mimic for j in scene.joints if j.mimic}
@@ -56,7 +56,7 @@ def test_what_mimics_a_mimic_does_what_that_does() -> None:
     assert len(trees(scene)) == 1  # an engine has them as one
 
 
-def test_what_does_not_start_where_it_should_is_moved_or_refused() -> None:
+def test_wrong_start_is_moved_or_refused() -> None:
     text = machine(RAIL, axle(("rail", 30.0, 1.0)))
     with pytest.raises(StageError, match=r"axle: it starts 0\.524 off its mimicked coordinate"):
         validate(opened(text))
@@ -80,7 +80,7 @@ def test_what_does_not_start_where_it_should_is_moved_or_refused() -> None:
         ((RAIL, axle(("rail", 0, math.nan))), "finite"),
     ],
 )
-def test_what_cannot_be_mimicked_is_refused(joints: tuple[str, ...], reason: str) -> None:
+def test_impossible_mimic_joints_are_refused(joints: tuple[str, ...], reason: str) -> None:
     with pytest.raises(StageError, match=reason):
         opened(machine(*joints))
 

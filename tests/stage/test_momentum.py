@@ -97,5 +97,5 @@ def test_the_strict_refuse_what_does_not_fit() -> None:
     assert any("it is corrected" in note.message for note in read(stage, strict=False).notes)
 
 
-def test_what_is_at_rest_has_no_rates() -> None:
+def test_resting_bodies_have_no_rates() -> None:
     assert all(link.rate == () for tree in trees(mechanism("double_pendulum")) for link in tree)

@@ -53,7 +53,7 @@ def made(name: str) -> Usd.Stage:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_stand_in_is_told_once_and_refused_by_the_strict(name: str) -> None:
+def test_substitute_is_reported_once_and_refused_when_strict(name: str) -> None:
     (note,) = read(made(name), strict=False).notes
     assert note.severity == "warning"
     assert note.place is not None
@@ -63,7 +63,7 @@ def test_a_stand_in_is_told_once_and_refused_by_the_strict(name: str) -> None:
         read(made(name))
 
 
-def test_what_needs_no_stand_in_is_read_alike() -> None:
+def test_plain_stage_is_read_alike_when_strict() -> None:
     plain = stage(SHAPE.format(inside=BALL % "", more=""))
     assert_same(read(plain, strict=False), read(plain))
 
@@ -137,7 +137,7 @@ def PhysicsRevoluteJoint "joint" {
 )
 
 
-def test_what_starts_apart_or_beyond_a_limit_is_put_where_its_joint_holds_it() -> None:
+def test_separated_or_out_of_limit_start_is_moved_to_its_joint() -> None:
     scene = read(stage(APART), strict=False)
     ten = np.radians(10)
     assert_allclose(scene.bodies[0].pose.position, [-np.sin(ten), 0, 0.5 - np.cos(ten)], atol=1e-9)
@@ -229,7 +229,7 @@ def test_a_drive_by_acceleration_is_a_force_for_what_it_moves() -> None:
         read(stage(text))
 
 
-def test_moments_of_no_solid_are_cut_and_told() -> None:
+def test_impossible_moments_of_inertia_are_clipped_and_reported() -> None:
     text = SHAPE.format(inside=BALL % "", more="").replace(
         "float physics:mass = 2", "float physics:mass = 2\n    float3 physics:diagonalInertia = (0.1, 0.1, 0.3)"
     )

@@ -91,7 +91,7 @@ def outward(found: Body) -> tuple[Array, Array]:
 
 @settings(max_examples=60, deadline=None)
 @given(thing_=things(), support=supports(), at=st.tuples(st.floats(-0.01, 0.01), st.floats(-0.01, 0.01)))
-def test_what_rests_touches_the_face_that_looks_up_and_does_not_enter_it(
+def test_resting_body_touches_the_upper_face_without_overlap(
     thing_: dict[str, Any], support: dict[str, Any], at: tuple[float, float]
 ) -> None:
     found = scene(thing("object", "base", **support), thing("object", "top", on="base", at=at, **thing_))
@@ -115,7 +115,7 @@ def test_it_takes_on_the_slope() -> None:
     np.testing.assert_allclose(apply(rider, np.array([1.0, 0.0, 0.0])) - rider.position, down, atol=1e-12)
 
 
-def test_what_stands_beside_a_tilted_box_in_the_world_rests_on_the_face_below_it() -> None:
+def test_body_beside_a_tilted_box_rests_on_the_face_below() -> None:
     roof = thing("object", "roof", size=0.2, at=(0.0, 0.0, 0.5), pitch=math.pi / 4 - 0.1, fixed=True)
     mark = thing("object", "mark", size=0.01, at=(0.1, 0.0, 0.0), fixed=True)
     for far, sign in ((-0.05, 1.0), (-0.15, -1.0)):  # on either side of the ridge, which is at x = 0.01

@@ -291,7 +291,7 @@ def test_static_geometry_anywhere_and_names_that_clash() -> None:
     assert all(b.motion == "static" and b.inertia is None for b in bodies)
 
 
-def test_what_is_not_seen() -> None:
+def test_invisible_prims_are_not_drawn() -> None:
     text = """def Xform "a" { token visibility = "invisible" def Cube "decoration" {}
             def Cube "collider" (prepend apiSchemas = ["PhysicsCollisionAPI"]) {} }
         def Xform "b" { uniform token purpose = "guide" def Cube "hint" {} }"""
@@ -612,7 +612,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_is_not_supported_is_refused(case: str) -> None:
+def test_unsupported_input_is_refused(case: str) -> None:
     text, path, reason = REFUSED[case]
     ((where, why),) = problems(text).items()
     assert where == f"/World/{path}"
@@ -635,7 +635,7 @@ def test_units_are_above_0(unit: str, number: float) -> None:
     assert reported == [("/", f"{unit}PerUnit = {number:g}"), ("/World/j", "distance joints are not supported")]
 
 
-def test_what_may_be_endless_means_that_there_is_none() -> None:
+def test_infinite_values_mean_unset() -> None:
     ball = BALL % "point3f physics:centerOfMass = (-inf, -inf, -inf)"
     scene = read(stage(ball + 'def PhysicsScene "s" {float physics:gravityMagnitude = -inf}'))
     assert_allclose(scene.gravity, (0, 0, -9.81))
@@ -666,7 +666,7 @@ def test_a_subset_rubs_as_its_mesh_does() -> None:
     only((SLIPPERY % (ICE, "", QUAD_BOX)).replace("binding:physics", "binding:preview"))
 
 
-def test_all_problems_are_told_at_once() -> None:
+def test_all_problems_are_reported_at_once() -> None:
     cases = ("joint", "points", "animated", "transparent", "newer")
     texts = [f'def Scope "{case}" {{ {REFUSED[case][0]} }}' for case in cases]
     texts[3] = texts[3].replace("/World/m", "/World/transparent/m")

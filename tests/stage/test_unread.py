@@ -72,7 +72,7 @@ SILENT = {
 
 
 @pytest.mark.parametrize("what", SAID)
-def test_what_nobody_reads_is_told_and_refused_by_the_strict(what: str) -> None:
+def test_unread_prims_are_reported_and_refused_when_strict(what: str) -> None:
     prims, reported = SAID[what]
     (note,) = read(stage(prims), strict=False).notes
     assert reported in str(note)
@@ -82,7 +82,7 @@ def test_what_nobody_reads_is_told_and_refused_by_the_strict(what: str) -> None:
 
 
 @pytest.mark.parametrize("what", SILENT)
-def test_what_says_nothing_new_is_not_told(what: str) -> None:
+def test_redundant_reports_are_omitted(what: str) -> None:
     assert not read(stage(SILENT[what]), strict=False).notes
     read(stage(SILENT[what]))
 
@@ -94,6 +94,6 @@ def test_many_prims_of_one_kind_are_one_note() -> None:
     assert str(notes[0]).startswith("/World/b0: physxRigidBody:disableGravity (here and on 4 other prims) is")
 
 
-def test_an_up_axis_that_usd_has_not_is_told_and_honoured() -> None:
+def test_unknown_up_axis_is_reported_and_honoured() -> None:
     (note,) = read(stage(BALL % ("b", ""), up="X"), strict=False).notes
     assert "upAxis = X is neither Y nor Z: X is up" in str(note)

@@ -197,7 +197,7 @@ def test_a_file_without_a_server_gives_its_answers(browser: Any, study: Path, tm
     assert all(rater.right == 12 for rater in collected.raters)
 
 
-def test_who_does_not_agree_is_not_recorded(browser: Any, url: str, study: Path) -> None:
+def test_participant_without_consent_is_not_recorded(browser: Any, url: str, study: Path) -> None:
     rater = Rater(browser, url, load(study))
     rater.tab.locator("#decline").click()
     assert rater.tab.inner_text("h1") == "You did not agree"
@@ -207,7 +207,7 @@ def test_who_does_not_agree_is_not_recorded(browser: Any, url: str, study: Path)
     assert not rater.complaints
 
 
-def test_who_withdraws_leaves_nothing_behind(browser: Any, url: str, study: Path) -> None:
+def test_withdrawal_deletes_all_answers(browser: Any, url: str, study: Path) -> None:
     rater, stays = Rater(browser, url, load(study)), Rater(browser, f"{url}?rater=stays", load(study))
     for one in (stays, rater):
         for _ in range(6):

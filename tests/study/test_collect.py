@@ -133,7 +133,7 @@ def test_a_report_has_the_same_majority(study: Path, tmp_path: Path) -> None:
     assert 0 < of_all.majority < 1
 
 
-def test_who_stopped_counts_as_far_as_they_came_and_who_did_not_read_is_left_out(study: Path, tmp_path: Path) -> None:
+def test_partial_sessions_count_and_inattentive_ones_are_excluded(study: Path, tmp_path: Path) -> None:
     visit(study, "anne")
     visit(study, "ben", until=6)
     visit(study, "carl", checks=False)

@@ -139,7 +139,7 @@ def test_answers_of_an_earlier_version_are_kept(study: Path) -> None:
     assert (visit.rater, visit.study_id, visit.session_id) == ("anne", "", "")
 
 
-def test_what_a_dataset_lacks_is_told(dataset: DatasetReader, tmp_path: Path) -> None:
+def test_missing_parts_of_a_dataset_are_reported(dataset: DatasetReader, tmp_path: Path) -> None:
     with pytest.raises(WmsError, match="no task `colide`"):
         make(dataset, StudyOptions(tasks=("colide",)), tmp_path)
     with pytest.raises(WmsError, match="no engine `bullet`"):

@@ -104,7 +104,7 @@ def test_the_first_answer_to_a_step_stands(study: Path) -> None:
     assert [a.text for a in again.visits()[0].answers] == ["A"]
 
 
-def test_shares_are_given_out_evenly_and_who_comes_back_has_the_same(study: Path) -> None:
+def test_slots_are_assigned_evenly_and_kept_on_return(study: Path) -> None:
     made, opened = load(study), AnswerStore(study / store.ANSWERS_FILE, load(study))
     people = [f"{i:032x}" for i in range(5)]
     assert [opened.begin(Person(session=p)).slot for p in people] == [0, 1, 2, 0, 1]
@@ -189,7 +189,7 @@ def test_answers_of_another_study_are_not_mixed_in(dataset: DatasetReader, study
         ("/", {}, 409),
     ],
 )
-def test_what_is_not_understood_is_refused(path: str, body: object, status: int, port: int) -> None:
+def test_unknown_input_is_refused(path: str, body: object, status: int, port: int) -> None:
     assert post(port, path, body)[0] == status
     assert post(port, "/visits", {"session": ANNE})[0] == 200, "and it goes on"
 
@@ -227,7 +227,7 @@ def test_pictures_are_those_of_the_study(port: int, study: Path) -> None:
         assert content == (study / "page/pictures" / name).read_bytes()
 
 
-def test_it_listens_on_the_loopback_address_unless_told(study: Path) -> None:
+def test_server_listens_on_the_loopback_address_by_default(study: Path) -> None:
     from wmspec.cli.study import serve_command
 
     host = next(p for p in serve_command.params if p.name == "host")
@@ -240,7 +240,7 @@ def test_it_listens_on_the_loopback_address_unless_told(study: Path) -> None:
         assert not server.is_local
 
 
-def test_a_visitor_who_says_nothing_or_goes_away_harms_nobody(port: int, capfd: pytest.CaptureFixture[str]) -> None:
+def test_silent_or_lost_connection_blocks_no_other(port: int, capfd: pytest.CaptureFixture[str]) -> None:
     for said in (
         b"",
         b"POST /visits HTTP/1.1\r\nContent-Type: application/json\r\nContent-Length: 900\r\n\r\n{",

@@ -119,7 +119,7 @@ def test_layers_that_double(project: Path) -> None:
     assert "has more than 200,000 prims" in checked(project, SPEC.format(file="l25.usda", more=""))
 
 
-def test_references_in_a_circle_are_told_by_usd(project: Path) -> None:
+def test_circular_references_are_reported_by_usd(project: Path) -> None:
     (project / "round.usda").write_text('#usda 1.0\n(defaultPrim = "a")\ndef "a" (references = </a>) {}')
     assert "round.usda" in checked(project, SPEC.format(file="round.usda", more=""))
 
@@ -139,7 +139,7 @@ def test_a_file_of_too_many_bytes(project: Path) -> None:
 
 
 @pytest.mark.parametrize("size", ["1e300", "1e-300", "0", "nan", "inf"])
-def test_a_mesh_of_extreme_numbers_is_told_without_warnings(project: Path, size: str) -> None:
+def test_mesh_of_extreme_numbers_is_an_error_without_warnings(project: Path, size: str) -> None:
     corners = f"v {size} 0 0\nv 0 {size} 0\nv 0 0 {size}\nv 0 0 0\n"
     (project / "odd.obj").write_text(corners + "f 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n")
     with warnings.catch_warnings():
@@ -161,7 +161,7 @@ def test_a_picture_that_is_none(project: Path, content: bytes) -> None:
     assert "`bad.png` cannot be read: it is damaged, or no PNG or JPEG" in output
 
 
-def test_texts_in_a_picture_that_unpack_to_too_much_are_told(tmp_path: Path) -> None:
+def test_compressed_texts_in_pictures_are_bounded(tmp_path: Path) -> None:
     info = PngImagePlugin.PngInfo()
     for i in range(80):
         info.add_text(f"t{i}", "x" * 1_000_000, zip=True)
@@ -218,7 +218,7 @@ def test_a_damaged_crate_does_not_end_the_process(project: Path) -> None:
     assert "is damaged, or needs too much time or memory" in wmspec("run", project / "bad.usdc").output
 
 
-def test_damaged_files_are_told_or_read() -> None:
+def test_damaged_files_are_errors_or_read() -> None:
     """Some of the files of `benchmarks/fuzz.py --of files`, whose figures are in docs/benchmarks/robustness.md."""
     from benchmarks.damaged import KINDS, attempt_file
 
@@ -275,7 +275,7 @@ def test_names(name: str) -> None:
 @pytest.mark.parametrize(
     "name", ["", ".", "..", "a/b", "a\\b", ".hidden", "-o", "x" * 101, "a\0", "a\n", "a b", 7, None]
 )
-def test_what_is_no_name(name: object) -> None:
+def test_unsafe_file_names(name: object) -> None:
     assert not is_file_name(name)
 
 

@@ -116,7 +116,7 @@ def test_a_manifest_that_was_edited(tmp_path: Path, folder: Path, change: Any, r
     assert reported in result.output
 
 
-def test_a_file_too_many_is_told_by_whoever_reads_the_folder(tmp_path: Path, folder: Path) -> None:
+def test_every_reader_of_the_folder_reports_an_extra_file(tmp_path: Path, folder: Path) -> None:
     foreign = "data/collide/test-00003-of-00004.parquet"
     shutil.copy(folder / SHARD, folder / foreign)
     for command in ("view", "audit"):

@@ -136,7 +136,7 @@ def test_a_dataset_without_questions_cannot_be_exported_or_asked(
 
 
 @pytest.mark.parametrize("command", [("run", FLIGHT), ("render", FLIGHT, "-o", "out")], ids=lambda c: c[0])
-def test_what_nobody_foresaw_is_told_in_a_line_with_a_file(shell: Shell, command: tuple[object, ...]) -> None:
+def test_unexpected_error_is_one_line_with_a_file(shell: Shell, command: tuple[object, ...]) -> None:
     lines = shell(*command, "-b", "mistaken", code=EXIT_CODE).splitlines()
     assert lines[0] == f"error: {MESSAGE}"
     assert [line.split(":")[0].strip() for line in lines[1:3]] == ["at broken/wmspec_broken.py", "details"]
@@ -148,7 +148,7 @@ def test_what_nobody_foresaw_is_told_in_a_line_with_a_file(shell: Shell, command
     assert "Traceback" in text
 
 
-def test_who_works_on_wmspec_may_see_the_traceback(shell: Shell) -> None:
+def test_developers_may_see_the_traceback(shell: Shell) -> None:
     done = shell.python("-m", "wmspec", "run", FLIGHT, "-b", "mistaken", WMSPEC_TRACEBACK="1")
     assert (done.returncode, "Traceback" in done.stderr) == (EXIT_CODE, True)
 
@@ -207,7 +207,7 @@ def test_a_plug_in_that_cannot_be_loaded_is_a_finding(shell: Shell) -> None:
     assert "has no attribute 'nothing_of_that_name'" in doctor(shell, "absent")["absent"]["found"]
 
 
-def test_mistakes_in_our_code_are_told_from_what_is_missing() -> None:
+def test_internal_errors_differ_from_missing_packages() -> None:
     def raised(code: str, module: str) -> BaseException:
         with pytest.raises(Exception) as caught:  # noqa: PT011  whatever it is
             exec(compile(code, "x.py", "exec"), {"__name__": module})
@@ -226,7 +226,7 @@ def test_mistakes_in_our_code_are_told_from_what_is_missing() -> None:
 DEEP = "d/" * 1500
 
 
-def test_a_folder_that_lies_too_deep_is_told(shell: Shell) -> None:
+def test_folder_that_lies_too_deep_is_an_error(shell: Shell) -> None:
     make(shell.folder / "set", plan(count=1, tasks=("collide",)))
     commands = [
         ("generate", FLIGHT, "-b", "sound", "-o", DEEP),
@@ -241,7 +241,7 @@ def test_a_folder_that_lies_too_deep_is_told(shell: Shell) -> None:
     assert not (shell.folder / "d").exists()
 
 
-def test_a_chain_of_libraries_is_told_in_a_sentence(shell: Shell) -> None:
+def test_chain_of_libraries_is_one_sentence(shell: Shell) -> None:
     for number in range(3000):
         (shell.folder / f"l{number}.wms").write_text(f"use l{number + 1}\n" if number < 2999 else "let z = 1\n")
     reported = shell("check", "l0.wms", code=2)

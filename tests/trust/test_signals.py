@@ -18,7 +18,7 @@ SPEC = ROOT / "tests/endtoend/specs/speed_tabletop.wms"
 @pytest.mark.slow
 @pytest.mark.engine
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_run_that_is_told_to_end_says_nothing_of_its_insides(tmp_path: Path, number: signal.Signals) -> None:
+def test_interrupted_run_prints_no_traceback(tmp_path: Path, number: signal.Signals) -> None:
     out = tmp_path / "out"
     command = ["generate", SPEC, "-o", out, "-b", "mujoco", "--per-task", "400", "--size", "32", "-j", "2"]
     heard = signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell has jobs in the background ignore

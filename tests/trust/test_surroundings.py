@@ -49,7 +49,7 @@ def test_streams_that_are_closed(way: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.engine
-def test_an_engine_runs_though_nobody_listens(tmp_path: Path) -> None:
+def test_engine_runs_without_a_listener(tmp_path: Path) -> None:
     (tmp_path / "ball.usda").write_text(STAGE.format(task='"falls"'))
     done = started(">&-", "run", tmp_path / "ball.usda", "-b", "mujoco", "-o", tmp_path / "ball.npz")
     assert (done.returncode, done.stderr) == (0, "")
@@ -118,7 +118,7 @@ def test_a_dataset_with_what_has_no_end(tmp_path: Path, whole: Path, name: str, 
 
 
 @pytest.mark.parametrize("said", ["abc", "nan", "-1e30", "99999999999999"])
-def test_a_day_that_is_none_is_told_before_anything_is_made(
+def test_invalid_date_is_an_error_before_anything_is_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: str
 ) -> None:
     monkeypatch.setenv("SOURCE_DATE_EPOCH", said)

@@ -14,7 +14,7 @@ SPEC = Path(__file__).parents[1] / "endtoend/specs/speed_tabletop.wms"
 
 
 @pytest.mark.parametrize("text", ["\x1b]0;title\x07", "\x1b[2J", "\r", "\x9b31m", "\u202e", "\x7f"])
-def test_nothing_that_a_terminal_obeys_is_told(tmp_path: Path, text: str) -> None:
+def test_control_characters_are_escaped(tmp_path: Path, text: str) -> None:
     (tmp_path / "t.wms").write_text(f"task t : custom {{\n  let a = frob{text}(3)\n}}\n", newline="")
     output = wmspec("check", tmp_path / "t.wms").output
     assert text[0] not in output
@@ -22,7 +22,7 @@ def test_nothing_that_a_terminal_obeys_is_told(tmp_path: Path, text: str) -> Non
     assert len(escape_controls(text)) == len(text), "carets stay below what they point at"
 
 
-def test_lines_and_letters_are_told_as_they_are() -> None:
+def test_lines_and_letters_are_reported_verbatim() -> None:
     text = "two\n\tlines: naïve, 日本, −5 °C"
     assert escape_controls(text) == text
 
