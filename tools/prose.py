@@ -90,8 +90,6 @@ def _names(path: Path, text: str, rules: Rules) -> Iterator[Finding]:
 
 
 def _name(path: Path, line: int, name: str, rules: Rules) -> Iterator[Finding]:
-    if path.parts[0] == "tests" and name.startswith("test_"):
-        return
     for part in PART.findall(name):
         if remedy := rules.identifiers.get(part.lower()):
             yield Finding(path, line, name, f"no identifier contains `{part.lower()}`; write {remedy}")

@@ -70,7 +70,7 @@ def test_it_writes_stages_and_scores_traces(programs: Path, tmp_path: Path) -> N
     assert all(record["passed"] for record in json.loads(good.stdout))
 
 
-def test_it_fails_a_wrong_trace(programs: Path, tmp_path: Path) -> None:
+def test_wrong_trace_fails(programs: Path, tmp_path: Path) -> None:
     with np.load(DATA / "mujoco/free_fall.npz") as file:
         wrong = dict(file)
     wrong["position"] = 10 + 1.02 * (wrong["position"] - 10)  # 2 % too much gravity

@@ -121,7 +121,7 @@ def test_load_all_takes_files_and_folders(tmp_path: Path) -> None:
         wmspec.load_all(tmp_path)
 
 
-def test_diagnose_tells_all_without_raising(tmp_path: Path) -> None:
+def test_diagnose_returns_all_without_raising(tmp_path: Path) -> None:
     (tmp_path / "wrong.wms").write_text("task t : custom { object a { freiction: 1 } }")
     wrong = wmspec.diagnose(tmp_path)
     assert not wrong.passed
@@ -220,7 +220,7 @@ def test_a_counterfactual_is_run_as_an_instance_is() -> None:
     assert fast - slow == pytest.approx(float(one.nuisances["middle"]) * (ratio**0.5 - ratio**-0.5), rel=0.02)
 
 
-def test_asking_gives_questions_and_tells_what_was_rejected() -> None:
+def test_questions_and_rejections_are_returned() -> None:
     installed("mujoco")
     question, *seen = wmspec.load(COLLIDE)[7].ask("mujoco", size=128)
     assert "which picture" in question.text.lower()
@@ -299,7 +299,7 @@ def test_a_seed_that_its_tasks_were_not_loaded_with_is_refused(tmp_path: Path) -
         wmspec.crosscheck(task, seed=4)
 
 
-def test_generate_tells_that_control_groups_are_whole(tmp_path: Path) -> None:
+def test_generate_reports_whole_control_groups(tmp_path: Path) -> None:
     messages: list[str] = []
     spec = Path("specs/gallery/constancy.wms")
     for count in (1, 4):

@@ -43,7 +43,7 @@ def test_bearing_is_verbalized_in_one_way(degrees: float, said: str) -> None:
     assert verbalize(Bearing(math.radians(degrees)), "angle", None) == said  # type: ignore[arg-type]
 
 
-def test_it_is_an_option_whatever_the_turns() -> None:
+def test_it_is_an_option_in_every_turn() -> None:
     assert same(math.radians(-180), Bearing(math.pi))
     assert same(math.radians(540), Bearing(math.pi))
     assert not same(math.radians(-179), Bearing(math.pi))

@@ -121,7 +121,7 @@ def test_open_numbers_agree_within_what_is_allowed() -> None:
     assert kept("all", number("mujoco", 1.0), number("sapien", 1.021)) == ""
 
 
-def test_every_row_tells_what_every_engine_says() -> None:
+def test_row_has_the_answer_of_every_engine() -> None:
     found = consensus({a.engine: a for a in (label("mujoco", 0), label("pybullet", 1), lost("sapien"))}, "none")
     mine = found["mujoco"]
     assert isinstance(mine, QuestionRow)
@@ -134,7 +134,7 @@ def test_every_row_tells_what_every_engine_says() -> None:
     assert votes["pybullet"].value == "right"
 
 
-def test_a_disagreement_tells_what_every_engine_says() -> None:
+def test_disagreement_lists_the_answer_of_every_engine() -> None:
     found = consensus({a.engine: a for a in (label("mujoco", 0), label("pybullet", 1), lost("sapien"))}, "all")
     reported = found["mujoco"]
     assert isinstance(reported, Rejected)

@@ -105,7 +105,7 @@ def test_the_row_is_that_of_the_first_engine_whose_answer_is_kept(
         assert [vote.engine for vote in kept.agreement] == sorted(engines)
 
 
-def test_a_row_says_how_far_apart_the_engines_were() -> None:
+def test_row_has_the_distance_between_engines() -> None:
     kept = row(("pybullet", "near", "far"), "none")
     assert isinstance(kept, QuestionRow)
     apart = {vote.engine: vote.apart for vote in kept.agreement}
@@ -141,7 +141,7 @@ def test_an_engine_that_cannot_execute_it_rejects_it_by_name() -> None:
     assert {vote.engine: vote.apart for vote in second.agreement} == {"pybullet": 0.0, "failing": None}
 
 
-def test_rejected_by_the_reference_is_not_executed_elsewhere() -> None:
+def test_instances_rejected_by_the_reference_run_in_no_other_engine() -> None:
     renders = RenderCache("pybullet", 96, 96)
     pairs = {engine: EnginePair(TraceCache(engine), renders) for engine in ("pybullet", "near")}
     impossible = GLIDE.replace("within 1 cm", "within 1 cm  ensure displacement(ball) > 1 m")

@@ -77,7 +77,7 @@ def test_a_ball_on_the_tip_of_a_post_has_no_answer() -> None:
     assert refused(BALANCE % ("0", "stable by 1 mm"), engine="mujoco").startswith("unstable: ")
 
 
-def test_a_ball_beside_the_tip_has_one() -> None:
+def test_ball_beside_the_tip_keeps_its_question() -> None:
     (question,) = ask_all(BALANCE % ("12 mm", "stable by 1 mm"), engine="mujoco")
     assert isinstance(question, QuestionRow), question
     assert question.value == "to the right of it"
@@ -134,7 +134,7 @@ def test_an_option_that_changes_nothing_that_can_be_seen_is_alike() -> None:
     assert refused(body).startswith("alike: truth and heavy")
 
 
-def test_a_picture_after_the_end_is_not_asked_for() -> None:
+def test_no_picture_after_the_end() -> None:
     late = NEXT.replace("end)", "onset(ball) + 3 s)") % ("25 cm", "counterfactual slow { action go.speed: 1 cm/s }")
     assert refused(late).startswith("invalid: 3.1")
     assert "is outside the episode, which lasts 1 s" in refused(late)

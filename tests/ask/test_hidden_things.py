@@ -69,7 +69,7 @@ def test_a_question_may_be_about_what_is_hidden(event: str, clause: str) -> None
 
 
 @pytest.mark.parametrize("event", [HIDDEN, GONE], ids=["hidden", "gone"])
-def test_it_must_be_seen_when_the_question_says_so(event: str) -> None:
+def test_seen_clause_requires_visibility(event: str) -> None:
     assert refused(body(event, "seen ball at [0 s, 0.8 s]")).startswith("unseen: ball from front at 0.8 s")
     assert "the pictures are taken at 0 s, 0.4 s, 0.8 s" in refused(body(event, "seen ball at [0.3 s]"))
 

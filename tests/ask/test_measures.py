@@ -102,7 +102,7 @@ def test_creep_and_jitter_are_no_motion() -> None:
     assert of(m, "onset", "late") == pytest.approx(1.0, abs=2 / RATE)
 
 
-def test_only_what_is_observed_counts() -> None:
+def test_only_observed_moments_count() -> None:
     m = measured(window=(1.0, 2.0), a=straight(0.0, 0.9, 0.5), b=straight(0.0, 1.5, 0.2))
     assert not of(m, "moved", "a")
     assert of(m, "speed", "b") == pytest.approx(0.1, rel=1e-6)

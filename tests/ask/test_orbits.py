@@ -122,7 +122,7 @@ class _Row:
 
 
 @pytest.mark.engine
-def test_an_instance_is_asked_as_its_group_is() -> None:
+def test_instance_has_the_questions_of_its_group() -> None:
     of = design("distinct by 0.3 cm  ensure displacement(crate) > 8 cm")
     reasons = {i: [getattr(a, "reason", "") for a in ask_complete(of, i, pair())] for i in of.blocks.members(0)}
     assert {reason for found in reasons.values() for reason in found} == {"ensure", "group"}
@@ -137,7 +137,7 @@ def test_options_of_one_kind_are_alike_where_kinds_must_differ() -> None:
 
 
 @pytest.mark.engine
-def test_an_outcome_that_is_of_no_kind_is_not_asked_about() -> None:
+def test_outcome_of_no_kind_gives_no_question() -> None:
     of = design("distinct by 0.3 cm")
     question = replace(of.spec.questions[0], kinds=of.spec.questions[0].kinds[:1])
     (found,) = ask(Design(replace(of.spec, questions=(question,))), 0, pair())

@@ -55,7 +55,7 @@ def test_body_on_the_floor_touches_it_exactly(shape: Shape, turn: tuple[float, .
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)
 @settings(max_examples=20)
 @given(turn=turns, both=turns, sunk=st.floats(-0.002, 0.008))
-def test_it_is_the_same_however_both_are_turned(
+def test_measure_is_independent_of_turns(
     shape: Shape, turn: tuple[float, ...], both: tuple[float, ...], sunk: float
 ) -> None:
     lowest = bounds(shape, at(0, 0, 0, turn))[0, 2]

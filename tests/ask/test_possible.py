@@ -71,7 +71,7 @@ def test_a_teleport_to_where_it_is_changes_nothing(to: str, value: str) -> None:
     assert found.value == value
 
 
-def test_unseen_change_is_not_asked() -> None:
+def test_unseen_change_gives_no_question() -> None:
     late = "paint(ball, color: green) at 0.95 s"
     assert possibility(late).value == "possible", "after the last picture"
     screen = "object screen { shape: box  size: (60 cm, 2 cm, 30 cm)  color: white  on: table at (0, -10 cm) }"
@@ -81,7 +81,7 @@ def test_unseen_change_is_not_asked() -> None:
     )
 
 
-def test_a_violation_that_hardly_changes_anything_is_unstable_or_not_asked() -> None:
+def test_tiny_violation_is_unstable_or_gives_no_question() -> None:
     """An object that is about to stand still is stopped: the answer turns when it is displaced by a little."""
     (found,) = ask_all(ROLL.format(odd="stop(ball) at 0.9 s", pace="0 cm/s"))
     assert isinstance(found, QuestionRow)

@@ -74,7 +74,7 @@ def test_the_largest_of_three() -> None:
         referring_expression("b", three)
 
 
-def test_nothing_tells_them_apart() -> None:
+def test_nothing_distinguishes_them() -> None:
     with pytest.raises(Ambiguous, match="`a` and `b` are both a red cube"):
         referring_expression("a", two("", ""))
 

@@ -136,7 +136,7 @@ def test_an_impossible_inertia_is_that_of_the_shapes(tmp_path: Path, kg: float, 
     np.testing.assert_allclose(body.inertia.moments, kg * 0.04 / 6, rtol=1e-5)
 
 
-def test_inertia_file_keeps_it(tmp_path: Path) -> None:
+def test_inertia_of_the_file_is_kept(tmp_path: Path) -> None:
     written(tmp_path, link("a", 0.025, 1.0))
     (body,) = made(tmp_path, "inertia: file").bodies
     assert body.inertia is not None
@@ -228,7 +228,7 @@ def test_limits_as_bullet_reads_them(tmp_path: Path, limit: str, limits: Any, ki
     assert held.limits == (None if limits is None else pytest.approx(limits))
 
 
-def test_names_that_a_spec_cannot_tell_apart(tmp_path: Path) -> None:
+def test_ambiguous_names_get_a_suffix(tmp_path: Path) -> None:
     written(tmp_path, link("a"), link("mass"), joint("a", "a", "mass", "continuous"))
     assert "a spec adds `_link` or `_joint`" in warnings(tmp_path)[0].message
     found = made(tmp_path)
@@ -236,7 +236,7 @@ def test_names_that_a_spec_cannot_tell_apart(tmp_path: Path) -> None:
     assert [j.name for j in found.joints] == ["it_a_joint"]
 
 
-def test_xml_as_simple_parsers_read_it(tmp_path: Path) -> None:
+def test_xml_reads_like_simple_parsers(tmp_path: Path) -> None:
     text = f'<!-- made by hand -->\n<?xml version="1.0"?>\n<robot name="r">{link("a")}</robot>\0'
     (tmp_path / "a.urdf").write_text(text)
     assert not warnings(tmp_path)

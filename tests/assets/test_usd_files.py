@@ -85,7 +85,7 @@ def test_instances_are_meshes_like_others(tmp_path: Path) -> None:
     assert solid(proxy).volume == pytest.approx(64, rel=1e-5)
 
 
-def test_layers_elsewhere_are_refused(tmp_path: Path) -> None:
+def test_layers_outside_the_folder_are_refused(tmp_path: Path) -> None:
     written(tmp_path, "one.usda")
     (tmp_path / "specs").mkdir()
     (tmp_path / "specs/two.usda").write_text("#usda 1.0\n(\nsubLayers = [@../one.usda@]\n)")

@@ -183,7 +183,7 @@ def answered(answer: Callable[[int, str], str], tiers: Callable[[int, str], floa
     return constant_answer_finding(rows("t", make, 24))
 
 
-def test_an_answer_that_is_right_in_a_tier_whatever_is_shown() -> None:
+def test_constant_answer_of_a_tier_is_found() -> None:
     def yes_in_tier_2(group: int, way: str) -> str:
         return "yes" if way == "left" or (group % 2 and group % 8 > 1) else "no"
 

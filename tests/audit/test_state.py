@@ -28,7 +28,7 @@ def test_of_a_closed_set_what_begins_in_another_state_is_struck_out() -> None:
     assert not kept.any()
 
 
-def test_the_object_that_is_asked_for_comes_first_whatever_its_name() -> None:
+def test_requested_object_comes_first_under_any_name() -> None:
     def questions(color: str) -> Case:
         seen = [thing(p, n, f"{n} ball", a) for p in (0, 1) for n, a in (("blue", 0.2 + 0.1 * p), ("red", 0.7))]
         row = {

@@ -184,7 +184,7 @@ def test_noise_is_answered_by_chance_and_a_clue_is_not() -> None:
 
 
 @pytest.mark.parametrize("model", ["linear", "forest"])
-def test_a_clue_of_the_whole_question_tells_options_by_their_names(model: Any) -> None:
+def test_whole_question_clue_identifies_options_by_name(model: Any) -> None:
     probed, random = _questions(300, 3)
     true = probed.truth.reshape(300, 3).argmax(1)
     seen = np.c_[random.normal(size=(300, 5)), np.eye(3)[true] + 0.2 * random.normal(size=(300, 3))]

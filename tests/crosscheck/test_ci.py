@@ -113,7 +113,7 @@ def test_a_damaged_or_foreign_entry_is_not_believed(repository: Path, damage: st
     assert checked("specs/race.wms", sample=2).cached == 2
 
 
-def test_a_result_that_says_something_else_is_not_believed(repository: Path) -> None:
+def test_foreign_result_is_not_used(repository: Path) -> None:
     """Key and checksum are right: an entry of a version with other fields, or of another instance."""
     checked("specs/race.wms", sample=1)
     (entry,) = entries()

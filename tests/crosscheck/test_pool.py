@@ -45,7 +45,7 @@ def test_results_are_in_order_and_losses_are_reported() -> None:
 
 
 @pytest.mark.parametrize("workers", [0, 2])
-def test_whatever_goes_wrong_costs_its_own_piece(workers: int) -> None:
+def test_failure_costs_its_own_piece(workers: int) -> None:
     results = list(map_ordered(square, ((i,) for i in (1, 6, 7, 9, 4)), PoolConfig(workers, timeout=60)))
     assert results == [
         1,
@@ -57,7 +57,7 @@ def test_whatever_goes_wrong_costs_its_own_piece(workers: int) -> None:
 
 
 @pytest.mark.parametrize(("module", "place"), [("other", ""), ("wmspec.other", " (wmspec/other.py:2)")])
-def test_a_reason_names_our_code_wherever_it_lies(module: str, place: str) -> None:
+def test_reason_names_the_line_of_wmspec(module: str, place: str) -> None:
     names: dict[str, Any] = {"__name__": module}
     exec(compile("def work(i):\n    raise ValueError('no')", "/home/me/wmspec/other.py", "exec"), names)
     assert list(map_ordered(names["work"], [(1,)], PoolConfig(0, timeout=60))) == [

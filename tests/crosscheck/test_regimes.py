@@ -126,7 +126,7 @@ def test_ordinary_scenes_are_outside_the_regimes(text: str, engine: str) -> None
     assert not kinds(text, engine)
 
 
-def test_a_run_of_a_stage_tells_it() -> None:
+def test_stage_run_reports_it() -> None:
     made = Usd.Stage.CreateInMemory()
     made.GetRootLayer().ImportFromString(drop(6.0))
     installed("sapien")

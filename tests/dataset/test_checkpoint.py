@@ -79,7 +79,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 
 
 @pytest.mark.parametrize("most", [1, 3, 4, 7])
-def test_no_instance_is_made_twice_however_often_it_is_stopped(
+def test_no_instance_is_generated_twice_despite_interruptions(
     tmp_path: Path, whole: dict[str, bytes], run: Run, most: int
 ) -> None:
     for done in range(most, len(ALL), most):
@@ -136,7 +136,7 @@ def test_checkpoint_of_another_plan_is_not_used(tmp_path: Path, run: Run) -> Non
         assert not dataset.kept(shard)
 
 
-def test_an_instance_has_its_name_once_it_is_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_instance_file_appears_when_complete(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A run that is killed at any moment, here before the file gets its name, leaves nothing that counts."""
     shard = next(PLAN.shards())
 
@@ -175,7 +175,7 @@ def fails(job: Job, task: str, indices: tuple[int]) -> BatchResult:
     return BatchResult((outcome(next(s for s in PLAN.shards() if s.task.spec.name == task), index),))
 
 
-def test_an_instance_that_fails_costs_no_other_and_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_instance_costs_no_other_and_has_a_reason(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("wmspec.dataset.build.generate.make_instances", fails)
     with Dataset.open(tmp_path, PLAN) as dataset:
         generate(dataset, PoolConfig(0, 1), lambda task, count: None, PriorInstances((), PLAN))

@@ -74,7 +74,7 @@ def test_opening_a_finished_dataset_changes_nothing(tmp_path: Path, whole: dict[
 # ---------------------------------------------------------------- going on
 
 
-def test_a_lost_shard_is_made_again_and_no_other(tmp_path: Path, whole: dict[str, bytes]) -> None:
+def test_only_a_lost_shard_is_generated_again(tmp_path: Path, whole: dict[str, bytes]) -> None:
     make(tmp_path, plan())
     lost = "data/collide/test-00001-of-00003.parquet"
     (tmp_path / lost).unlink()
@@ -87,7 +87,7 @@ def test_a_lost_shard_is_made_again_and_no_other(tmp_path: Path, whole: dict[str
 
 
 @pytest.mark.parametrize("damage", [lambda b: b[:-1], lambda b: b[:50] + bytes([b[50] ^ 1]) + b[51:], lambda b: b""])
-def test_a_tampered_shard_is_named_and_made_again(
+def test_tampered_shard_is_named_and_generated_again(
     tmp_path: Path, whole: dict[str, bytes], damage: Callable[[bytes], bytes]
 ) -> None:
     make(tmp_path, plan())

@@ -29,7 +29,7 @@ def test_units_from_all_over_a_task_are_tried(task: Task) -> None:
     assert all(one.other in every[i - 1] for one, i in zip(tried, where, strict=True))
 
 
-def test_the_first_piece_is_tried_however_large_it_is() -> None:
+def test_first_piece_runs_at_any_size() -> None:
     large, small = (1, 2, 3, 4, 5), (6,)
     assert _first_pieces([large, small], 4) == [large]
     assert _first_pieces([small, large, small], 4) == [small]

@@ -79,7 +79,7 @@ def test_a_former_format_is_read_and_not_made_again(made: Path, tmp_path: Path) 
         verify(folder, workers=0)
 
 
-def test_the_same_comes_out_again(made: Path) -> None:
+def test_rerun_gives_the_same(made: Path) -> None:
     result = verify(made, sample=2, workers=0)
     assert (result.planned, result.verdict, result.differences) == (3, "same", ())
     assert result.questions in (2, 3), "two rows, and one of each task"

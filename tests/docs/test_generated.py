@@ -18,7 +18,7 @@ def test_every_tool_that_can_tell_whether_its_files_are_current_is_run() -> None
     assert "docs/schema.json" in steps
 
 
-def test_every_recipe_ends_with_it() -> None:
+def test_every_recipe_ends_with_a_check() -> None:
     recipes = re.findall(r"^### Add .*?(?=^##|\Z)", CONTRIBUTING, re.MULTILINE | re.DOTALL)
     assert len(recipes) >= 6
     for recipe in recipes:

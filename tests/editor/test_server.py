@@ -214,7 +214,7 @@ def test_completion_is_by_kind(tmp_path: Path) -> None:
     session(tmp_path, work)
 
 
-def test_hover_tells_what_the_reference_tells(tmp_path: Path) -> None:
+def test_hover_equals_the_reference(tmp_path: Path) -> None:
     async def work(editor: Session) -> None:
         editor.open(GOOD)
         assert "its mass per volume" in await editor.hover("densi")

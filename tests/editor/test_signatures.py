@@ -49,7 +49,7 @@ def test_the_signature_shows_the_argument_that_is_written(before: str, label: st
 
 
 @pytest.mark.parametrize("before", ["size: (", "# launch(", 'question "launch(', "launch(ball)"])
-def test_elsewhere_there_is_no_signature(before: str) -> None:
+def test_without_a_call_there_is_no_signature(before: str) -> None:
     text = TEXT[: TEXT.index("  object ball")] + before
     assert signature_at(document(text), len(text)) is None
 

@@ -37,7 +37,7 @@ def test_a_first_spec_gives_questions(template: str) -> None:
     assert sum(len(questions) for questions in probed) >= 3
 
 
-def test_a_file_that_is_there_stays_as_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_existing_file_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("mine.wms").write_text("mine\n")
     for name in ("mine", "mine.wms"):

@@ -134,7 +134,7 @@ def test_only_this_machine_by_its_own_name_is_answered(served: Page) -> None:
 @pytest.mark.engine
 @pytest.mark.pixels
 @pytest.mark.browser
-def test_the_page_shows_it(served: Page, browser: Any) -> None:
+def test_page_lists_it(served: Page, browser: Any) -> None:
     good = first_spec("marbles", "perception")
     served.path.write_text(good)
     context = browser.new_context(viewport={"width": 1100, "height": 900})

@@ -68,7 +68,7 @@ def test_a_dry_run_tries_a_few_and_writes_nothing(tmp_path: Path) -> None:
     assert task["reasons"].keys() == task["examples"].keys()
 
 
-def test_the_papers_tasks_are_as_large_as_the_papers_unless_all_is_asked_for() -> None:
+def test_tasks_of_the_paper_have_its_size_unless_all_is_requested() -> None:
     def made(name: str, per_task: int | None = None, full: bool = False) -> tuple[int, ...]:
         (task,) = (t for t in load_all(SPEED, VISION / "color.wms") if t.name == name)
         return planned_task(task, per_task, full, (1, 1)).indices

@@ -32,7 +32,7 @@ def test_the_page_has_no_others() -> None:
     assert shown == {path.stem for path in GALLERY}
 
 
-def test_they_are_apart_from_the_tasks_that_rebuild_the_paper() -> None:
+def test_gallery_is_separate_from_the_tasks_of_the_paper() -> None:
     catalogue = {task.name for task in wmspec.load_all()}
     gallery = {task.name for task in wmspec.load_all(*GALLERY)}
     assert len(gallery) >= 15

@@ -69,7 +69,7 @@ def test_a_row_has_the_answers_of_all_engines(dataset: Path) -> None:
         assert {vote["engine"] for vote in row["agreement"]} == ENGINES
 
 
-def test_a_model_is_asked_once(dataset: Path, tmp_path: Path) -> None:
+def test_model_gets_each_question_once(dataset: Path, tmp_path: Path) -> None:
     results, requests, messages = evaluated(dataset, tmp_path)
     known = {row["id"]: key(row) for row in rows(dataset)}
     once((known[result["id"]] for result in results), dataset)

@@ -39,7 +39,7 @@ def test_each_has_a_picture() -> None:
     assert pictures == {path.stem for path in PARADIGMS}
 
 
-def test_they_are_apart_from_the_catalogue() -> None:
+def test_gallery_is_separate_from_the_catalogue() -> None:
     names = {path.stem for path in PARADIGMS}
     assert len(names) >= 20
     assert not names & {path.stem for folder in ("perception", "prediction", "gallery") for path in others(folder)}

@@ -72,7 +72,7 @@ def test_the_page_says_where_a_stage_tells_what_decides_an_attribute() -> None:
 
 
 @pytest.mark.engine
-def test_run_tells_the_middle_of_a_compound_as_measures_do(tmp_path: Path) -> None:
+def test_run_reports_the_middle_of_a_compound_like_measures(tmp_path: Path) -> None:
     installed("mujoco")
     (tmp_path / "t.wms").write_text(TRAY)
     (found,) = json.loads(command("run", tmp_path / "t.wms", "-b", "mujoco", "--json").stdout)

@@ -77,7 +77,7 @@ def test_without_the_truth_its_place_says_so(name: str, words: Path, pictures: P
 
 
 @pytest.mark.parametrize("options", OPTIONS)
-def test_an_open_question_has_no_options_and_wants_their_words(options: tuple[str, ...], words: Path) -> None:
+def test_open_question_has_no_options(options: tuple[str, ...], words: Path) -> None:
     question = with_options(all_questions(words)[0], options)
     request = ask(question, "options")
     assert text_of(request).endswith(f"{question.text}\nAnswer in a few words.")

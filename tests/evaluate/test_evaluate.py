@@ -168,7 +168,7 @@ def test_a_wrong_key_stops_at_once_and_is_not_shown(words: Path, tmp_path: Path)
     assert SECRET not in done.output
 
 
-def test_a_server_that_is_down_is_not_asked_for_ever(words: Path, tmp_path: Path) -> None:
+def test_requests_to_a_dead_server_end(words: Path, tmp_path: Path) -> None:
     with loopback() as server:
         args = ("-m", "openai:down", "--base-url", server.address, "-o", tmp_path / "r.parquet", "--retries", 0)
         assert "20 requests in a row have failed" in evaluate(words, *args, code=2).output
@@ -199,7 +199,7 @@ def test_replies_have_a_largest_size(words: Path, tmp_path: Path) -> None:
     assert long["parsed"] == 1
 
 
-def test_errors_are_asked_again_by_the_same_command(words: Path, tmp_path: Path) -> None:
+def test_failed_requests_are_repeated_by_the_same_command(words: Path, tmp_path: Path) -> None:
     with loopback() as server:
         args = ("-m", "openai:first+429", "--base-url", server.address, "-o", tmp_path / "r.parquet", "--limit", 4)
         evaluate(words, *args, "--retries", 0, code=1)
@@ -240,7 +240,7 @@ def test_requests_are_the_same_again(words: Path, pictures: Path) -> None:
         ),
     ],
 )
-def test_a_prompt_says_this(name: str, text: str, pictures: Path) -> None:
+def test_prompt_text(name: str, text: str, pictures: Path) -> None:
     request = Ask(all_questions(pictures)[0], prompt.load(name)).request
     assert " ".join(part.text if isinstance(part, Text) else "#" for part in request.parts) == text
 
@@ -346,7 +346,7 @@ def test_mistake_is_reported(
     assert reported in evaluate(words, *args, code=2).output
 
 
-def test_without_a_key_openai_is_not_asked(words: Path) -> None:
+def test_without_a_key_openai_gets_no_request(words: Path) -> None:
     args = ("-m", "openai:gpt", "-o", "r.parquet")
     assert "OPENAI_API_KEY" in evaluate(words, *args, code=2, OPENAI_API_KEY="", OPENAI_BASE_URL="").output
 
@@ -408,7 +408,7 @@ def test_limits_hold_and_the_same_command_goes_on(words: Path, tmp_path: Path) -
     assert len(rows(out)) == 24
 
 
-def test_a_limit_of_cost_wants_prices(words: Path, tmp_path: Path) -> None:
+def test_cost_limit_needs_prices(words: Path, tmp_path: Path) -> None:
     with loopback() as server:
         args = ("-m", "openai:first", "--base-url", server.address, "-o", tmp_path / "r.parquet", "--max-cost", 1)
         assert "add --price" in evaluate(words, *args, code=2).output
@@ -510,7 +510,7 @@ def test_killed_at_any_moment_no_reply_is_lost_or_doubled(words: Path, tmp_path:
 
 @settings(max_examples=30)
 @given(st.integers(0, 400), st.binary(max_size=3))
-def test_a_line_that_was_cut_off_is_taken_back(cut: int, rest: bytes) -> None:
+def test_truncated_line_is_removed(cut: int, rest: bytes) -> None:
     import tempfile
 
     with tempfile.TemporaryDirectory() as folder:

@@ -97,7 +97,7 @@ def test_where_options_have_numbers(text: str, place: int | None) -> None:
     assert choice(text, PICTURES, "numbers") == place
 
 
-def test_the_label_asked_for_goes_before_words_that_are_numbers() -> None:
+def test_requested_label_precedes_number_words() -> None:
     assert choice("2", ("4", "3", "2"), "numbers") == 1
     assert choice("2", ("4", "3", "2"), "letters") == 2
 

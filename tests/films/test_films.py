@@ -111,7 +111,7 @@ def test_the_same_files_with_workers_and_in_parts(films: Path, tmp_path: Path) -
     assert contents(tmp_path / "whole") == contents(films)
 
 
-def test_a_lost_film_is_noticed_and_made_again(films: Path, tmp_path: Path) -> None:
+def test_lost_film_is_generated_again(films: Path, tmp_path: Path) -> None:
     folder = tmp_path / "out"
     shutil.copytree(films, folder)
     lost, changed = sorted(DatasetReader.open(folder).films)[:2]

@@ -47,7 +47,7 @@ def test_every_picture_is_shown_in_every_engine(page: Any) -> None:
     assert page.locator("article").first.locator(".engine").all_inner_texts() == ["sapien"]
 
 
-def test_the_truth_is_nowhere_until_asked(page: Any) -> None:
+def test_truth_is_absent_until_requested(page: Any) -> None:
     chosen(page, "collide")
     card = page.locator("article").first
     assert card.locator(".true, .fate, dl").count() == 0

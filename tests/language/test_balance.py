@@ -94,7 +94,7 @@ SKEW = {"a": 0.7, "b": 0.2, "c": 0.1}
 
 @settings(max_examples=30, deadline=None)
 @given(seed=st.integers(0, 99), block=st.integers(0, 23))
-def test_a_lap_has_every_answer_equally_often_whichever_of_its_groups_asks(seed: int, block: int) -> None:
+def test_lap_balances_answers_over_its_groups(seed: int, block: int) -> None:
     task = design(count=24)
     lap = balanced_batch(task, block, drawn(SKEW, seed))  # type: ignore[arg-type]
     groups = task.balance_batch(block)

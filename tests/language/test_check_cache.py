@@ -93,9 +93,7 @@ def test_warnings_come_from_the_cache_too(tmp_path: Path, hits: list[bool]) -> N
     assert hits == [False, True]
 
 
-def test_whatever_a_result_depends_on_changes_it(
-    tmp_path: Path, hits: list[bool], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_every_dependency_changes_the_result(tmp_path: Path, hits: list[bool], monkeypatch: pytest.MonkeyPatch) -> None:
     spec, foreign = tmp_path / "spec.wms", tmp_path / "elsewhere"
     foreign.mkdir()
     monkeypatch.setenv("WMSPEC_PATH", str(foreign))
@@ -186,7 +184,7 @@ def test_an_entry_that_cannot_be_trusted_is_ignored(damage: str, folder: Path, h
     assert hits == [False, False]
 
 
-def test_an_entry_that_says_something_else_is_ignored(folder: Path, hits: list[bool]) -> None:
+def test_foreign_entry_is_ignored(folder: Path, hits: list[bool]) -> None:
     """Its checksum is right, but this version has another format."""
     path = ROOT / "tests/corpus/three_mistakes.wms"
     plain = check_files([path])

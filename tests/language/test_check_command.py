@@ -98,7 +98,7 @@ def test_a_check_waits_for_nothing_that_it_does_not_need() -> None:
     assert not imported & {"numpy", "pxr", "trimesh", "scipy", "pydantic", "PIL", "multiprocessing"}
 
 
-def test_list_tells_from_how_many_groups_one_learns_and_what_is_balanced() -> None:
+def test_list_reports_groups_and_balance() -> None:
     gate = ROOT / "specs/gallery/gate.wms"
     plain, sizes = (CliRunner().invoke(main, ["list", *more, str(gate)]).output for more in ([], ["--sizes"]))
     assert "wide (2), tone (3 in 30), wood (2 in 30)" in plain

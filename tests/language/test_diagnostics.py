@@ -51,7 +51,7 @@ def test_an_error_crosses_a_process_border_whole(error: type[WmsError], reported
 
 
 @given(st.lists(diagnostics()), st.randoms())
-def test_a_report_tells_each_once_in_the_order_of_the_text(reported: list[Diagnostic], random) -> None:
+def test_report_lists_each_once_in_text_order(reported: list[Diagnostic], random) -> None:
     report = Report(StageError)
     report.include(reported)
     report.include(random.sample(reported, len(reported)))

@@ -177,7 +177,7 @@ def test_a_file_with_mistakes_is_left_alone(tmp_path: Path) -> None:
     assert file.read_text() == "task {"
 
 
-def test_comments_within_a_condition_are_no_part_of_it() -> None:
+def test_comments_are_no_part_of_a_condition() -> None:
     text = """use tabletop
 task t : custom {
   object a { shape: cube  size: 6 cm  on: table at (0, 0) }

@@ -85,7 +85,7 @@ def test_a_task_of_the_future_is_refused() -> None:
         ({"horizon": {"kind": "number", "value": 1.0}}, "horizon: .* 'number' found using 'kind' does not match"),
     ],
 )
-def test_nothing_is_taken_for_what_it_is_not(changed: dict[str, Any], said: str) -> None:
+def test_ordinary_replies_are_not_misread(changed: dict[str, Any], said: str) -> None:
     record = plain(task_of(SPECS[0])) | changed
     with pytest.raises(WmsError, match=said):
         from_json(json.dumps(record))

@@ -149,7 +149,7 @@ def test_object_that_moves_into_view_is_seen() -> None:
         assert blind_cameras(Evaluator(spec, {})) == expected
 
 
-def test_no_blind_camera_if_it_rides_or_nothing_is_asked() -> None:
+def test_riding_camera_and_questionless_task_have_no_blind_camera() -> None:
     away: dict[str, Any] = {"at": (0.0, -1.0, 0.1), "look_at": (0.0, -2.0, 0.1)}
     ball = thing("object", "ball", shape="sphere", size=0.1, at=(0.0, 0.0, 0.1))
     go = action("go", "glide", object="ball", direction=0.0, speed=1.0, duration=1.0)

@@ -150,7 +150,7 @@ def test_a_parameter_that_is_called_like_a_design_is_none() -> None:
     assert wmspec.load(text=text).groups == 4
 
 
-def test_a_word_in_a_library_is_the_word_whatever_the_task_calls_so(tmp_path: Path) -> None:
+def test_library_words_keep_their_meaning_in_a_task(tmp_path: Path) -> None:
     aside = "factor side in [left, right] let way = if side == left then -1 else 1"
     side = "object thing { shape: cube  size: 10 cm  color: white  on: ground at (way * 20 cm, 0) }"
     (tmp_path / "aside.wms").write_text(f'"""Aside."""\nuse shop\n{aside}\n{side}\n')

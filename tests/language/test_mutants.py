@@ -23,7 +23,7 @@ def test_mistake_is_reported_once_at_its_place_with_a_remedy(count: int) -> None
 
 
 @pytest.mark.parametrize("every", [16, pytest.param(1, marks=pytest.mark.slow)])
-def test_whatever_word_is_left_out_the_rest_is_checked(every: int) -> None:
+def test_rest_is_checked_without_any_one_word(every: int) -> None:
     """A word that is put in, in thought, is one that the checker can read."""
     for spec in specs()[:12:6]:
         for i, token in enumerate(spec.tokens):

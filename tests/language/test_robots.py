@@ -328,7 +328,7 @@ def test_walkers_and_cars_have_a_largest_speed(act: str, message: str) -> None:
         planned(room(f"action go = {act}"))
 
 
-def test_one_thing_at_a_time() -> None:
+def test_one_object_at_a_time() -> None:
     acts = "action one = someone.move(1 m) for 2 s\n  action two = someone.turn(left) for 1 s at 1 s"
     with pytest.raises(WmsError, match="`someone` is still busy when `two` starts"):
         planned(room(acts))

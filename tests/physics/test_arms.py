@@ -90,7 +90,7 @@ def test_picked_object_reaches_its_height(engine: str) -> None:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_it_is_turned_and_put_down_elsewhere(engine: str) -> None:
+def test_picked_object_is_turned_and_placed(engine: str) -> None:
     more = f"""{PICK}
       action twist = arm.rotate(cup, angle: 40 deg) for 2 s after grab
       action put = arm.place(cup, on: mat, at: (1 cm, 2 cm)) for 5 s after twist"""

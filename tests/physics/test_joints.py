@@ -115,7 +115,7 @@ def test_a_slider_falls_along_its_axis(execute: Execute) -> None:
     assert np.abs(trace.orientation[:, 0] - UPRIGHT).max() < 1e-5
 
 
-def test_a_fixed_joint_makes_one_body_of_two(execute: Execute) -> None:
+def test_fixed_joint_merges_two_bodies(execute: Execute) -> None:
     """Two cubes thrown by an impulse on one of them turn about their common middle."""
     a, b = body("a", Box((0.05,) * 3)), body("b", Box((0.05,) * 3), (0.3, 0, 0))
     hit = Impulse("hit", "b", 0, np.array([0, 1.0, 0]))

@@ -60,7 +60,7 @@ def test_a_sample_is_itself(trace: Trace) -> None:
             np.testing.assert_array_equal(pose.orientation, trace.orientation[i, k])
 
 
-def test_it_does_not_matter_which_of_its_two_quaternions_tells_a_turn(trace: Trace) -> None:
+def test_both_quaternions_of_a_turn_are_equal(trace: Trace) -> None:
     flipped = replace(
         trace, orientation=trace.orientation * np.where(np.arange(len(trace.time)) % 2, 1, -1)[:, None, None]
     )

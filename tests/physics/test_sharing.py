@@ -52,7 +52,7 @@ def test_twins_share_one_trace(engine: str) -> None:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_twins_may_share_it(engine: str) -> None:
+def test_twins_may_share_a_file(engine: str) -> None:
     """Executed one by one they give the same bits."""
     installed(engine)
     first, second = (digest(backend(engine).execute(scene)) for scene in twins())

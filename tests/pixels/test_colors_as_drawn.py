@@ -72,7 +72,7 @@ def test_names_stay_apart_as_drawn(library: str, deficiency: str) -> None:
 
 @pytest.mark.engine
 @pytest.mark.parametrize("engine", ENGINES)
-def test_all_engines_draw_them_apart(engine: str) -> None:
+def test_all_engines_draw_them_distinct(engine: str) -> None:
     installed(engine)
     colors = drawn("grounds", engine)
     for one, other in combinations(DISTINCT_COLORS, 2):

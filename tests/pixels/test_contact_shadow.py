@@ -47,7 +47,7 @@ def test_high_bodies_cast_no_contact_shadow(high: float) -> None:
     assert (shaded(ball(high)) == 255).all()
 
 
-def test_far_behind_there_is_none() -> None:
+def test_no_contact_shadow_far_behind() -> None:
     assert (shaded(ball(), depth=2.5) == 255).all()
 
 

@@ -73,7 +73,7 @@ def test_masks_and_distances_are_those_of_the_parity_look(photo: Frame) -> None:
     assert not np.array_equal(photo.rgb, parity.rgb)
 
 
-def test_it_is_the_same_picture_whoever_executed(photo: Frame) -> None:
+def test_picture_is_independent_of_the_executing_engine(photo: Frame) -> None:
     assert np.array_equal(drawn(things(), "pybullet").rgb, photo.rgb)
 
 

@@ -74,7 +74,7 @@ def test_only_colours_share_a_built_form(table: Scene) -> None:
     assert form_key(still) != form_key(table)
 
 
-def test_repainting_builds_nothing_anew(engine: str, table: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_repainting_builds_nothing(engine: str, table: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     built = []
     make = installed(engine).renderer
     monkeypatch.setattr(backend(engine), "renderer", lambda *how: built.append(how) or make(*how))

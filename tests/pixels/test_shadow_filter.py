@@ -44,7 +44,7 @@ def test_points_nearer_to_the_sun_or_outside_its_map_are_lit() -> None:
 
 
 @pytest.mark.parametrize("toward", [(0.35, 0.45, -1), (0.9, 0.1, -0.3), (-0.2, 0.9, -0.3), (0, 0, -1), (1, 0, -0.2)])
-def test_shadows_fall_alike_wherever_the_sun_stands(toward: tuple[float, ...], renderer: Any) -> None:
+def test_shadows_are_alike_for_any_sun(toward: tuple[float, ...], renderer: Any) -> None:
     direction = np.array(toward) / np.linalg.norm(toward)
     floor = body("floor", "static", (0, 0, -0.05), Box((3.0, 3.0, 0.05)), Surface((0.8, 0.8, 0.8)))
     tower = body("tower", "dynamic", (0, 0, 0.1), Box((0.04, 0.04, 0.1)), Surface((0.8, 0.2, 0.2)))

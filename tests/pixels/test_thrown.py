@@ -33,7 +33,7 @@ def all_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(render, "MAX_WINDOW_SHARE", -1.0)
 
 
-def test_no_pixel_tells(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_pixel_differs(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ShadowCulling, "_ground", lambda self, bottom, *_: np.zeros(len(bottom), bool))
     renderer = Renderer(scene, SIZE, SIZE)
     shots = [Shot(camera.name, tuple(body.pose for body in scene.bodies)) for camera in scene.cameras]
@@ -63,7 +63,7 @@ def test_visible_geoms_cast_visible_shadows(scene: Scene) -> None:
 
 
 @pytest.mark.parametrize("up", [0.0, 0.6, 1.2])
-def test_no_pixel_tells_of_the_background(scene: Scene, up: float) -> None:
+def test_no_pixel_reveals_the_background(scene: Scene, up: float) -> None:
     """Down into the room, along its walls, and over them, where there is nothing."""
     eye = look_at(np.array([0.0, -1.5, 1.5]), np.array([0.0, 0.0, 1.5 * up]))
     scene = replace(scene, cameras=tuple(replace(camera, pose=eye, body=None) for camera in scene.cameras))
@@ -78,7 +78,7 @@ def test_no_pixel_tells_of_the_background(scene: Scene, up: float) -> None:
     spared.close(), whole.close()
 
 
-def test_hardly_a_pixel_tells_that_the_ground_shades_nothing(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ground_without_shadow_changes_hardly_a_pixel(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     """By less than anybody sees; an object that is missing in the map changes hundreds of pixels by more than 100."""
     renderer = Renderer(scene, SIZE, SIZE)
     shots = [Shot(camera.name, tuple(body.pose for body in scene.bodies)) for camera in scene.cameras]

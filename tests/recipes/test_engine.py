@@ -67,7 +67,7 @@ def test_it_draws(wmspec: Wmspec, tmp_path: Path) -> None:
     assert red[0] < red[1], "the red ball is lower in the later picture"
 
 
-def test_doctor_examines_it(wmspec: Wmspec) -> None:
+def test_doctor_tests_the_engine(wmspec: Wmspec) -> None:
     well = {f["name"] for f in wmspec.json("doctor")["findings"] if f["ok"]}
     assert {"toy", "toy executes", "toy renders"} <= well
     lacking = {row["capability"]: row["lacking"].get("toy") for row in wmspec.json("doctor", "--capabilities")}
@@ -75,7 +75,7 @@ def test_doctor_examines_it(wmspec: Wmspec) -> None:
 
 
 @pytest.mark.parametrize("other", ENGINES)
-def test_crosscheck_compares_it(wmspec: Wmspec, tmp_path: Path, other: str) -> None:
+def test_crosscheck_uses_the_new_engine(wmspec: Wmspec, tmp_path: Path, other: str) -> None:
     installed(other)
     wmspec("crosscheck", FLIGHT, "--backends", f"toy,{other}", "--sample", "2", "--json", tmp_path / "all.json")
     checked = json.loads((tmp_path / "all.json").read_text())
@@ -83,7 +83,7 @@ def test_crosscheck_compares_it(wmspec: Wmspec, tmp_path: Path, other: str) -> N
     assert [comparison["within"] for one in checked["instances"] for comparison in one["comparisons"]] == [True, True]
 
 
-def test_it_makes_a_dataset(wmspec: Wmspec, tmp_path: Path) -> None:
+def test_engine_generates_a_dataset(wmspec: Wmspec, tmp_path: Path) -> None:
     wmspec("generate", FLIGHT, "--backend", "toy", "-o", tmp_path / "out", "--per-task", "2", "--size", "64", "-j", "1")
     assert list((tmp_path / "out").rglob("*.parquet"))
 

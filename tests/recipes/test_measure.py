@@ -49,5 +49,5 @@ def test_it_is_known_to_be_measured() -> None:
         wmspec.load(text=SPEC.replace("answer peak", "answer peek"))
 
 
-def test_the_reference_has_it() -> None:
+def test_reference_lists_it() -> None:
     assert any(line.startswith("| `peak(") and ROW.meaning in line for line in reference())

@@ -54,7 +54,7 @@ def test_its_arguments_are_checked() -> None:
         wmspec.load(text=SPEC.replace("hop(ball", "hopp(ball"))
 
 
-def test_only_what_its_function_says_depends_on_its_argument() -> None:
+def test_only_the_documented_dependence_of_a_function() -> None:
     """The promise of one factor at a time holds for it as for every verb."""
     small, large = (one.stage() for one in wmspec.load(text=SPEC))
     paths = [a.GetPath() for prim in small.Traverse() for a in prim.GetAttributes()]
@@ -62,5 +62,5 @@ def test_only_what_its_function_says_depends_on_its_argument() -> None:
     assert changed == ["/World/Episode/Actions/up.wms:speed"]
 
 
-def test_the_reference_has_it() -> None:
+def test_reference_lists_it() -> None:
     assert "`hop(object, height)` sends the object straight up.\n" in list(reference())

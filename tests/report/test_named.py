@@ -40,7 +40,7 @@ def test_words_name_an_object(words: str, name: str) -> None:
     assert object_named(words, SCENE) == name
 
 
-def test_the_look_is_that_of_the_object_that_is_true_or_asked_about() -> None:
+def test_look_is_that_of_the_true_or_questioned_object() -> None:
     row = {
         "context_objects": SCENE,
         "option_text": ["the blue cylinder", "the purple cylinder", "neither"],

@@ -18,7 +18,7 @@ VECTORS = arrays(np.float64, (MANY, 3), elements=FINITE)
 
 
 @given(QUATERNIONS, QUATERNIONS, VECTORS)
-def test_one_by_one_is_all_at_once(a: Array, b: Array, v: Array) -> None:
+def test_one_by_one_equals_all_at_once(a: Array, b: Array, v: Array) -> None:
     assert np.array_equal(np.array([multiply(*pair) for pair in zip(a, b, strict=True)]), multiply(a, b))
     assert np.array_equal(np.array([rotate(*pair) for pair in zip(a, v, strict=True)]), rotate(a, v))
     assert np.array_equal(np.array([rotation(one) for one in a]), rotation(a))

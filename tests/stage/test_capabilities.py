@@ -22,7 +22,7 @@ from wmspec.sim.scene.model.transform import identity
 from wmspec.sim.shapes import Sphere
 
 
-def test_doctor_prints_it() -> None:
+def test_doctor_lists_the_engine() -> None:
     shown = CliRunner().invoke(main, ["doctor", "--capabilities"])
     assert shown.exit_code == 0
     assert all(name in shown.output for name, _ in capability_table({n: info(n).lacks for n in names()}))
@@ -50,7 +50,7 @@ def test_engine_description_is_true(engine: str) -> None:
     assert engine_version(engine)
 
 
-def test_no_engine_is_imported_to_hear_what_it_says_of_itself() -> None:
+def test_engine_descriptions_need_no_import() -> None:
     code = (
         "import sys; from wmspec.runtime.engines.registry import info, names\n"
         "print([m for m in [info(n).module for n in names()] if m in sys.modules])"
@@ -59,7 +59,7 @@ def test_no_engine_is_imported_to_hear_what_it_says_of_itself() -> None:
     assert done.stdout.strip() == "[]"
 
 
-def test_each_row_is_refused_where_the_scene_asks_for_it() -> None:
+def test_each_unsupported_capability_is_refused() -> None:
     rows = capability_table({"one": (Lack(JOINTS, "no joints"),), "other": (Lack(friction_above(2), "slippery"),)})
     lacking = {name: reasons for name, reasons in rows if name not in NEVER_SUPPORTED and any(reasons.values())}
     assert lacking == {

@@ -67,7 +67,7 @@ def deed(*parts: Any, change: ir.Counterfactual | None = None) -> Any:
 # ---------------------------------------------------------------- objects
 
 
-def test_the_parts_of_a_compound_make_one_body_that_weighs_what_it_says() -> None:
+def test_compound_is_one_body_of_its_mass() -> None:
     body = scene(*compound("arch", ARCH, on="table", mass=0.4)).bodies[-1]
     assert (body.name, [g.name for g in body.geoms]) == ("arch", ["left", "right", "top"])
     assert body.inertia is not None
@@ -124,7 +124,7 @@ def cup(tmp_path: Path) -> str:
 
 
 @pytest.mark.parametrize(("collision", "lowest"), [("hull", 0.06), ("bounds", 0.06)])
-def test_a_mesh_rests_on_its_lowest_point_wherever_its_origin_is(cup: str, collision: str, lowest: float) -> None:
+def test_mesh_rests_on_its_lowest_point_for_any_origin(cup: str, collision: str, lowest: float) -> None:
     mesh = thing("object", "cup", file=cup, scale=0.01, collision=collision, on="table")
     document_ = built(mesh)
     prim = document_.prims["/World/Objects/cup/mesh"]

@@ -65,7 +65,7 @@ def double(owner: Owner, times: int = 1) -> list[int]:
     return [owner.size * 2 * times]
 
 
-def test_a_result_stays_with_its_owner_and_no_copy_takes_a_wrong_one() -> None:
+def test_result_belongs_to_its_owner_and_copies_take_no_wrong_one() -> None:
     owner = Owner(2)
     assert cached_on(owner, double) is cached_on(owner, double)
     assert cached_on(owner, double, 3) == [12]

@@ -62,7 +62,7 @@ def test_a_decomposition_collides_in_pieces_and_is_drawn_whole() -> None:
     assert not middle
 
 
-def test_a_decomposed_body_weighs_what_is_drawn_of_it() -> None:
+def test_decomposed_body_has_the_mass_of_its_drawn_mesh() -> None:
     body = only(prim(angle(), "convexDecomposition"))
     assert body.inertia is not None
     assert body.inertia.mass == pytest.approx(1000 * 0.004)

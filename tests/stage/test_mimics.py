@@ -104,7 +104,7 @@ def test_the_limits_of_either_hold_both(engine: str, other: tuple[float, float])
 
 
 @pytest.mark.parametrize(("other", "kept"), [((-0.1, 0.04), 1), ((-0.05, 0.04), 1), ((-0.5, 0.5), 2)])
-def test_sapien_has_limits_once_where_what_mimics_keeps_them(other: tuple[float, float], kept: int) -> None:
+def test_sapien_drops_limits_that_a_mimic_repeats(other: tuple[float, float], kept: int) -> None:
     installed("sapien")
     from wmspec.backends.sapien.physics import prepare
 

@@ -68,7 +68,7 @@ def test_plain_stage_is_read_alike_when_strict() -> None:
     assert_same(read(plain, strict=False), read(plain))
 
 
-def test_an_ellipsoid_weighs_what_it_does() -> None:
+def test_ellipsoid_has_its_mass() -> None:
     (body,) = read(made("an ellipsoid"), strict=False).bodies
     assert body.inertia is not None
     assert_allclose(body.inertia.moments, 2 / 5 * 0.01 * np.array([13, 10, 5]), rtol=0.02)
@@ -192,7 +192,7 @@ def test_a_loop_falls_as_one(engine: str) -> None:
         assert_allclose(fallen, [(0, 0, -9.81 / 8)] * 4, atol=1e-4)
 
 
-def test_run_tells_it_on_the_terminal_in_json_and_in_the_trace(tmp_path: Path) -> None:
+def test_run_reports_it_on_the_terminal_in_json_and_in_the_trace(tmp_path: Path) -> None:
     installed("mujoco")
     path, trace = tmp_path / "stage.usda", tmp_path / "trace.npz"
     made("a lamp").Export(str(path))

@@ -80,7 +80,7 @@ task t : custom {
 """
 
 
-def test_only_what_changed_is_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_changes_are_generated_again(monkeypatch: pytest.MonkeyPatch) -> None:
     spec, names = task_from(ROOM), []
     plain = object_cache.add_object  # type: ignore[attr-defined]
 

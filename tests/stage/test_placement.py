@@ -191,20 +191,20 @@ def test_scattered_objects_keep_their_gap_and_stay_in_the_field(seed: int, shape
         assert place[2] == pytest.approx(0.4 + edges[name] / 2)
 
 
-def test_how_many_there_are_moves_none_of_them_nor_does_anything_else_that_is_there() -> None:
+def test_number_of_members_moves_nothing_else() -> None:
     few, many = values(TABLE, *dots(9, 2)), values(TABLE, *dots(9, 7), thing("object", "other", on="table"))
     assert [few.is_present(f"dots_{i}") for i in range(9)] == [i < 2 for i in range(9)]
     assert all(few.pose(f"dots_{i}") == many.pose(f"dots_{i}") for i in range(9))
 
 
-def test_another_seed_scatters_anew_and_the_tenth_comes_after_the_second() -> None:
+def test_another_seed_scatters_again_and_numbers_sort_numerically() -> None:
     one, other = values(TABLE, *dots(11, 11), seed=1), values(TABLE, *dots(11, 11), seed=2)
     assert all(one.pose(f"dots_{i}") != other.pose(f"dots_{i}") for i in range(11))
     fewer = values(TABLE, *dots(10, 10), seed=1)
     assert all(one.pose(f"dots_{i}") == fewer.pose(f"dots_{i}") for i in range(10))
 
 
-def test_where_one_finds_no_room_all_are_laid_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_if_one_has_no_room_all_are_placed_again(monkeypatch: pytest.MonkeyPatch) -> None:
     narrow = [values(TABLE, *dots(9, 9, scatter=(0.16, 0.16)), seed=seed) for seed in range(8)]
     assert all(there.pose("dots_8") for there in narrow)
     monkeypatch.setattr(scatter, "MAX_ROUNDS", 1)

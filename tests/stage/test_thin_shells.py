@@ -77,7 +77,7 @@ def reach(body: Body) -> Points:
 
 @pytest.mark.parametrize("faces", ["0, 1, 2, 3", "3, 2, 1, 0"])
 @pytest.mark.parametrize("turn", [0, 180])
-def test_a_ground_grows_downwards_however_it_is_turned(faces: str, turn: float) -> None:
+def test_ground_extends_downwards_at_any_turn(faces: str, turn: float) -> None:
     assert_allclose(reach(sheet(square(faces, turn))), [(-1, -1, -SHELL_DEPTH), (1, 1, 0)], atol=1e-7)
 
 

@@ -205,7 +205,7 @@ def test_two_of_a_name_are_two_people(study: Path, tmp_path: Path) -> None:
     assert [rater.rater for rater in made.raters] == ["anne-dddddddd", "anne-eeeeeeee"]
 
 
-def test_numbers_are_scored_in_the_unit_that_was_asked_for(tmp_path: Path) -> None:
+def test_numbers_are_scored_in_the_requested_unit(tmp_path: Path) -> None:
     study = make(
         DatasetReader.open(in_numbers(tmp_path / "data")), StudyOptions(per_task=4, raters=1), tmp_path / "study"
     )

@@ -146,7 +146,7 @@ def test_missing_parts_of_a_dataset_are_reported(dataset: DatasetReader, tmp_pat
         make(dataset, StudyOptions(engines=("bullet",)), tmp_path)
 
 
-def test_numbers_are_asked_for_in_units_that_people_read(tmp_path: Path) -> None:
+def test_numbers_are_requested_in_readable_units(tmp_path: Path) -> None:
     dataset = DatasetReader.open(in_numbers(tmp_path / "data"))
     study = make(dataset, StudyOptions(per_task=4), tmp_path / "study")
     assert {item.shown_unit for item in study.items if item.kind == "question"} == {"cm"}

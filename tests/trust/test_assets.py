@@ -155,7 +155,7 @@ def test_a_picture_of_too_many_pixels(project: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [b"", b"GIF89a", b"\x89PNG\r\n\x1a\n" + b"\0" * 40])
-def test_a_picture_that_is_none(project: Path, content: bytes) -> None:
+def test_invalid_picture_is_an_error(project: Path, content: bytes) -> None:
     (project / "bad.png").write_bytes(content)
     output = checked(project, PLAIN.format(file="", more='image: "bad.png"'))
     assert "`bad.png` cannot be read: it is damaged, or no PNG or JPEG" in output
@@ -231,7 +231,7 @@ def test_damaged_files_are_errors_or_read() -> None:
 
 
 @pytest.mark.parametrize("uri", ["../secret.bin", "/etc/hostname", "file:///etc/hostname", "https://a.example/x.bin"])
-def test_a_gltf_that_uses_files_elsewhere(project: Path, uri: str) -> None:
+def test_gltf_with_files_outside_its_folder(project: Path, uri: str) -> None:
     (project.parent / "secret.bin").write_bytes(b"\0" * 100)
     whole = trimesh.creation.box((0.1, 0.1, 0.1)).export(file_type="gltf")
     text = json.loads(whole["model.gltf"])

@@ -125,7 +125,7 @@ def test_render_fails_if_one_of_several_engines_does(shell: Shell) -> None:
     ],
     ids=lambda value: value[0],
 )
-def test_a_dataset_without_questions_cannot_be_exported_or_asked(
+def test_dataset_without_questions_cannot_be_exported_or_evaluated(
     shell: Shell, command: list[str], reported: str
 ) -> None:
     shell("generate", FLIGHT, "-b", "mistaken", *QUICK, code=1)
@@ -153,9 +153,7 @@ def test_developers_may_see_the_traceback(shell: Shell) -> None:
     assert (done.returncode, "Traceback" in done.stderr) == (EXIT_CODE, True)
 
 
-def test_the_full_text_is_written_elsewhere_if_there_is_no_cache(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_full_text_has_another_place_without_a_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     path = Crash.of(ValueError("none")).save()

@@ -92,7 +92,7 @@ def test_a_models_name_is_no_command(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "line", [b"[" * 100_000, b'{"id": 1}', b'{"id": "a", "permutation": 0, "sample": 0, "text": 5}']
 )
-def test_a_journal_that_is_none(tmp_path: Path, line: bytes) -> None:
+def test_invalid_journal_is_an_error(tmp_path: Path, line: bytes) -> None:
     path = tmp_path / "r.journal.jsonl"
     path.write_bytes(b'{"asked": {}}\n' + line + b"\n")
     with pytest.raises(WmsError, match="no journal of this version"):

@@ -83,7 +83,7 @@ def test_a_trace_with_too_few_samples(tmp_path: Path, trace: Path) -> None:
     assert "it has 3 samples; its stage lasts for 25" in result.output
 
 
-def test_an_array_that_says_it_is_longer_is_not_made_room_for(tmp_path: Path, trace: Path) -> None:
+def test_overlong_array_length_allocates_nothing(tmp_path: Path, trace: Path) -> None:
     head = io.BytesIO()
     np.lib.format.write_array_header_1_0(head, {"descr": "<f8", "fortran_order": False, "shape": (10**12,)})
     with zipfile.ZipFile(trace, "a") as archive:

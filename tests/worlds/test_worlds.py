@@ -78,7 +78,7 @@ def test_there_are_many() -> None:
 
 
 @pytest.mark.parametrize("name", THINGS)
-def test_a_thing_weighs_what_it_would(name: str) -> None:
+def test_object_has_its_mass(name: str) -> None:
     scene = worlds.scene(STANDS.format(library=THINGS[name], name=name))
     inertia = next(body.inertia for body in scene.bodies if body.name == "it")
     low, high = APART.get(name, WEIGHS[THINGS[name]])
@@ -89,7 +89,7 @@ def test_a_thing_weighs_what_it_would(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.engine
 @pytest.mark.parametrize("name", THINGS)
-def test_a_thing_stands(name: str) -> None:
+def test_object_stands(name: str) -> None:
     installed("mujoco")
     run = wmspec.load(text=STANDS.format(library=THINGS[name], name=name))[0].run("mujoco")
     path = run["it"].position
