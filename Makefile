@@ -117,6 +117,7 @@ generate: setup
 	$(BIN)/python tools/grammars.py
 	$(BIN)/python tools/looks.py
 	$(BIN)/python tools/replies.py
+	$(BIN)/python tools/gallery.py
 	@mkdir -p out
 	$(BIN)/wmspec schema > out/generated && mv out/generated docs/schema.json
 

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from tests.docs.test_pages import CONTRIBUTING
+from tools import gallery
 
 ROOT = Path(__file__).parents[2]
 
@@ -23,3 +24,8 @@ def test_every_recipe_ends_with_a_check() -> None:
     assert len(recipes) >= 6
     for recipe in recipes:
         assert "`make generate`" in re.findall(r"^\d\. .*(?:\n   .*)*", recipe, re.MULTILINE)[-1], recipe[:40]
+
+
+def test_the_page_of_the_gallery_is_current() -> None:
+    text = gallery.PAGE.read_text()
+    assert gallery.page(text) == text
