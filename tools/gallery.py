@@ -46,15 +46,13 @@ def description(path: Path) -> tuple[str, str]:
 
 def page(text: str) -> str:
     """Return the page with current tables."""
-    for name, lines in {"gallery": gallery(), "paradigms": paradigms()}.items():
+    for name, lines in (("gallery", gallery()), ("paradigms", paradigms())):
+        begin, end = f"<!-- {name} -->\n", f"<!-- /{name} -->"
+        head, _, rest = text.partition(begin)
+        _, found, tail = rest.partition(end)
+        assert found, f"{PAGE} lacks {begin.strip()} or {end}"
         made = "\n".join(lines).strip()
-        text, count = re.subn(
-            rf"(?<=<!-- {name} -->\n).*?(?=<!-- /{name} -->)",
-            lambda _, made=made: f"\n{made}\n\n",
-            text,
-            flags=re.DOTALL,
-        )
-        assert count == 1, name
+        text = f"{head}{begin}\n{made}\n\n{end}{tail}"
     return text
 
 
