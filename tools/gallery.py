@@ -1,7 +1,7 @@
-"""Write the tables of docs/gallery.md from the descriptions of specs/gallery and specs/paradigms.
+"""Write the tables of examples in docs/gallery.md and of objects in docs/worlds.md from the specs.
 
-python tools/gallery.py            writes the page
-python tools/gallery.py --check    exits with 1 if the page is not current
+python tools/gallery.py            writes the pages
+python tools/gallery.py --check    exits with 1 if a page is not current
 """
 
 from __future__ import annotations
@@ -14,7 +14,9 @@ from pathlib import Path
 from wmspec.lang.parse.files import read_source
 
 ROOT = Path(__file__).parent.parent
-PAGE = ROOT / "docs/gallery.md"
+DOCS = ROOT / "docs"
+#: Libraries of everyday objects.
+LIBRARIES = ("kitchenware", "food", "toys", "household", "furniture")
 DESCRIPTION = re.compile(r'\A"""(.*?)"""', re.DOTALL)
 
 
@@ -34,6 +36,14 @@ def paradigms() -> Iterator[str]:
         yield f"![{path.stem.replace('_', ' ')}](images/paradigms/{path.stem}.jpg)\n"
 
 
+def things() -> Iterator[str]:
+    """Yield a table of the templates of each library of objects."""
+    yield "| library | things |\n|---|---|"
+    for name in LIBRARIES:
+        templates = re.findall(r"^template (\w+)", read_source(ROOT / f"specs/library/{name}.wms").text, re.MULTILINE)
+        yield f"| `{name}` | {', '.join(f'`{template}`' for template in templates)} |"
+
+
 def description(path: Path) -> tuple[str, str]:
     """Return the first paragraph of a spec's description, with its title in bold, and the paragraph of its source."""
     found = DESCRIPTION.match(read_source(path).text)
@@ -44,20 +54,31 @@ def description(path: Path) -> tuple[str, str]:
     return f"**{title}**: {rest}", source
 
 
-def page(text: str) -> str:
-    """Return the page with current tables."""
-    for name, lines in (("gallery", gallery()), ("paradigms", paradigms())):
-        begin, end = f"<!-- {name} -->\n", f"<!-- /{name} -->"
-        head, _, rest = text.partition(begin)
-        _, found, tail = rest.partition(end)
-        assert found, f"{PAGE} lacks {begin.strip()} or {end}"
-        made = "\n".join(lines).strip()
-        text = f"{head}{begin}\n{made}\n\n{end}{tail}"
-    return text
+def pages() -> Iterator[tuple[Path, str]]:
+    """Yield each page and its current text."""
+    for name, parts in (
+        ("gallery", (("gallery", gallery()), ("paradigms", paradigms()))),
+        ("worlds", (("things", things()),)),
+    ):
+        path = DOCS / f"{name}.md"
+        text = path.read_text(encoding="utf-8")
+        for mark, lines in parts:
+            text = _with_part(text, mark, "\n".join(lines).strip())
+        yield path, text
+
+
+def _with_part(text: str, mark: str, made: str) -> str:
+    """Return the text with the part between the comments of a mark replaced."""
+    begin, end = f"<!-- {mark} -->\n", f"<!-- /{mark} -->"
+    head, _, rest = text.partition(begin)
+    _, found, tail = rest.partition(end)
+    assert found, f"{begin.strip()} or {end} is missing"
+    return f"{head}{begin}\n{made}\n\n{end}{tail}"
 
 
 if __name__ == "__main__":
-    old = PAGE.read_text(encoding="utf-8")
-    if "--check" in sys.argv:
-        sys.exit(page(old) != old)
-    PAGE.write_text(page(old), encoding="utf-8")
+    for page, new in pages():
+        if "--check" not in sys.argv:
+            page.write_text(new, encoding="utf-8")
+        elif page.read_text(encoding="utf-8") != new:
+            sys.exit(f"{page} is not current")
