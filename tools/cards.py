@@ -8,6 +8,7 @@ The text of the cards is made when the site is built.
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,6 +22,7 @@ from wmspec.api.task import Factor, Task
 from wmspec.core.rng import Permutation
 from wmspec.dataset.build.format_units import format_value
 from wmspec.lang.check.ir.ir import Choices, Interpolation, Question
+from wmspec.lang.parse.files import catalogue_folders
 from wmspec.runtime.questions.model import QuestionRow
 
 ROOT = Path(__file__).parent.parent
@@ -98,9 +100,7 @@ def draw(names: list[str]) -> None:
     """Draw one question of each task."""
     PICTURES.mkdir(parents=True, exist_ok=True)
     answers = json.loads(ANSWERS.read_text()) if ANSWERS.exists() else {}
-    for task in wmspec.load_all(seed=SEED):
-        if names and task.name not in names:
-            continue
+    for task in _tasks(names):
         question = _question(task)
         assert question.answer is not None
         options = [Image.fromarray(o.picture.rgb) if o.picture else str(o.text) for o in question.options]
@@ -109,6 +109,15 @@ def draw(names: list[str]) -> None:
         answers[task.name] = LETTERS[question.answer]
         ANSWERS.write_text(json.dumps(dict(sorted(answers.items())), indent=1) + "\n")
         print(task.name, answers[task.name])
+
+
+def _tasks(names: list[str]) -> Iterator[Task]:
+    """Yield the named tasks, or all, and check no other specs."""
+    files = [file for folder in catalogue_folders() for file in sorted(folder.rglob("*.wms"))]
+    for file in files:
+        declared = re.findall(r"^task (\w+)", file.read_text(), re.MULTILINE)
+        if not names or any(name.startswith(tuple(declared)) for name in names):
+            yield from (task for task in wmspec.load_all(file, seed=SEED) if not names or task.name in names)
 
 
 def _question(task: Task) -> QuestionRow:
