@@ -77,7 +77,7 @@ check: setup
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
 	cd conformance && ../$(BIN)/deptry .
-	$(BIN)/python -m tools.prose README.md docs wmspec backends conformance plugins tests tools benchmarks
+	$(BIN)/python -m tools.prose
 
 QUICK := -n auto --dist loadgroup --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
 

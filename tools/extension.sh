@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Packages editors/vscode: `tools/extension.sh OUT.vsix`. Needs node and npm; what it makes besides goes to build/vscode.
+# Packages editors/vscode: `tools/extension.sh OUT.vsix`. Needs node and npm. Other output goes to build/vscode.
 set -euo pipefail
 out=$(realpath -m "${1:-build/wmspec.vsix}")
 cd "$(dirname "$0")/.."

@@ -21,6 +21,9 @@ ROOT = Path(__file__).parent.parent
 RULES = ROOT / "tools/prose.toml"
 CODE = re.compile(r"^(```|~~~).*?^\1|`[^`\n]*`|<!--.*?-->|\]\([^)\s]*\)", re.DOTALL | re.MULTILINE)
 PART = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
+#: Where comments of other files begin.
+COMMENTS = {".js": "//", ".lark": "//", ".sh": "#", ".toml": "#", ".wms": "#"}
+KINDS = {".md", ".py", *COMMENTS}
 #: Not checked: history, lists that generators write, texts of others, and the rules themselves.
 SKIPPED = ("CHANGELOG.md", "docs/licences.md", "docs/decisions/*", "tools/prose.*", "tests/thirdparty/*")
 
@@ -52,10 +55,9 @@ class Rules:
 
 
 def findings(path: Path, text: str, rules: Rules) -> Iterator[Finding]:
-    """Yield every finding in a file: prose in Markdown; docstrings, comments, messages and identifiers in Python."""
+    """Yield every finding in a file: all prose of Markdown; all words and identifiers of Python; comments of others."""
     lines = text.splitlines()
-    spans = _python(text) if path.suffix == ".py" else _markdown(text)
-    for first, words in spans:
+    for first, words in _spans(path, text):
         for pattern, remedy in rules.prose:
             for match in pattern.finditer(words):
                 line = first + words.count("\n", 0, match.start())
@@ -63,6 +65,24 @@ def findings(path: Path, text: str, rules: Rules) -> Iterator[Finding]:
                     yield Finding(path, line, " ".join(match[0].split()), remedy)
     if path.suffix == ".py":
         yield from _names(path, text, rules)
+
+
+def _spans(path: Path, text: str) -> Iterator[tuple[int, str]]:
+    """The words of a file, with the lines on which they begin."""
+    match path.suffix:
+        case ".py":
+            return _python(text)
+        case ".md":
+            return _markdown(text)
+        case other:
+            return _comments(text, COMMENTS[other])
+
+
+def _comments(text: str, mark: str) -> Iterator[tuple[int, str]]:
+    """What follows a mark at the start of a line or after a space."""
+    for number, line in enumerate(text.splitlines(), 1):
+        if found := re.search(rf"(?:^|\s){mark}(.*)", line):
+            yield number, re.sub(r"`[^`]*`", "", found[1])
 
 
 def _markdown(text: str) -> Iterator[tuple[int, str]]:
@@ -97,9 +117,9 @@ def _name(path: Path, line: int, name: str, rules: Rules) -> Iterator[Finding]:
 
 def files(paths: list[str]) -> list[Path]:
     """The checked files below the paths, all by default, relative to the root."""
-    command = ["git", "ls-files", "-co", "--exclude-standard", *(paths or ["*.py", "*.md"])]
+    command = ["git", "ls-files", "-co", "--exclude-standard", *(paths or ["*"])]
     listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
-    found = [Path(p) for p in listed if Path(p).suffix in (".py", ".md") and (ROOT / p).is_file()]
+    found = [Path(p) for p in listed if Path(p).suffix in KINDS and (ROOT / p).is_file()]
     return [path for path in found if not any(fnmatch(path.as_posix(), glob) for glob in SKIPPED)]
 
 

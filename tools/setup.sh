@@ -133,7 +133,7 @@ set_up_venv() {
     "$python" -m venv --clear "$VENV"
 }
 
-# pip's own words go to a log; what failed is told from it.
+# pip's own words go to a log, in which the failure is found.
 pip_install() { "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check "$@" 2>>"$LOG"; }
 
 # PyBullet has wheels for few Pythons. It is compiled with NumPy in sight, or its pictures come back as tuples, which

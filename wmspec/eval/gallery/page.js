@@ -401,7 +401,7 @@
     await Promise.allSettled(view.images.map((image) => image.decode()));
     const room = $("canvas").parentElement, image = view.images[first];
     const fit = Math.min(room.clientWidth / image.naturalWidth, (innerHeight - 220) / image.naturalHeight);
-    view.scale = fit >= 1 ? Math.floor(fit) : 1; // at its own size, or so many times larger
+    view.scale = fit >= 1 ? Math.floor(fit) : 1; // at its own size, or a whole multiple of it
     paint();
   }
 

@@ -36,7 +36,7 @@
 
   /** The visit: its session, its share (null before consent), answers by step, which of them the server has. */
   let visit = { session: random(16), rater, slot: null, code: null, answers: {}, sent: [] };
-  try { visit = { ...visit, ...JSON.parse(localStorage.getItem(KEY) ?? "{}") }; } catch { /* begin anew */ }
+  try { visit = { ...visit, ...JSON.parse(localStorage.getItem(KEY) ?? "{}") }; } catch { /* start without answers */ }
 
   function remember() {
     if (stopped) return;
@@ -72,7 +72,7 @@
     }
     const place = await tell("visits", { session: visit.session, rater, ...recruited });
     if (place.refused) return false;
-    if (visit.slot !== null && visit.slot !== place.slot) visit.answers = {}; // the study's answers were begun anew
+    if (visit.slot !== null && visit.slot !== place.slot) visit.answers = {}; // the study's answers were deleted
     Object.assign(visit, { slot: place.slot, sent: place.done, code: place.code });
     remember();
     return true;
