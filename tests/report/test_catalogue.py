@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,8 @@ from wmspec.eval.report.questions import Questions
 from wmspec.eval.report.replies import replies
 from wmspec.runtime.questions.ask import groups
 
+#: So many of about 15 factors are significant by chance: more are in one of 2,000 tasks.
+CHANCE = 2
 QUICK = ("collide", "color", "drive", "count")
 TASKS = [path if path.stem in QUICK else pytest.param(path, marks=pytest.mark.slow) for path in CATALOGUE]
 
@@ -59,6 +62,11 @@ def beyond(found: Entanglement) -> float:
     return (found.value - found.bound) / max(found.bound - found.least, 1e-9)
 
 
+def significant(found: Iterable[Entanglement]) -> int:
+    """How many factors have an s-RE that shuffled levels reach in less than 1 %."""
+    return sum(each.p < 0.01 for each in found)
+
+
 @pytest.mark.parametrize("path", TASKS, ids=lambda path: f"{path.parent.name}/{path.stem}")
 def test_a_weakness_for_certain_colors_appears_under_color_alone(path: Path) -> None:
     found = results(path, frozenset({0, 2, 4}))
@@ -68,9 +76,8 @@ def test_a_weakness_for_certain_colors_appears_under_color_alone(path: Path) -> 
     assert color.low > color.bound
     assert {e.dimension for e in others} >= {"position"}
     assert all(beyond(e) < beyond(color) / 3 for e in others), "it would be mistaken for another weakness"
-    assert sum(e.p < 0.01 for e in others) <= 1
+    assert significant(others) <= CHANCE
 
 
 def test_without_a_weakness_nothing_appears() -> None:
-    found = results(CATALOGUE[0], frozenset())
-    assert sum(e.p < 0.01 for e in found) <= 1
+    assert significant(results(CATALOGUE[0], frozenset())) <= CHANCE
