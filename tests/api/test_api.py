@@ -188,7 +188,7 @@ def test_unsupported_looks_are_reported(episode: wmspec.Episode) -> None:
         episode.frame("front", 0, size=3)
 
 
-def test_an_episode_is_read_as_it_was_saved(episode: wmspec.Episode, tmp_path: Path) -> None:
+def test_episode_round_trips(episode: wmspec.Episode, tmp_path: Path) -> None:
     episode.save(tmp_path / "fall.npz")
     again = wmspec.load_episode(tmp_path / "fall.npz")
     assert np.array_equal(again["ball"].position, episode["ball"].position)
@@ -202,7 +202,7 @@ def test_a_stage_from_disk_runs_like_its_instance(episode: wmspec.Episode, tmp_p
     assert wmspec.run(tmp_path / "000001.usda", "mujoco", duration=0.1).time[-1] == pytest.approx(0.1)
 
 
-def test_a_stage_that_does_not_say_how_long_it_lasts_is_not_guessed_at(tmp_path: Path) -> None:
+def test_stage_without_a_duration_needs_one(tmp_path: Path) -> None:
     installed("mujoco")
     (tmp_path / "ball.usda").write_text(
         '#usda 1.0\ndef Sphere "ball" (apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"]) {}\n'

@@ -18,18 +18,18 @@ def alive(made: list[ref[object]]) -> int:
     return sum(one() is not None for one in made)
 
 
-def test_of_many_sizes_few_renderers_are_kept() -> None:
+def test_few_sizes_of_renderers_are_cached() -> None:
     installed("mujoco")
     assert alive([ref(renderer_of("mujoco", size=side)) for side in SIDES]) == MAX_RENDERERS
     assert renderer_of("mujoco", size=SIDES[-1]) is renderer_of("mujoco", size=SIDES[-1])
 
 
-def test_of_many_jobs_the_engines_of_the_last_are_kept() -> None:
+def test_engines_of_the_last_job_are_cached() -> None:
     installed("mujoco")
     jobs = [Job((), 0, ("mujoco",), (side, side), "all") for side in SIDES]
     assert alive([ref(_pairs(job)["mujoco"].renders) for job in jobs]) == 1
     assert _pairs(jobs[-1]) is _pairs(jobs[-1])
 
 
-def test_of_films_two_sizes_are_kept() -> None:
+def test_two_sizes_of_films_are_cached() -> None:
     assert alive([ref(_renders("mujoco", side, side)) for side in SIDES]) == 2

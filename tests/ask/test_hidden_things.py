@@ -144,7 +144,7 @@ def test_the_editor_offers_objects() -> None:
 @pytest.mark.parametrize(
     ("place", "word"), [("0, 20 cm", "in_front_of"), ("0, -20 cm", "behind"), ("-20 cm, 0", "left_of")]
 )
-def test_a_viewer_without_a_body_knows_what_is_ahead_of_it(place: str, word: str) -> None:
+def test_bodiless_viewer_has_a_direction(place: str, word: str) -> None:
     """`me` looks away from the camera, is neither solid nor drawn, and may be the second of a relation."""
     text = f"""
       object me {{ shape: cube  size: 4 cm  solid: false  drawn: false  at: (0, 0, 20 cm)  yaw: 90 deg }}

@@ -124,7 +124,7 @@ def test_texts_among_options_say_values() -> None:
     assert question.options[question.answer or 0].text == "left of the green cube"
 
 
-def test_lights_are_as_strong_as_a_spec_says() -> None:
+def test_lights_have_the_intensity_of_the_spec() -> None:
     """Also if sun and sky do not sum to 1."""
     task = spec_of(LOOKS % (DARKER, ""))
     (question,) = task.questions

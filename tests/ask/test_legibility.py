@@ -65,7 +65,7 @@ def test_smaller_lead_is_less_legible() -> None:
     assert leads[1] == pytest.approx(glide()["path"], rel=0.1, abs=4)  # one is twice as fast
 
 
-def test_the_slower_of_two_movers_counts() -> None:
+def test_slower_of_two_movers_decides() -> None:
     assert glide(speed=12, other=3)["step"] == pytest.approx(glide(speed=3, other=12)["step"], abs=4)
     assert glide(speed=12, other=3)["step"] < glide(speed=12, other=6)["step"]
 
@@ -138,7 +138,7 @@ def test_texture_differs_by_spread_and_grain_not_by_lightness() -> None:
     assert texture(coarse, fine) > BOUNDS["texture"].value
 
 
-def test_an_illegible_question_is_rejected_unless_it_says_off() -> None:
+def test_illegible_question_is_rejected_unless_off() -> None:
     body = GLIDE.format(speed=3, other=1, color="blue")
     (rejected,) = ask(Design(task_from(SCENE.format(body=body))), 0, pair())
     assert isinstance(rejected, Rejected)

@@ -118,7 +118,7 @@ def _unit(answer: str) -> str:
 @pytest.mark.engine
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("answer", ORACLES)
-def test_a_measure_is_what_mechanics_says(answer: str, engine: str) -> None:
+def test_measures_equal_mechanics(answer: str, engine: str) -> None:
     expected, off = ORACLES[answer]
     assert answers(engine)[answer] == pytest.approx(expected, abs=off)
 

@@ -88,7 +88,7 @@ def test_siblings_are_executed_once() -> None:
     assert len(known) <= 8 * 4  # every member and its nudge, whichever tests ran before
 
 
-def test_over_as_many_groups_as_options_every_member_has_every_place_once() -> None:
+def test_groups_balance_places_of_options() -> None:
     of = design(groups=12)
     places = Counter()  # type: Counter[tuple[int, int, int]]
     for index in range(len(of)):
@@ -165,7 +165,7 @@ def test_turn_decides_if_options_differ_in_it_alone(lever: float) -> None:
     assert KINDS["pictures"].picked(mine, answer(0.1, 0.5, lever=lever)) == "truth"
 
 
-def test_a_turn_that_cannot_be_seen_counts_for_nothing() -> None:
+def test_invisible_turn_is_ignored() -> None:
     ball = answer(0.0, 0.6, axis=0.0)
     assert ball.distance(ball.outcomes[0], ball.outcomes[1]) == 0
     bar = answer(0.0, 0.6)
@@ -225,7 +225,7 @@ def test_each_other_level_is_a_counterfactual_named_after_it(change: str) -> Non
 
 
 @pytest.mark.engine
-def test_an_added_action_comes_in_the_midst_of_the_episode() -> None:
+def test_added_action_starts_during_the_episode() -> None:
     back = "counterfactual back {{ add launch(ball, direction: left, speed: 0.9 m/s) at 0.5 s }}"
     of = Design(spec_of(EACH.format(change=back.replace("{{", "{").replace("}}", "}"))))
     (found,) = ask(of, next(i.index for i in of if i.factors["pace"] == 0.9), pair())

@@ -122,7 +122,7 @@ def test_every_picture_of_a_group_is_as_often_possible_as_not() -> None:
     assert sorted(row.value for row in rows if isinstance(row, QuestionRow)) == ["impossible"] * 2 + ["possible"] * 2
 
 
-def test_a_group_of_which_one_picture_tells_the_answer_is_rejected_whole() -> None:
+def test_group_with_a_revealing_picture_is_rejected() -> None:
     found = list(_members(mark="if before == later then green else yellow").values())
     assert [(f.reason, "tells the answer" in f.detail) for f in found if isinstance(f, Rejected)] == [
         ("balance", True)

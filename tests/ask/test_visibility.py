@@ -121,7 +121,7 @@ def test_riding_camera_must_see_an_object_once() -> None:
     assert refused(RIDE % ("-50 cm, 20 cm", "eye")).startswith("unseen: block from eye at 0 s: 0 of")
 
 
-def test_a_silhouette_is_that_of_a_camera_where_it_has_been_taken() -> None:
+def test_silhouette_uses_the_pose_of_the_camera() -> None:
     observed = run(RIDE % ("0, 0", "eye")).observed([("eye", 0.0), ("eye", 1.0)], pair())
     i = observed.index("block")
     for view in observed.views:

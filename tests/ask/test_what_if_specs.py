@@ -23,7 +23,7 @@ FEW, MANY, LEAST = 1, 10, 0.9
 
 
 @pytest.mark.parametrize("path", QUICK, ids=lambda path: path.stem)
-def test_the_spec_has_no_mistakes_and_keeps_what_it_asks(path: Path) -> None:
+def test_spec_has_no_mistakes_and_keeps_its_questions(path: Path) -> None:
     spec, report = task_of(path), Report()
     dry_run(spec, report)
     assert report.diagnostics == ()

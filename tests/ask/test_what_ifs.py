@@ -54,7 +54,7 @@ def test_the_answer_is_that_of_the_changed_episode(engine: str) -> None:
     assert found["none"] == ("no", "no")
 
 
-def test_an_action_that_is_left_out_stays_in_the_picture() -> None:
+def test_omitted_action_keeps_its_objects_in_the_picture() -> None:
     found = values(first_questions("answer toppled(tower) without roll_a"))
     assert found["red"] == ("no", "yes")
 
@@ -138,7 +138,7 @@ def test_bodies_that_move_in_the_what_if_alone_are_nudged() -> None:
     assert reasons == {"True becomes False when free bodies are displaced by 0.5 mm"}
 
 
-def test_leaving_out_an_object_changes_nothing_else() -> None:
+def test_omitting_an_object_changes_nothing_else() -> None:
     """Values that count or place by the object keep theirs."""
     spec = task_from("""use tabletop
       task one : custom {

@@ -39,7 +39,5 @@ def reported(folder: Path, ending: str, said: str) -> set[str]:
         ("color: blue", set()),
     ],
 )
-def test_looks_that_a_spec_says_go_before_those_of_the_file(
-    tmp_path: Path, ending: str, said: str, left: set[str]
-) -> None:
+def test_looks_of_the_spec_override_those_of_the_file(tmp_path: Path, ending: str, said: str, left: set[str]) -> None:
     assert reported(tmp_path, ending, said) == left

@@ -76,7 +76,7 @@ def test_a_cabinet_is_opened(engine: str, tmp_path: Path) -> None:
     assert track(trace, found, "cabinet_door")[-1] == pytest.approx((1.19, -0.23, 0.18), abs=2e-3)
 
 
-def test_the_cabinet_of_the_page_as_a_user_runs_it(tmp_path: Path) -> None:
+def test_documented_cabinet_runs(tmp_path: Path) -> None:
     """Compiled with its counterfactuals, run in every engine, and all of them say where door and drawer end."""
     page = CABINET.with_name("guides").joinpath("assets.md").read_text()
     spec_file = here(tmp_path) / "open.wms"

@@ -31,7 +31,7 @@ def crane(tmp_path: Path, slew: float = 0.0, run: float = 0.0) -> tuple[Scene, A
 
 
 @pytest.mark.parametrize(("slew", "run"), [(0.0, 0.0), (40.0, -0.15), (-90.0, 0.2)])
-def test_bodies_are_where_mujoco_has_them(tmp_path: Path, slew: float, run: float) -> None:
+def test_bodies_are_placed_as_in_mujoco(tmp_path: Path, slew: float, run: float) -> None:
     found, _, data = crane(tmp_path, slew, run)
     for name in LINKS:
         ours, theirs = named(found, f"crane_{name}").pose, data.body(name)

@@ -70,7 +70,7 @@ def test_meshes_of_a_urdf_are_scaled(folder: Path, scale: tuple[float, float, fl
 
 
 @pytest.mark.parametrize("scale", SCALES)
-def test_meshes_of_an_mjcf_are_where_mujoco_has_them(folder: Path, scale: tuple[float, float, float]) -> None:
+def test_meshes_of_an_mjcf_are_placed_as_in_mujoco(folder: Path, scale: tuple[float, float, float]) -> None:
     mujoco = pytest.importorskip("mujoco")
     (folder / "a.xml").write_text(MJCF.format(*scale))
     found = corners(named(scene(spec('object a { file: "a.xml"  at: (0, 0, 0) }', folder)), "a"))

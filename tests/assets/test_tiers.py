@@ -221,7 +221,7 @@ def test_a_flat_mesh_does_not_collide(tmp_path: Path) -> None:
         ('<limit lower="-.5" upper=".5"/>', (-0.5, 0.5), "hinge"),
     ],
 )
-def test_limits_as_bullet_reads_them(tmp_path: Path, limit: str, limits: Any, kind: str) -> None:
+def test_limits_as_in_bullet(tmp_path: Path, limit: str, limits: Any, kind: str) -> None:
     written(tmp_path, link("a"), link("b"), joint("j", "a", "b", "revolute", limit))
     (held,) = made(tmp_path).joints
     assert held.kind == kind

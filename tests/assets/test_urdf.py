@@ -21,7 +21,7 @@ LINKS = {"shoulder": "arm_shoulder", "slide": "arm_slide", "tip": "arm_tip"}
 
 
 @pytest.mark.parametrize(("turn", "rail"), [(0.0, 0.05), (0.7, 0.2), (-1.9, 0.3)])
-def test_links_are_where_mujoco_has_them(tmp_path: Path, turn: float, rail: float) -> None:
+def test_links_are_placed_as_in_mujoco(tmp_path: Path, turn: float, rail: float) -> None:
     folder = here(tmp_path)
     found = scene(spec(ARM.format("true", turn, rail), folder))
     model, data = in_mujoco(folder / "arm.urdf", (turn, rail))
@@ -60,7 +60,7 @@ def in_mujoco(path: Path, joints: tuple[float, float]) -> tuple[Any, Any]:
     return model, data
 
 
-def test_frames_without_matter_are_left_out(tmp_path: Path) -> None:
+def test_massless_frames_are_left_out(tmp_path: Path) -> None:
     task = spec(ARM.format("true", 0, 0.1), here(tmp_path))
     assert {t.name for t in task.things if t.kind == "object"} == {"arm", *LINKS.values()}
     assert {t.name: t.model for t in task.things if t.kind == "joint"} == {
@@ -125,9 +125,7 @@ def test_lowest_part_rests(tmp_path: Path) -> None:
         ("density: 100 kg/m^3", "cabinet_drawer", (100 * 0.44 * 0.34 * 0.18, None)),
     ],
 )
-def test_a_spec_may_say_another_mass(
-    tmp_path: Path, said: str, link: str, expected: tuple[float, float | None]
-) -> None:
+def test_spec_may_override_the_mass(tmp_path: Path, said: str, link: str, expected: tuple[float, float | None]) -> None:
     """The moments of a file go with its mass; by density they are those of the form."""
     found = scene(spec(f'object cabinet {{ file: "cabinet.urdf"  at: (0, 0, 0)  {said} }}', here(tmp_path)))
     inertia = named(found, link).inertia
@@ -155,7 +153,7 @@ def test_sets_of_assets(tmp_path: Path) -> None:
     assert named(scene(task), "rows_1_door").pose.position[0] == pytest.approx(1 - 0.23)
 
 
-def test_a_name_that_is_taken_and_one_that_is_not_there(tmp_path: Path) -> None:
+def test_duplicate_and_missing_names(tmp_path: Path) -> None:
     path = here(tmp_path) / "spec.wms"
     path.write_text("""task t : custom {
       object cabinet { file: "cabinet.urdf"  part dor { color: red }  part hinge { at: (0, 0, 0) } }

@@ -360,7 +360,7 @@ def test_a_file_is_the_same_in_a_spec(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", OURS)
-def test_a_stage_of_ours_is_the_same_in_a_spec(tmp_path: Path, name: str) -> None:
+def test_exported_stage_is_the_same_in_a_spec(tmp_path: Path, name: str) -> None:
     """Whose materials are pictures that lie elsewhere, so that the spec has to say its colours."""
     design = Design(task_of(HERE.parents[1] / f"{name}.wms"))
     file = tmp_path / "made" / "stage.usda"

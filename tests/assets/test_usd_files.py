@@ -135,7 +135,7 @@ def Xform "domino" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI
 
 
 @pytest.mark.parametrize("kept", [True, False])
-def test_an_impossible_inertia_of_a_mesh_is_that_of_its_shape_unless_it_is_kept(tmp_path: Path, kept: bool) -> None:
+def test_impossible_mesh_inertia_is_recomputed_unless_kept(tmp_path: Path, kept: bool) -> None:
     (tmp_path / "domino.usda").write_text(DOMINO.format(quads()))
     said = "inertia: file" if kept else ""
     made = spec(f'object it {{ file: "domino.usda"  at: (0, 0, 0)  {said} }}', tmp_path)

@@ -162,7 +162,7 @@ def ways(folder: Path, text: str) -> list[str]:
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_a_mesh_is_touched_as_its_file_says_or_the_spec(tmp_path: Path, way: str) -> None:
+def test_mesh_collides_as_its_file_or_spec_defines(tmp_path: Path, way: str) -> None:
     written(tmp_path, "mesh.usda", form=ANGLE, way=way)
     assert ways(tmp_path, 'object a { file: "mesh.usda"  at: (0, 0, 0) }') == [way]
     for said in ("collision: bounds", "part thing { collision: bounds }"):

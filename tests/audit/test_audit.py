@@ -139,7 +139,7 @@ def test_a_shortcut_is_found(name: str, sees: str, least: float, audited: Audite
     assert any(f"from {sees} alone" in f.what for f in failing(found, "shortcut"))
 
 
-def test_the_other_probes_see_nothing_of_a_last_picture_that_tells(audited: Audited) -> None:
+def test_other_probes_ignore_a_revealing_last_picture(audited: Audited) -> None:
     found = audited("race level")
     assert all("from the best single picture (picture 2: pixels)" in f.what for f in failing(found))
     (message,) = [f for f in found.findings if "from picture 2: pixels alone" in f.what]
@@ -201,7 +201,7 @@ def leaning(question: QuestionRow, random: np.random.Generator) -> QuestionRow:
     return replace(made, options=options, answer=[o.kind for o in options].index("truth"))
 
 
-def test_a_place_that_goes_with_a_factor_fails(tmp_path: Path) -> None:
+def test_place_that_depends_on_a_factor_fails(tmp_path: Path) -> None:
     found = balanced(make(tmp_path / "made", "race", leaning, 240))
     assert any("place of the truth depends on tone" in f.what for f in found if f.verdict == "fails")
 
@@ -358,7 +358,7 @@ def test_every_damaged_file_is_named_and_what_is_whole_is_looked_at(
 
 
 @pytest.mark.parametrize("name", ["README.md", "croissant.json"])
-def test_a_document_that_is_gone_is_named_and_everything_else_looked_at(name: str, tmp_path: Path) -> None:
+def test_deleted_document_is_named_and_the_rest_checked(name: str, tmp_path: Path) -> None:
     folder = make(tmp_path, "race", race(), 16)
     (folder / name).unlink()
     found = look(folder)

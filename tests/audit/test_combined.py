@@ -75,7 +75,7 @@ def test_a_picture_may_show_a_state_that_is_not_in_words(tmp_path: Path) -> None
     assert not any(probe.judged for probe in rules)
 
 
-def test_a_state_alone_that_says_more_than_its_options_is_found(tmp_path: Path) -> None:
+def test_revealing_state_is_found(tmp_path: Path) -> None:
     """Most light balls that go left, and most heavy ones that go right, were rejected."""
     made = unit(make(tmp_path / "made", "slide", slide(), 280))
     kept = tuple(

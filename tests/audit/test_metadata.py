@@ -67,7 +67,7 @@ def failing(unit: Unit) -> list[Finding]:
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (7, 11))])
 @pytest.mark.parametrize("arrange", [shuffled, of_group])
-def test_a_random_order_says_nothing(arrange: Arrange, seed: int) -> None:
+def test_random_order_carries_no_information(arrange: Arrange, seed: int) -> None:
     assert not failing(made(arrange, seed))
 
 

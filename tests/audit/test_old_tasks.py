@@ -44,7 +44,7 @@ def test_an_old_task_fails_for_its_defect(task: str, check: str, words: str, sha
 
 
 @pytest.mark.slow
-def test_a_state_alone_leaves_half_in_the_old_tasks(shared: Shared) -> None:
+def test_state_alone_leaves_chance_in_the_old_tasks(shared: Shared) -> None:
     """The sets of options were closed: nothing but the rules decides."""
     alone = [p for p in found(shared, "support").probes if p.sees in ("`lead`", "`way`")]
     assert [(p.accuracy, p.chance) for p in alone] == [(0.5, 0.5)] * 2

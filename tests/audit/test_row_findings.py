@@ -167,7 +167,7 @@ def test_motion_must_be_seen(step: float, verdict: str) -> None:
     assert found.verdict == verdict
 
 
-def test_motion_is_judged_only_where_the_answer_requires_it() -> None:
+def test_legibility_of_motion_needs_an_answer_on_motion() -> None:
     assert moving(1.0, answer_standing=True) is None
     assert moving(1.0, answer_moments=1) is None
     assert moving(1.0, legibility=[]) is None

@@ -41,7 +41,7 @@ def test_requested_object_comes_first_under_any_name() -> None:
     assert (red[0], blue[0]) == (0.7, 0.2)
 
 
-def test_of_two_pictures_it_sees_how_far_things_go() -> None:
+def test_probe_sees_displacements_between_two_pictures() -> None:
     seen = [thing(0, "ball", "red ball", 0.2), thing(1, "ball", "red ball", 0.5)]
     (row,) = state.question_states([Case({"context_objects": seen, "text": "Where to?"}, (b"", b""), ())], (0, 1))
     assert np.allclose(row[-3:], [0.3, 0.0, 0.3])

@@ -169,7 +169,7 @@ def _questions(count: int, of: int, together: int = 1, seed: int = 1) -> tuple[P
     ), random
 
 
-def test_noise_is_answered_by_chance_and_a_clue_is_not() -> None:
+def test_noise_scores_at_chance_and_a_clue_does_not() -> None:
     probed, random = _questions(200, 4)
     for model in ("linear", "forest"):
         right = [
@@ -191,7 +191,7 @@ def test_whole_question_clue_identifies_options_by_name(model: Any) -> None:
     assert cross_validated_scores(ProbeFeatures(seen, "questions", model), probed).mean() > 0.95
 
 
-def test_it_answers_as_scikit_learn_does() -> None:
+def test_it_equals_scikit_learn() -> None:
     """With two options, what is picked is what scikit-learn's own cross-validation predicts."""
     probed, random = _questions(200, 2, 4)
     side = probed.truth.reshape(200, 2)[:, 0]
@@ -284,7 +284,7 @@ def _rivals(
     return CandidateProbes.of([lambda s=s: s for s in seen], probed), probed  # type: ignore[misc]
 
 
-def test_the_one_that_sees_a_shortcut_is_picked_and_judged_by_what_it_answers() -> None:
+def test_best_probe_is_selected_and_scored_on_held_out_answers() -> None:
     probed, random = _questions(160, 2, 4)
     rivals, probed = _rivals(probed, random, 0.4, 4)
     right, picked = rivals.best(probed)

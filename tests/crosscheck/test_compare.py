@@ -140,7 +140,7 @@ def body(shape: Shape) -> Body:
 
 
 @given(angle=st.floats(-3.1, 3.1), axis=st.sampled_from([0, 2]))
-def test_only_the_turn_that_can_be_seen_counts(angle: float, axis: int) -> None:
+def test_only_visible_turns_count(angle: float, axis: int) -> None:
     rest = np.array([[1.0, 0, 0, 0]])
     about = np.array([[np.cos(angle / 2), *(np.sin(angle / 2) * np.eye(3)[axis])]])
     assert visible_angle(body(Sphere(0.1)), rest, about) == pytest.approx(0)
@@ -174,6 +174,6 @@ def test_wrong_tolerance_is_reported_with_the_right_one(setting: str, remedy: st
     assert remedy in str(error.value)
 
 
-def test_a_spec_says_what_it_tolerates_and_the_command_line_goes_before_it() -> None:
+def test_tolerances_of_a_spec_yield_to_the_command_line() -> None:
     found = tolerances(["event=20ms"], {"event": 0.03, "rest": 0.002})
     assert (found.event, found.rest, found.drift) == (0.02, 0.002, LIMITS.drift)

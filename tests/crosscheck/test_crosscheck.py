@@ -66,7 +66,7 @@ def test_chaos_is_explained_and_fails(tmp_path: Path) -> None:
     assert all(f.get("type") == "answers" and "`post_a`" in (f.text or "") for f in failures)
 
 
-def test_answers_that_rest_on_what_engines_get_wrong_are_marked() -> None:
+def test_answers_that_depend_on_engine_faults_are_marked() -> None:
     found = checked((HERE / "row.wms").read_text())
     row, roll = unreliable_answers(found)
     assert (row.answers, roll.answers) == (Share(1, 1), Share(1, 1))

@@ -185,7 +185,7 @@ def test_other_plan_is_recognized_and_needs_force(tmp_path: Path, other: Callabl
         assert dataset.pending() == tuple(other(plan()).shards())
 
 
-def test_force_removes_only_what_is_ours(tmp_path: Path, whole: dict[str, bytes]) -> None:
+def test_force_removes_only_own_output(tmp_path: Path, whole: dict[str, bytes]) -> None:
     make(tmp_path, plan(seed=8, tasks=("collide",)))
     mine = [tmp_path / "notes.txt", tmp_path / "data/collide/mine.txt", tmp_path / "data/mine.parquet"]
     for note in mine:
@@ -212,7 +212,7 @@ def test_a_damaged_plan_needs_force(tmp_path: Path, whole: dict[str, bytes], dam
 
 
 @pytest.mark.parametrize("force", [False, True])
-def test_a_folder_with_something_else_is_left_alone(tmp_path: Path, force: bool) -> None:
+def test_foreign_folder_is_not_overwritten(tmp_path: Path, force: bool) -> None:
     (tmp_path / "README.md").write_text("my project")
     with pytest.raises(WmsError, match="not a dataset"):
         Dataset.open(tmp_path, plan(), force=force)
@@ -334,7 +334,7 @@ def test_an_unfinished_dataset_cannot_be_finished(tmp_path: Path) -> None:
         dataset.finish()
 
 
-def test_the_manifest_counts_what_is_there(tmp_path: Path) -> None:
+def test_manifest_counts_are_true(tmp_path: Path) -> None:
     made = plan(count=12, shard=5)
     with Dataset.open(tmp_path, made) as dataset:
         for shard in dataset.pending():
@@ -373,7 +373,7 @@ def test_a_task_without_questions_does_not_spoil_the_others(tmp_path: Path) -> N
     assert "crashed" in (tmp_path / "out/README.md").read_text()
 
 
-def test_the_card_says_how_to_load_and_what_was_rejected(tmp_path: Path) -> None:
+def test_card_has_loading_code_and_rejections(tmp_path: Path) -> None:
     make(tmp_path, plan())
     card = (tmp_path / "README.md").read_text()
     front = yaml.safe_load(card.split("---")[1])
@@ -407,7 +407,7 @@ def test_the_data_have_the_licence_that_is_chosen(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "croissant.json").read_bytes())["license"] == ["CC0-1.0"]
 
 
-def test_the_card_says_what_one_engine_and_a_renderer_did(tmp_path: Path) -> None:
+def test_card_names_the_engine_and_the_renderer(tmp_path: Path) -> None:
     total, alone = make_summary(tmp_path), replace(plan(), engines=("mujoco",), renderer="sapien")
     said = card(alone, total, {})
     assert "executed in mujoco and drawn by sapien" in said

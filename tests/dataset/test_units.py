@@ -33,7 +33,7 @@ def test_units(name: str, part: float) -> None:
         assert len(pieces) == len({block for (block,) in blocks})
 
 
-def test_a_group_that_draws_what_physics_reads_goes_to_one_worker() -> None:
+def test_group_with_physical_draws_goes_to_one_worker() -> None:
     task = wmspec.load(resource("specs") / TASKS["direction_room"], task="direction_room")
     for unit in batches(task.spec, 0, range(400)):
         assert len({task.design.blocks.locate(index)[0] for piece in unit for index in piece}) == 1

@@ -69,7 +69,7 @@ def former(made: Path, folder: Path) -> Path:
     return folder
 
 
-def test_a_former_format_is_read_and_not_made_again(made: Path, tmp_path: Path) -> None:
+def test_former_format_is_read_and_not_written(made: Path, tmp_path: Path) -> None:
     folder = former(made, tmp_path / "former")
     dataset = DatasetReader.open(folder)
     ids = Selection().ids(dataset)

@@ -137,7 +137,7 @@ def test_a_photo_look_that_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> 
     assert finding.remedy.endswith("-m pip install 'wmspec[photo]'")
 
 
-def test_a_wrong_picture_is_not_taken_for_a_right_one(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_wrong_picture_is_never_right(monkeypatch: pytest.MonkeyPatch) -> None:
     away = look_at((0.0, -0.6, 1.1), (0.0, -2.0, 1.1))
     monkeypatch.setattr(probe, "look_at", lambda *_: away)
     with pytest.raises(WmsError, match="does not show it"):

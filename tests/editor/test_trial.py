@@ -21,7 +21,7 @@ task lower : perception.space.height {
 """
 
 
-def test_a_trial_prints_what_is_kept(tmp_path: Path) -> None:
+def test_trial_prints_the_kept_questions(tmp_path: Path) -> None:
     spec = tmp_path / "lower.wms"
     spec.write_text(GOOD)
     found = try_spec(spec)
@@ -29,7 +29,7 @@ def test_a_trial_prints_what_is_kept(tmp_path: Path) -> None:
     assert "kept" in found
 
 
-def test_a_trial_of_a_spec_with_a_mistake_prints_it(tmp_path: Path) -> None:
+def test_trial_prints_mistakes_of_the_spec(tmp_path: Path) -> None:
     spec = tmp_path / "lower.wms"
     spec.write_text(GOOD.replace("height(a)", "heigth(a)"))
     assert "heigth" in try_spec(spec)

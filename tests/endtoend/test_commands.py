@@ -34,7 +34,7 @@ def wmspec(*args: object, folder: Path, code: int = 0, **env: str) -> subprocess
     return done
 
 
-def test_check_and_list_the_specs_that_come_with_it(tmp_path: Path) -> None:
+def test_check_and_list_bundled_specs(tmp_path: Path) -> None:
     assert "collide" in wmspec("check", SPECS, folder=tmp_path).stdout
     listed = json.loads(wmspec("list", "--json", folder=tmp_path).stdout)
     sizes = {row["task"]: row["instances"] for row in listed}

@@ -22,7 +22,7 @@ def digests(folder: Path) -> dict[str, str]:
     return {str(p.relative_to(folder)): hashlib.sha256(p.read_bytes()).hexdigest() for p in files}
 
 
-def test_the_three_engines_answer_alike_or_say_why_not(dataset: Path) -> None:
+def test_three_engines_agree_or_report_why_not(dataset: Path) -> None:
     manifest = json.loads((dataset / "manifest.json").read_text())
     for task, probed in (("speed_tabletop", 2), ("collide", 4 * 3)):  # four instances of a group, three questions each
         rows = pq.read_table(dataset / f"data/{task}").to_pylist()

@@ -65,7 +65,7 @@ def test_without_on_a_place_on_the_ground_is_stood_on() -> None:
     assert place_of_the_ball(first)[0] == pytest.approx([0.1, 0.05, 0.03])
 
 
-def test_the_page_says_where_a_stage_tells_what_decides_an_attribute() -> None:
+def test_page_explains_sources_in_stages() -> None:
     (first, _) = wmspec.load(text=SPEC.format(body=BALL))
     assert place_of_the_ball(first)[1] == "ball.pose"
     assert '`customData["wms"]["from"]`' in (Path(__file__).parents[2] / "docs/stage.md").read_text()

@@ -56,7 +56,7 @@ def text_of(request: Ask) -> str:
 
 
 @pytest.mark.parametrize("name", ["default", "paper", "numbers", "montage"])
-def test_without_the_truth_its_place_says_so(name: str, words: Path, pictures: Path) -> None:
+def test_without_the_truth_a_placeholder_appears(name: str, words: Path, pictures: Path) -> None:
     for question in [*all_questions(words), *all_questions(pictures)]:
         assert question.answer is not None
         for permutation in range(len(question.options)):

@@ -80,7 +80,7 @@ def test_the_command_offers_every_format() -> None:
     assert set(TOOLS) == {*WRITERS, "questions", "video"}
 
 
-def test_datasets_opens_the_folder_and_comes_to_the_same_score(dataset: Path, tmp_path: Path) -> None:
+def test_datasets_library_gives_the_same_score(dataset: Path, tmp_path: Path) -> None:
     datasets = pytest.importorskip("datasets")
     wmspec("export", dataset, "--to", "hf", "-o", tmp_path / "x")
     (task,) = [path.stem for path in (tmp_path / "x/data").iterdir()]
@@ -177,7 +177,7 @@ def test_films_are_not_exported(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(not INSPECT.exists(), reason="Inspect has an environment of its own: make inspect")
 @pytest.mark.parametrize("rules", ["first", "first+chatty+429", "first+empty"])
-def test_inspect_comes_to_the_same_score(rules: str, dataset: Path, tmp_path: Path) -> None:
+def test_inspect_gives_the_same_score(rules: str, dataset: Path, tmp_path: Path) -> None:
     wmspec("export", dataset, "--to", "inspect", "-o", tmp_path / "x")
     with loopback() as server:
         env = {"LOOPBACK_BASE_URL": server.address, "LOOPBACK_API_KEY": "none", "PATH": os.environ["PATH"]}

@@ -171,7 +171,7 @@ def test_numbers_within_tolerance_are_right() -> None:
     assert not mark("far", (), number=0.3, unit="m", within=0.01).parsed
 
 
-def test_the_parser_stands_alone() -> None:
+def test_parser_needs_no_other_module() -> None:
     """It is copied into folders for other tools, where there is no wmspec."""
     for path in Path(replies.__file__).parent.glob("*.py"):
         tree = ast.parse(path.read_text())

@@ -92,7 +92,7 @@ def test_start_of_a_clip_is_found(begins: str, reference: Reference) -> None:
     assert decide(measured, reference.rate).choice == 2
 
 
-def test_a_clip_that_ends_early_is_none_of_them(reference: Reference) -> None:
+def test_short_clip_matches_no_future(reference: Reference) -> None:
     frames = Original(reference, 0).frames
     decision = decide(measure(clip(frames[: len(frames) // 2], reference.rate), reference, 0), reference.rate)
     assert decision.choice is None
@@ -115,7 +115,7 @@ def test_baselines_without_a_future_answer_nothing(name: str, dataset: DatasetRe
     assert {row["status"] for row in rows} == {"unparsed"}
 
 
-def test_a_model_that_ignores_the_state_makes_the_sibling(
+def test_model_that_ignores_the_state_predicts_the_sibling(
     dataset: DatasetReader, questions: list[FilmQuestion], tmp_path: Path
 ) -> None:
     rows = {

@@ -25,7 +25,7 @@ from wmspec.eval.models.question import Selection
 
 
 @given(arrays(float, (4, 4), elements=st.floats(0, 100)), arrays(float, 4, elements=st.floats(-50, 50)))
-def test_a_bias_of_a_future_is_taken_away(matrix: Any, bias: Any) -> None:
+def test_bias_of_a_future_is_removed(matrix: Any, bias: Any) -> None:
     assert np.allclose(centred(matrix + bias), centred(matrix), atol=1e-9)
 
 

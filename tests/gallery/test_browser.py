@@ -110,7 +110,7 @@ def test_search_and_nothing_found(page: Any) -> None:
 # ---------------------------------------------------------------- answering
 
 
-def test_a_quiz_is_taken_with_the_keys(page: Any, gallery: Path) -> None:
+def test_quiz_works_with_the_keyboard(page: Any, gallery: Path) -> None:
     chosen(page, "collide")
     first, second = [q for q in questions(gallery) if q["task"] == "collide"][:2]
     page.keyboard.press(str(first["runs"][0]["true"] + 1))

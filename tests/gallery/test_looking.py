@@ -253,7 +253,7 @@ def test_no_text_of_a_dataset_or_of_a_reply_is_markup(browser: Any, dataset: Dat
         assert tab.locator("main script").count() == 0
 
 
-def test_a_large_dataset_lies_beside_its_page(compared: tuple[Any, Path], dataset: DatasetReader) -> None:
+def test_large_dataset_is_stored_next_to_its_page(compared: tuple[Any, Path], dataset: DatasetReader) -> None:
     tab, place = compared
     assert not any("runs" in q for q in questions(place / "index.html"))
     assert list((place / "questions").glob("*.js"))

@@ -62,7 +62,7 @@ def test_sarif_keeps_the_rules_of_its_schema(name: str) -> None:
             assert (region["endLine"], region["endColumn"]) >= (region["startLine"], region["startColumn"])
 
 
-def test_colours_are_for_terminals_that_want_them(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_colours_appear_only_in_colour_terminals(monkeypatch: pytest.MonkeyPatch) -> None:
     path = CORPUS / "three_mistakes.wms"
     assert "\x1b[" not in run(path, color=True).stderr
     monkeypatch.setattr(common, "_has_colour", lambda: True)

@@ -65,7 +65,7 @@ def test_an_objects_own_properties_and_parts_go_before_and_after_the_templates()
     assert [t.name for t in spec.things if t.of == "a"] == ["a.left", "a.top"]
 
 
-def test_a_given_value_is_read_where_it_is_written() -> None:
+def test_given_value_is_checked_at_its_place() -> None:
     """The `width` that is given is the task's, not the template's parameter of that name, nor is `hollow`."""
     body = "factor width in [10, 20] cm\nlet hollow = width * 2\nobject a : shelf { hollow: width  width: hollow }"
     left = checked(body, SHELF).thing("a.left").properties

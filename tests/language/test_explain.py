@@ -46,7 +46,7 @@ def test_the_command_shows_one_page_or_lists_all() -> None:
     assert all(code in run(main, ["explain"]).output for code in CODES)
 
 
-def test_an_unknown_code_is_answered_with_those_like_it() -> None:
+def test_unknown_code_suggests_similar_ones() -> None:
     result = CliRunner().invoke(main, ["explain", "WMS2003"])
     assert result.exit_code == 2
     assert "there are WMS201, WMS202, WMS203" in result.output

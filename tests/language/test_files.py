@@ -30,7 +30,7 @@ def checked(folder: Path, body: str) -> tuple[TaskSpec | None, list[str]]:
     return (specs[0] if specs else None), [d.code for d in report.diagnostics]
 
 
-def test_a_file_is_found_beside_the_spec(folder: Path) -> None:
+def test_file_is_found_next_to_the_spec(folder: Path) -> None:
     spec, codes = checked(folder, 'object a { file: "deep/mug.obj"  image: "label.png"  on: table }')
     assert codes == []
     assert spec is not None

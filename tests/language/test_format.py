@@ -106,7 +106,7 @@ def test_without_spaces_at_the_end_of_lines_and_with_one_at_the_end_of_the_file(
     assert formatted("") == ""
 
 
-def test_a_block_stays_on_one_line_if_it_was_and_fits() -> None:
+def test_short_block_stays_on_one_line() -> None:
     assert formatted("object a {shape:cube color:red}") == "object a { shape: cube  color: red }\n"
     assert formatted("object a {shape:cube\ncolor:red}") == "object a {\n  shape: cube\n  color: red\n}\n"
     assert (
@@ -168,7 +168,7 @@ def test_standard_input_goes_to_standard_output() -> None:
     assert (result.exit_code, result.output) == (0, "use tabletop\n")
 
 
-def test_a_file_with_mistakes_is_left_alone(tmp_path: Path) -> None:
+def test_file_with_mistakes_is_not_rewritten(tmp_path: Path) -> None:
     file = tmp_path / "a.wms"
     file.write_text("task {")
     result = CliRunner().invoke(main, ["fmt", str(file)])

@@ -19,9 +19,7 @@ def groups(count: int, cross: str = "", turn: str = "") -> Plan:
 
 @settings(max_examples=120, deadline=None)
 @given(spec=random_design(), count=st.integers(1, 40), seed=st.integers(0, 9), data=st.data())
-def test_a_group_crosses_what_it_says_and_nothing_else(
-    spec: TaskSpec, count: int, seed: int, data: st.DataObject
-) -> None:
+def test_group_crosses_exactly_its_factors(spec: TaskSpec, count: int, seed: int, data: st.DataObject) -> None:
     everything = list(allowed(spec))
     assume(everything)
     names = data.draw(st.permutations([f.name for f in spec.factors if not f.nuisance]))
@@ -67,7 +65,7 @@ def test_neighbours_are_in_the_group_and_differ_in_one_factor(spec: TaskSpec, co
         assert factor in here.crossed or not design.neighbours(here.index, factor)
 
 
-def test_over_the_groups_of_a_turn_each_value_comes_equally_often() -> None:
+def test_groups_of_a_turn_balance_values() -> None:
     design = Design(design_of({"a": 2, "b": 3, "c": 4, "d": 5}, compare("!=", "c", "d"), plan=groups(240, "a", "bc")))
     firsts = [design[design.blocks.members(block)[0]] for block in range(240)]
     b, c = ([i.factors for i in firsts if name in i.crossed] for name in "bc")

@@ -26,7 +26,7 @@ def test_a_task_may_set_the_gravity_of_a_room() -> None:
     assert values.property("world", "background") == "mist", "the rest is the room's"
 
 
-def test_a_task_may_replace_what_the_room_says() -> None:
+def test_task_may_override_the_room() -> None:
     values = Evaluator(task_from(WORLD.format(world="world { background: slate }")), {})
     assert values.property("world", "background") == "slate"
 
@@ -72,7 +72,7 @@ def codes(**written: str) -> set[str]:
 
 @pytest.mark.parametrize("answer", ["tone", "ball.color", "shown"])
 @pytest.mark.parametrize("said", ["tone", "ball.color", "shown"])
-def test_a_text_that_says_the_answer_in_another_spelling(answer: str, said: str) -> None:
+def test_text_with_the_answer_in_another_spelling(answer: str, said: str) -> None:
     assert "WMS510" in codes(text=f"Is the {{{said}}} ball red?", answer=answer, options=COLORS)
     assert "WMS510" not in codes(text="Which colour has the ball?", answer=answer, options=COLORS)
 

@@ -121,7 +121,7 @@ def made_over(before: Document, after: Document) -> tuple[Difference, ...]:
     return tuple(d for d in diff(over, compose(after)) if d.after is not None)
 
 
-def test_a_property_that_moves_by_itself_is_a_violation() -> None:
+def test_property_without_a_cause_is_a_violation() -> None:
     spec = task_from("""use tabletop
       task one : custom { factor big in [4, 6] cm  object a { size: big  on: table } observe front at [0 s] }""")
     before, after = (document(spec, instance) for instance in Design(spec))

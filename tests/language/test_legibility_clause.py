@@ -28,7 +28,7 @@ task t : custom {{
 
 
 @pytest.mark.parametrize(("clause", "legible"), [("", True), ("legibility off", False)])
-def test_a_question_must_be_legible_unless_it_says_off(clause: str, legible: bool) -> None:
+def test_question_must_be_legible_unless_off(clause: str, legible: bool) -> None:
     assert task_from(SPEC.format(clause)).questions[0].legible is legible
 
 

@@ -80,7 +80,7 @@ def pattern(name: str) -> str:
     return str(next(t.pattern.value for t in lark().terminals if t.name == name))
 
 
-def test_the_grammar_says_of_every_keyword_that_it_is_no_unit() -> None:
+def test_grammar_excludes_keywords_from_units() -> None:
     keywords = {*tables().keywords, *re.findall(r"\w+(?=[|)])", pattern("SETTING"))}
     (barred,) = re.findall(r"\(\?!\(([\w|]+)\)", pattern("LIST_UNIT"))
     assert set(barred.split("|")) == keywords - {"true", "false"}
@@ -92,7 +92,7 @@ def words(text: str) -> list[Token]:
 
 
 @given(statements)
-def test_statements_begin_with_the_words_at_which_reading_goes_on(statement: Statement) -> None:
+def test_recovery_resumes_at_words_that_begin_statements(statement: Statement) -> None:
     assert words(written(statement))[0].type in tables().starters
 
 
@@ -122,7 +122,7 @@ def test_words_have_their_places() -> None:
     assert lines["}"] == (4, 4)
 
 
-def test_tables_are_made_again_where_those_kept_are_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_broken_tables_are_generated_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     first = tables.__wrapped__()
     (kept,) = (tmp_path / "wmspec").iterdir()

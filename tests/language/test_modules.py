@@ -134,7 +134,7 @@ def test_mistakes_are_reported(tmp_path: Path, text: str, expected: str) -> None
     assert any(expected in error for error in errors), errors
 
 
-def test_a_parameter_that_is_called_like_a_design_is_none() -> None:
+def test_parameter_named_like_a_design_is_no_design() -> None:
     text = """
       parameter groups = 1 cm
       task t : custom {

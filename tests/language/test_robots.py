@@ -110,7 +110,7 @@ def test_arc_length_never_decreases(length: float, lasts: float, enters: float, 
     assert all(b >= a - 1e-9 for a, b in pairwise(ways))
 
 
-def test_speed_goes_on_from_one_action_to_the_next_and_stop_brakes_evenly() -> None:
+def test_speed_continues_between_actions_and_stop_brakes_evenly() -> None:
     spec = town(
         """
         action one = taxi.forward(12 m) for 3 s
@@ -212,7 +212,7 @@ DOOR = WALL % -3.5 + " object rest { shape: box  size: (10 cm, 8 m, 2 m)  on: fl
 CHEST = "object chest { shape: cube  size: 60 cm  color: red  on: floor at (%s m, %s m)  fixed: true }"
 
 
-def test_a_walker_goes_through_the_door_to_what_is_behind_the_wall_and_faces_it() -> None:
+def test_walker_reaches_an_object_behind_a_wall_and_faces_it() -> None:
     spec = room("action go = someone.go_to(chest) for 10 s", more=DOOR + CHEST % (2.6, -2))
     go = planned(spec)["go"]
     instance = Design(spec)[0]
@@ -228,7 +228,7 @@ def test_a_walker_goes_through_the_door_to_what_is_behind_the_wall_and_faces_it(
     assert gone < 1.1 * (math.dist((0, 0), (2, 0.8)) + math.dist((2, 0.8), (x, y)))
 
 
-def test_a_walker_that_finds_no_way_says_so() -> None:
+def test_walker_without_a_path_is_an_error() -> None:
     shut = "\n".join(
         f"object wall{i} {{ shape: box  size: ({'6 m, 10 cm' if i % 2 else '10 cm, 6 m'}, 2 m)  color: oak  "
         f"on: floor at ({x} m, {y} m)  fixed: true }}"
@@ -244,9 +244,7 @@ def test_a_walker_that_finds_no_way_says_so() -> None:
     boxes=st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(0, 180)), max_size=5),
     place=st.tuples(st.floats(2, 4), st.floats(-4, 4)),
 )
-def test_on_its_way_to_a_thing_it_goes_through_nothing(
-    boxes: list[tuple[float, float, float]], place: tuple[float, float]
-) -> None:
+def test_approach_passes_through_nothing(boxes: list[tuple[float, float, float]], place: tuple[float, float]) -> None:
     more = "\n".join(
         f"object b{i} {{ shape: box  size: (1.2 m, 50 cm, 1 m)  color: oak  at: ({x:.6f} m, {y:.6f} m, 50 cm)  "
         f"yaw: {turned:.6f} deg  fixed: true }}"
@@ -282,7 +280,7 @@ def test_a_walker_stops_before_a_wall_and_comes_through_a_door() -> None:
     yaw=st.floats(0, 360),
     angle=st.floats(1, 180),
 )
-def test_a_walker_goes_through_nothing(boxes: list[tuple[float, float, float]], yaw: float, angle: float) -> None:
+def test_walker_passes_through_nothing(boxes: list[tuple[float, float, float]], yaw: float, angle: float) -> None:
     more = "\n".join(
         f"object b{i} {{ shape: box  size: (1.2 m, 50 cm, 1 m)  color: oak  at: ({x:.6f} m, {y:.6f} m, 50 cm)  "
         f"yaw: {turned:.6f} deg  fixed: true }}"

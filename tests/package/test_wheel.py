@@ -125,7 +125,7 @@ def link(package: Distribution, site: Path) -> None:
             (site / file).symlink_to(Path(str(package.locate_file(file))).absolute())
 
 
-def test_the_wheel_needs_no_more_than_it_asks_for(alone: Path, tmp_path: Path) -> None:
+def test_wheel_needs_only_its_dependencies(alone: Path, tmp_path: Path) -> None:
     """From an empty folder to a dataset of all engines, looked at and made again; no development package."""
     for engine in ENGINES:
         installed(engine)

@@ -300,7 +300,7 @@ def test_a_body_cannot_be_teleported_while_it_is_held(execute: Execute) -> None:
 
 
 @pytest.mark.parametrize("way", [0.0, 0.7])
-def test_a_belt_carries_what_lies_on_it_and_stays(execute: Execute, way: float) -> None:
+def test_belt_carries_objects_and_stays(execute: Execute, way: float) -> None:
     """It drags the load along by friction until the load is as fast as its surface, which runs along its own x axis."""
     v, mu = 0.5, 0.4
     belt = body(

@@ -141,13 +141,13 @@ def test_held_object_may_push_a_movable_one(engine: str) -> None:
     assert run["stop"].position[-1][0] - run["stop"].position[0][0] == pytest.approx(0.015, abs=2e-3)
 
 
-def test_no_hand_goes_through_a_thing() -> None:
+def test_no_hand_passes_through_an_object() -> None:
     lid = "object lid { shape: box  size: (8 cm, 3 cm, 2 cm)  at: (-4 cm, -3 cm, 12 cm)  fixed: true }"
     with pytest.raises(SpecError, match="its hand would go through `lid`"):
         one(f"{lid} {PICK}")[0].stage()
 
 
-def test_nothing_that_is_held_or_pushed_goes_through_what_is_fixed() -> None:
+def test_held_and_pushed_objects_never_pass_through_fixed_ones() -> None:
     far = "object stop {{ shape: box  size: (3 cm, 8 cm, {high})  on: table at ({x} cm, -3 cm)  fixed: true }}"
     low = PICK.replace("12 cm", "4 cm")
     go = f"{low} action go = arm.carry(cup, direction: right, distance: 7 cm) for 2 s after grab"
@@ -194,7 +194,7 @@ def test_vanished_object_is_not_held() -> None:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_a_glass_is_held_by_its_wall_with_what_is_in_it(engine: str) -> None:
+def test_glass_is_held_by_its_wall_with_its_contents(engine: str) -> None:
     more = """object glass : ware.tumbler { radius: 32 mm  on: table at (-4 cm, 12 cm) }
       object bead { shape: sphere  size: 1 cm  inside: glass at (0, 0) }
       action grab = arm.pick(glass, height: 12 cm) for 3.4 s"""
@@ -205,7 +205,7 @@ def test_a_glass_is_held_by_its_wall_with_what_is_in_it(engine: str) -> None:
     assert moved == pytest.approx([0, 0, 0.12], abs=3 * NEAR)
 
 
-def test_no_link_goes_through_a_thing() -> None:
+def test_no_link_passes_through_an_object() -> None:
     shelf = "object shelf {{ shape: box  size: (40 cm, 3 cm, 3 cm)  at: (0, 40 cm, {z} cm)  fixed: true }}"
     with pytest.raises(SpecError, match=r"a link of it would go through `shelf`"):
         one(f"{shelf.format(z=60)} {PICK}")[0].stage()
@@ -254,7 +254,7 @@ def test_a_bar_that_two_arms_push_by_its_ends_shifts_or_turns(engine: str, left:
 
 
 @pytest.mark.parametrize("engine", FIRST)
-def test_a_hand_that_closes_beside_a_thing_misses_it(engine: str) -> None:
+def test_hand_that_closes_beside_an_object_misses_it(engine: str) -> None:
     miss = PICK.replace("height: 12 cm", "height: 12 cm, at: (0 cm, -9 cm)")
     moved, _ = ended(one(miss), engine, "cup")
     assert moved == pytest.approx([0, 0, 0], abs=NEAR)
@@ -267,7 +267,7 @@ def test_a_hand_that_closes_beside_a_thing_misses_it(engine: str) -> None:
 
 
 @pytest.mark.parametrize("engine", FIRST)
-def test_a_thing_is_handed_over(engine: str) -> None:
+def test_object_is_handed_over(engine: str) -> None:
     more = """action grab = left_arm.pick(plank, height: 10 cm, at: (-10 cm, 0 cm)) for 3.4 s
       action take = right_arm.grasp(plank, at: (10 cm, 0 cm)) for 3 s after grab
       action leave = left_arm.drop(plank) after take
@@ -317,7 +317,7 @@ def test_held_object_tilts_with_the_hand(engine: str) -> None:
 
 
 @pytest.mark.parametrize("engine", FIRST)
-def test_the_arm_is_a_mechanism_that_stands_where_its_variant_says_so(engine: str, tmp_path: Path) -> None:
+def test_arm_variant_places_the_mechanism(engine: str, tmp_path: Path) -> None:
     stage = Usd.Stage.CreateNew(str(tmp_path / "arm.usda"))
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
@@ -457,7 +457,7 @@ def test_impossible_arm_action_is_reported_at_its_place(more: str, message: str)
         one(more)[0].stage()
 
 
-def test_fingers_move_what_they_take_to_their_middle_and_the_plan_knows() -> None:
+def test_fingers_centre_the_gripped_object_in_the_plan() -> None:
     tile = "object tile { shape: box  size: (5 cm, 5 cm, 4 cm)  on: table at (14 cm, 9 cm) }"
     more = f"""{tile} action grab = arm.pick(tile, height: 6 cm, at: (7 mm, 3 mm)) for 3.4 s
       action put = arm.place(tile, on: table, at: (-14 cm, 9 cm)) for 5 s after grab"""

@@ -55,7 +55,7 @@ def test_a_thrown_cone_turns_about_its_centre_of_mass(execute: Execute) -> None:
     assert np.abs(np.abs((trace.orientation[:, 0] * turn((1, 0, 0), 0.5 + 3 * 1)).sum(axis=1)[-1]) - 1) < 1e-5
 
 
-def test_an_asymmetric_body_tumbles_as_euler_says(execute: Execute) -> None:
+def test_asymmetric_body_obeys_eulers_equations(execute: Execute) -> None:
     spin = np.array([0.1, 6.0, 0.1])
     trace = execute(scene(body("b", Box((0.1, 0.05, 0.02)), spin=spin, mass=3.0), gravity=0, duration=1))
     moments = np.array([0.0029, 0.0104, 0.0125])
@@ -171,7 +171,7 @@ def test_materials_of_a_pair_mix_by_the_geometric_mean(execute: Execute) -> None
         assert trace.position[-1, 1 + i, 0] == pytest.approx(1 / (2 * mu * G), rel=0.005)
 
 
-def test_bodies_whose_motion_is_given_pass_through_each_other(execute: Execute) -> None:
+def test_kinematic_bodies_pass_through_each_other(execute: Execute) -> None:
     wall = body("wall", cube(0.1), (0.3, 0, 0.2), motion="static")
     a, b = (body(n, cube(0.1), (0, 0.05 * i, 0.2), motion="kinematic") for i, n in enumerate("ab"))
     trace = execute(scene(wall, a, b, duration=0.5, actions=(Glide("g", "a", 0, 0.5, np.array([1.0, 0, 0])),)))

@@ -68,7 +68,7 @@ def test_images_keep_the_tint_in_sight(name: str) -> None:
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: type(shape).__name__)
-def test_an_image_is_as_large_as_it_should_be(shape: Shape) -> None:
+def test_image_has_the_requested_size(shape: Shape) -> None:
     """Area of the image per area of the shape is repeats², but for what closing around an axis and poles take."""
     geom = Geom("x", shape, identity(), Surface(texture="x.png", repeats=(10.0, 20.0)))
     facets = texcoords(geom)

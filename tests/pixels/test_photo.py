@@ -151,7 +151,7 @@ def test_with_llvm_the_picture_is_nearly_the_same(photo: Frame, monkeypatch: pyt
     assert np.abs(fast.rgb.astype(int) - photo.rgb).mean() < 4
 
 
-def test_light_comes_through_ceilings_where_it_throws_no_shadows() -> None:
+def test_light_passes_ceilings_without_shadows() -> None:
     pytest.importorskip("mitsuba_oidn")
     from wmspec.sim.photo.tracer import Tracer
 
@@ -184,7 +184,7 @@ def test_only_what_is_wide_and_above_the_eye_is_a_ceiling() -> None:
     assert not ceiling_lights(Light(light.direction), every, eye)
 
 
-def test_the_sun_is_as_strong_as_the_scene_says() -> None:
+def test_sun_has_the_intensity_of_the_scene() -> None:
     """The irradiance of a surface that faces it is pi times its share, and the sky's is half as much again."""
     down = np.array([0.0, 0.0, -1.0])
     rows = 256
@@ -199,7 +199,7 @@ def test_the_sun_is_as_strong_as_the_scene_says() -> None:
     assert falls(Light(down, 0.0, 1.0)) == pytest.approx(1.5, rel=0.15)
 
 
-def test_a_dataset_says_what_drew_it_and_is_drawn_again(tmp_path: Path) -> None:
+def test_dataset_names_its_renderer_and_is_drawn_again(tmp_path: Path) -> None:
     pytest.importorskip("mitsuba_oidn")
     installed("mujoco")
     how: Any = {"backend": "mujoco", "size": 32, "look": "photo", "samples": 1, "per_task": 1}

@@ -27,7 +27,7 @@ def still(what: Scene, camera: str) -> Shot:
 
 
 @pytest.mark.parametrize("size", [(512, 512), (320, 200), (150, 301)], ids=str)
-def test_a_ball_is_where_the_camera_model_says(engine: str, size: tuple[int, int], renderer: Any) -> None:
+def test_ball_is_at_its_projected_place(engine: str, size: tuple[int, int], renderer: Any) -> None:
     at, radius = np.array([0.11, 0.07, 0.13]), 0.02
     eye = Camera("eye", look_at((0.7, -1.0, 0.6), (0.05, 0.0, 0.05)), math.radians(35), 0.05, 10.0)
     what = scene(body("ball", "dynamic", at, Sphere(radius), Surface(GREY)), cameras=(eye,))
@@ -154,7 +154,7 @@ def test_mistakes_are_explained(engine: str, table: Scene, renderer: Any) -> Non
         renderer(engine, lost, 64, 64)
 
 
-def test_sapiens_own_shaders_still_work_beside_ours(table: Scene, renderer: Any) -> None:
+def test_bundled_shaders_of_sapien_still_work(table: Scene, renderer: Any) -> None:
     sapien = pytest.importorskip("sapien")
     renderer("sapien", table, 128, 128).draw(still(table, "front"))
     before = sapien.render.get_camera_shader_dir()

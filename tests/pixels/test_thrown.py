@@ -92,7 +92,7 @@ def test_ground_without_shadow_changes_hardly_a_pixel(scene: Scene, monkeypatch:
     renderer.close()
 
 
-def test_ground_is_a_box_that_all_else_stands_on(scene: Scene) -> None:
+def test_ground_is_a_box_under_everything(scene: Scene) -> None:
     shown = np.array([body.name for body in scene.bodies for geom in body.geoms if geom.visible])
     ground = np.isin(shown, ["here_floor", "here_ground"])
     sunk = replace(scene, bodies=tuple(_sunk(body) if body.name == "east" else body for body in scene.bodies))

@@ -118,7 +118,7 @@ def test_the_same_folder_gives_the_same_bytes_and_may_be_replaced(tmp_path: Path
         ({"source": [{"bytes": None, "path": "../outside.png"}]}, "leads out of the folder"),
     ],
 )
-def test_a_wrong_row_is_named(changed: Row, message: str, tmp_path: Path) -> None:
+def test_wrong_row_is_identified(changed: Row, message: str, tmp_path: Path) -> None:
     right = {
         "source": [{"bytes": png(1), "path": None}],
         "prompt": "Which?",

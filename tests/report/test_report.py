@@ -79,7 +79,7 @@ def test_results_in_another_order_give_the_same_report(made: Made, tmp_path: Pat
     assert (tmp_path / "one.out/report.json").read_bytes() == (tmp_path / "two.out/report.json").read_bytes()
 
 
-def test_every_figure_says_how_it_is_read(made: Made) -> None:
+def test_every_figure_explains_how_to_read_it(made: Made) -> None:
     drawn = [figure for section in figures(made.report).values() for figure in section]
     assert {f.name for f in drawn} == {
         "averages", "dimensions", "comparisons", "pairs", "positions", "flips", "mistakes", "filtered", "curves",
@@ -182,7 +182,7 @@ def test_results_of_another_dataset_are_refused(made: Made, tmp_path: Path) -> N
     assert "3 questions answered are not in" in done.output
 
 
-def test_two_replies_to_one_request_are_refused_and_the_same_twice_is_not(made: Made, tmp_path: Path) -> None:
+def test_conflicting_replies_are_refused_and_equal_ones_accepted(made: Made, tmp_path: Path) -> None:
     table = answers(made.rows[:60], Rater("a", lambda row: 1.0))
     write(tmp_path / "same" / "1.parquet", table)
     write(tmp_path / "same" / "2.parquet", table)

@@ -88,7 +88,7 @@ def test_a_better_system_is_better_and_equal_ones_are_not(made: Made) -> None:
     assert better.first_only > better.second_only
 
 
-def test_a_comparison_is_right_as_often_as_it_says() -> None:
+def test_comparison_has_its_nominal_error_rate() -> None:
     """Two tasks of very different sizes; equal systems differ at p < 0.05 in about 5 % of 400 trials."""
     about = pd.DataFrame({
         "task": ["a"] * 40 + ["b"] * 200,
@@ -193,7 +193,7 @@ def test_sources_of_a_change(said: str | None, what: str) -> None:
 # ---------------------------------------------------------------- entanglement
 
 
-def test_entanglement_is_found_where_it_is_and_not_where_it_is_not(made: Made) -> None:
+def test_entanglement_is_found_exactly_where_it_is(made: Made) -> None:
     found = {(e.system, e.task, e.factor): e for e in made.report.entanglement}
     for task in ("race", "tally"):
         red = found["entangled", task, "color"]
@@ -278,7 +278,7 @@ def test_thresholds_are_covered_as_often_as_they_say(made: Made) -> None:
     assert sum(held) >= 34
 
 
-def test_a_ratio_counts_from_one_and_no_difference_not_at_all() -> None:
+def test_ratio_counts_from_one_and_equality_is_excluded() -> None:
     assert strength("speed(a) / speed(b)", np.array([2.0, 0.5]))[0] == pytest.approx([2, 2])
     assert np.isnan(strength("speed(a) / speed(b)", np.array([1.0, 0.0]))[0]).all()
     assert strength("onset(a) - onset(b)", np.array([-3.0, 3.0]))[0] == pytest.approx([3, 3])
@@ -288,7 +288,7 @@ def test_a_ratio_counts_from_one_and_no_difference_not_at_all() -> None:
 # ---------------------------------------------------------------- filtered prediction
 
 
-def test_a_known_gain_is_found_and_none_where_there_is_none(made: Made) -> None:
+def test_known_gain_is_found_and_no_other(made: Made) -> None:
     found = {(f.system, f.by): f for f in made.report.filtered}
     gain = found["foresees", OWN_PERCEPTION]
     # 85 % where it perceives, 25 % where not: 65 % of all; two thirds are left.

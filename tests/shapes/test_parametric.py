@@ -230,7 +230,7 @@ def test_shape_with_other_geometry_is_refused(name: str) -> None:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_they_rest_and_hold_what_falls_into_them(engine: str) -> None:
+def test_containers_rest_and_hold_falling_objects(engine: str) -> None:
     trace = installed(engine).execute(placed())
     for i, name in enumerate(trace.bodies):
         path = trace.position[:, i]

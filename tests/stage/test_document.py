@@ -270,7 +270,7 @@ def test_a_camera_rides_in_the_frame_of_its_object() -> None:
 # ---------------------------------------------------------------- verbs
 
 
-def test_words_and_climb_say_where_a_launch_goes() -> None:
+def test_direction_words_and_climb_aim_a_launch() -> None:
     launch = deed(BALL, action("go", "launch", object="ball", direction="left", speed=2, climb=math.pi / 6))
     assert isinstance(launch, Launch)
     np.testing.assert_allclose(launch.linear, (-math.sqrt(3), 0, 1), atol=1e-12)
@@ -331,7 +331,7 @@ def test_round_contact_rolls_and_does_not_slide(form: Any, direction: Any, rolls
         ([(0.1, 0.0), (0.1, 0.2)], (0.1, 0.2), 0.3),
     ],
 )
-def test_paths_lead_where_they_say_at_constant_speed(path: Any, end: tuple[float, float], length: float) -> None:
+def test_paths_end_at_their_goal_at_constant_speed(path: Any, end: tuple[float, float], length: float) -> None:
     follow = deed(
         BALL, action("go", "follow", object="ball", path=path, direction="away", length=0.4, width=0.1, duration=2)
     )

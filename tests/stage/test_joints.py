@@ -134,7 +134,7 @@ def locked(*ways: str) -> tuple[str, str]:
     return "\n".join(lines), ", ".join(f'"PhysicsLimitAPI:{way}"' for way in ways)
 
 
-def test_generic_joints_that_are_one_of_ours() -> None:
+def test_generic_joints_equal_to_a_known_kind() -> None:
     all_ = ("transX", "transY", "transZ", "rotX", "rotY", "rotZ")
     assert only("", *locked(*all_)).kind == "fixed"
     assert only("", *locked(*all_[:3])).kind == "ball"

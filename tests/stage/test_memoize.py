@@ -44,7 +44,7 @@ def test_weights_are_bounded_unless_one_value_is_too_heavy(weights: list[int], s
     assert len(cache) == 0
 
 
-def test_a_popped_value_makes_room_and_is_not_dropped() -> None:
+def test_popped_value_makes_room_and_is_not_closed() -> None:
     dropped: list[str] = []
     cache: LRU[int, str] = LRU(2, drop=dropped.append)
     cache.put(1, "a")

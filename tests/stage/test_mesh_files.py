@@ -40,7 +40,7 @@ def test_the_same_mesh(tmp_path: Path, ending: str) -> None:
 
 
 @pytest.mark.parametrize(("said", "metres"), [("", 1.0), ('<unit name="inch" meter="0.0254"/>', 0.0254)])
-def test_a_collada_file_says_its_unit(tmp_path: Path, said: str, metres: float) -> None:
+def test_collada_file_has_a_unit(tmp_path: Path, said: str, metres: float) -> None:
     """Of several meshes too; its axes are taken as they are."""
     text = export_collada([wedge(), wedge().apply_translation((1, 0, 0))]).decode()
     assert "<unit" not in text

@@ -652,7 +652,7 @@ SLIPPERY = """def Material "ice" (prepend apiSchemas = ["PhysicsMaterialAPI"]) {
 ICE = "float physics:staticFriction = 0.1"
 
 
-def test_a_subset_rubs_as_its_mesh_does() -> None:
+def test_subset_has_the_friction_of_its_mesh() -> None:
     (found,) = problems(SLIPPERY % (ICE, "", QUAD_BOX)).items()
     assert found[0] == "/World/a/lid"
     assert "physics material /World/ice differs from that of its mesh" in found[1]

@@ -37,7 +37,7 @@ def facts(layer: Sdf.Layer, name: str) -> dict[str, str]:
     return {p.name: str([p.GetInfo(key) for key in keys if p.HasInfo(key)]) for p in properties}
 
 
-def test_the_readable_source_says_the_same() -> None:
+def test_readable_source_is_equal() -> None:
     """schema.usda has a header that usdGenSchema reads; the classes are those of generatedSchema.usda."""
     source, generated = (Sdf.Layer.FindOrOpen(f"{FOLDER}/{file}.usda") for file in ("schema", "generatedSchema"))
     for name in TYPES:

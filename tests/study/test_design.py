@@ -101,7 +101,7 @@ def test_questions_are_of_different_instances_and_engines_take_turns(dataset: Da
     assert len(Counter(i.engine for i in questions if i.task == "collide")) == 3
 
 
-def test_the_page_knows_no_truth_but_that_of_the_practice(study: Path) -> None:
+def test_page_has_no_truth_except_in_practice(study: Path) -> None:
     text = (study / "page/index.html").read_text()
     data = json.loads(text.split('id="data">')[1].split("</script>")[0])
     made = load(study)

@@ -70,9 +70,7 @@ def shell(tmp_path: Path) -> Shell:
     ("made", "tried", "failed", "passed"),
     [(5, 20, 0, True), (5, 20, 2, True), (5, 20, 3, False), (0, 20, 0, False), (0, 0, 0, False), (1, 1, 1, False)],
 )
-def test_a_run_has_failed_if_nothing_was_made_or_more_than_a_tenth_failed(
-    made: int, tried: int, failed: int, passed: bool
-) -> None:
+def test_run_fails_without_output_or_with_a_tenth_of_failures(made: int, tried: int, failed: int, passed: bool) -> None:
     tally = Tally("question was kept", made, "instances", tried, failed, "the cause")
     assert tally.passed == passed
     assert ("no question was kept" in tally.message) == (made == 0)

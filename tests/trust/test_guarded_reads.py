@@ -60,7 +60,7 @@ def test_files_are_opened_by_the_guarded_reader() -> None:
 
 
 @pytest.mark.parametrize("read", [open_file, read_bytes, read_text, load_image])
-def test_a_pipe_and_a_device_are_refused_at_once(read: object, tmp_path: Path) -> None:
+def test_pipes_and_devices_are_refused(read: object, tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     assert callable(read)
     for path in (tmp_path / "pipe", Path("/dev/zero"), Path("/dev/tty")):

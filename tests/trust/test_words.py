@@ -27,7 +27,7 @@ def test_lines_and_letters_are_reported_verbatim() -> None:
     assert escape_controls(text) == text
 
 
-def test_more_instances_than_anyone_makes(tmp_path: Path) -> None:
+def test_astronomical_number_of_instances(tmp_path: Path) -> None:
     """2·10⁹ instances ended with a MemoryError."""
     text = SPEC.read_text().replace("repeat 33", "repeat 1000000").replace("task speed_tabletop", "task many")
     text = text.replace("  factor   ratio", "  factor   idle       in 1 .. 30 by 1\n  factor   ratio")

@@ -61,7 +61,7 @@ def test_groups_draw_their_world(name: str) -> None:
         assert len({world for worlds in drawn.values() for world in worlds}) == 4
 
 
-def test_perception_asks_about_things_of_every_day() -> None:
+def test_perception_uses_everyday_objects() -> None:
     """Things that are counted, compared, named by colour or located."""
     questions = {path.stem for path in CATALOGUE if set(uses(path.read_text())) & set(EVERYDAY)}
     assert questions >= {"color", "count", "majority", "occupancy", "relation"}

@@ -98,7 +98,7 @@ def test_object_stands(name: str) -> None:
 
 @pytest.mark.engine
 @pytest.mark.parametrize("name", ["mug", "tangerine", "striped_ball", "clock", "sofa"])
-def test_a_thing_fills_its_picture(name: str) -> None:
+def test_object_fills_its_picture(name: str) -> None:
     scene = worlds.thing(name, THINGS[name])
     (frame,) = worlds.frames(scene, default(), 64, ["near"])
     assert (frame.ids == [body.name for body in scene.bodies].index("it")).mean() > 0.1
@@ -107,7 +107,7 @@ def test_a_thing_fills_its_picture(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.engine
 @pytest.mark.parametrize("name", THINGS)
-def test_a_thing_looks_alike_in_all_engines(name: str) -> None:
+def test_object_renders_alike_in_all_engines(name: str) -> None:
     alike(worlds.thing(name, THINGS[name]), "near")
 
 
@@ -115,7 +115,7 @@ def test_a_thing_looks_alike_in_all_engines(name: str) -> None:
 @pytest.mark.engine
 @pytest.mark.parametrize("camera", worlds.CAMERAS)
 @pytest.mark.parametrize("name", worlds.ROOMS)
-def test_a_room_looks_alike_in_all_engines(name: str, camera: str) -> None:
+def test_room_renders_alike_in_all_engines(name: str, camera: str) -> None:
     alike(worlds.room(name), camera)
 
 

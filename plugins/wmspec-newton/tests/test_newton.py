@@ -87,7 +87,7 @@ def test_a_ball_passes_through_a_wall_as_in_mujoco() -> None:
     "case",
     ["mimic_counterweight", "four_bar", "drive_hinge", "limit_slider", "pendulum_ball_joint", "pendulum_conical"],
 )
-def test_joints_move_as_mechanics_says(case: str) -> None:
+def test_joints_move_as_in_mechanics(case: str) -> None:
     scores = list(score_engine("newton", [all_cases()[case]]))
     assert scores
     assert all(score.passed for score in scores), scores
@@ -138,7 +138,7 @@ def test_the_worlds_of_a_batch_move_as_alone() -> None:
         assert {(c.first, c.second) for c in one.contacts} == {(c.first, c.second) for c in other.contacts}
 
 
-def test_scenes_of_other_structure_are_executed_in_the_order_that_is_given() -> None:
+def test_scenes_of_other_structure_keep_their_order() -> None:
     balls, boxes = (wmspec.load(text=ROOM % ("1", f"  {text}\n  {DROP}", 0.02)) for text in (BALL, BOX))
     scenes = [read(one.stage()) for task in (balls, boxes, balls) for one in task]
     first, second, third = execute_all(scenes, device="cpu")
