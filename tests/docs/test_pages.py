@@ -35,6 +35,17 @@ def test_every_file_that_is_named_exists(page: Path) -> None:
     assert not [name for name in named if not (ROOT / name).exists()]
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_code_is_closed_and_tables_have_a_head_and_equal_rows(page: Path) -> None:
+    text = page.read_text()
+    assert len(re.findall(r"^ *```", text, re.MULTILINE)) % 2 == 0
+    outside = re.sub(r"^ *```.*?^ *```", "", text, flags=re.MULTILINE | re.DOTALL)
+    for table in re.findall(r"(?:^ *\|.*\n)+", outside, re.MULTILINE):
+        columns = {len(re.sub(r"\\\||`[^`\n]*`", "", row).split("|")) for row in table.splitlines()}
+        assert len(columns) == 1, table[:200]
+        assert re.match(r".*\n *\|[-:|]+\|\n", table), table[:200]
+
+
 @pytest.mark.parametrize("recipe", re.findall(r"^### (.*)$", CONTRIBUTING, re.MULTILINE))
 def test_every_recipe_names_its_test_and_what_is_there(recipe: str) -> None:
     """Tables and constants are in a file that the recipe names."""
