@@ -70,6 +70,21 @@ def test_a_question_without_instances_fails(spec: Any) -> None:
     assert "no instance is kept" in outcome.stderr
 
 
+def test_more_instances_are_tried_while_one_answer_may_be_chance(spec: Any, tmp_path: Path) -> None:
+    """Half of the instances are rejected, so 4 of them leave the answer undecided."""
+    text = spec("ensure position(a).x > 0 cm").read_text().replace("factor deep", "repeat 5\n  factor deep")
+    (tmp_path / "t.wms").write_text(text)
+    (task,) = try_tasks(tmp_path / "t.wms", 4)
+    assert task.questions[0].answers.dominant == "to the right of it"
+    assert 8 < task.instances <= 32
+    assert not task.passed
+    assert try_tasks(spec(), 1)[0].instances <= 8
+
+
+def test_a_gate_has_a_remedy(spec: Any) -> None:
+    assert "help: change the scene so that the condition holds" in check(spec("ensure position(a).x > 9 m")).stdout
+
+
 def test_json_has_the_trials(spec: Any) -> None:
     outcome = check(spec(), "--json")
     assert outcome.exit_code == 0

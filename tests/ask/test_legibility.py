@@ -143,7 +143,7 @@ def test_illegible_question_is_rejected_unless_off() -> None:
     (rejected,) = ask(Design(task_from(SCENE.format(body=body))), 0, pair())
     assert isinstance(rejected, Rejected)
     assert rejected.reason == "illegible"
-    assert "`step` is" in rejected.detail
+    assert "`step` of other is" in rejected.detail
     assert "must be at least 12 px" in rejected.detail
     assert rejected.answer == "the red cube"
     (kept,) = ask(Design(task_from(SCENE.format(body=body.replace("options", "legibility off  options")))), 0, pair())

@@ -93,6 +93,8 @@ WALL = "object wall { shape: box  size: (14 cm, 2 cm, 20 cm)  color: white  on: 
         ("red", "-20 cm, 0", ""),
         ("red", "26 cm, 20 cm", "of it is hidden"),
         ("red", "-44 cm, -32 cm", "outside the frame"),
+        ("red", "20 cm, 20 cm", ": it is hidden behind wall"),
+        ("red", "-52 cm, -32 cm", ": it is outside the frame"),
     ],
 )
 def test_objects_of_the_question_must_be_seen(color: str, at: str, why: str) -> None:

@@ -23,6 +23,9 @@ from wmspec.runtime.questions.legibility.bounds import BOUNDS, ratio
 from wmspec.runtime.questions.model import Legibility, Rejected
 from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_ordered
 
+#: Multiples of the number of instances that are tried while an answer does not vary.
+MORE = (2, 4, 8)
+
 
 @dataclass(frozen=True)
 class TriedMeasure:
@@ -75,6 +78,11 @@ class TriedTask:
         """Whether every question is kept, and not always with the same answer."""
         return not any(question.fault for question in self.questions)
 
+    @property
+    def is_undecided(self) -> bool:
+        """Whether more instances may show that an answer varies, or that it never does."""
+        return any(len(q.answers.kept) == 1 and not q.answers.dominant for q in self.questions)
+
     def record(self) -> dict[str, Any]:
         """Return the result as JSON values."""
         questions = [asdict(q) | {"warning": q.answers.shift, "fault": q.fault} for q in self.questions]
@@ -92,20 +100,34 @@ def try_tasks(
 ) -> tuple[TriedTask, ...]:
     """Make `count` random instances of each task in one engine, in this process, and return what the gates keep.
 
-    Control groups are whole, so a task may have more instances. `backend` is an engine, by default the first that is
-    installed. Raises WmsError where `generate` would.
+    Control groups are whole, so a task may have more instances. While all kept instances of a question have the same
+    answer, and that may be chance, their number is doubled, up to eight times. `backend` is an engine, by default the
+    first that is installed. Raises WmsError where `generate` would.
     """
-    plan = plan_dataset(tasks, tell, per_task=count, backend=backend or default(), seed=seed)
+    engine = backend or default()
+    plan = plan_dataset(tasks, tell, per_task=count, backend=engine, seed=seed)
     with progress(sum(len(task.indices) for task in plan.tasks), "trying") as advance:
         tried = []
         for task in plan.tasks:
-            tried.append(_tried(plan, task))
+            outcomes, done = list(_outcomes(plan, task, task.indices)), set(task.indices)
             advance(task.spec.name, len(task.indices))
+            tried.append(_summary(plan, task, outcomes))
+            for more in MORE:
+                if not tried[-1].is_undecided:
+                    break
+                wider = plan_dataset(tasks, _nothing, per_task=more * count, backend=engine, seed=seed)
+                sample = next(own for own in wider.tasks if own.spec.name == task.spec.name)
+                outcomes += _outcomes(wider, sample, [index for index in sample.indices if index not in done])
+                done |= set(sample.indices)
+                tried[-1] = _summary(wider, sample, outcomes)
     return tuple(tried)
 
 
-def _tried(plan: Plan, task: PlannedTask) -> TriedTask:
-    outcomes = list(_outcomes(plan, task))
+def _nothing(_notice: str) -> None:
+    """Ignore a notice that was given before."""
+
+
+def _summary(plan: Plan, task: PlannedTask, outcomes: Sequence[Outcome]) -> TriedTask:
     rows = [row for outcome in outcomes for row in outcome.rows]
     rejected = [each for outcome in outcomes for each in outcome.rejected]
     counts = count_answers(task.spec, rows, rejected)
@@ -120,11 +142,11 @@ def _tried(plan: Plan, task: PlannedTask) -> TriedTask:
     return TriedTask(task.spec.name, plan.engines[0], len(task.indices), tuple(questions))
 
 
-def _outcomes(plan: Plan, task: PlannedTask) -> Iterator[Outcome]:
-    """Yield the outcome of every instance of a task."""
+def _outcomes(plan: Plan, task: PlannedTask, indices: Sequence[int]) -> Iterator[Outcome]:
+    """Yield the outcomes of instances of a task."""
     effort, name = PoolConfig(0, 0), task.spec.name
     job = job_of(plan, effort).of(name)
-    pieces = [piece for unit in batches(task.spec, plan.seed, task.indices) for piece in unit]
+    pieces = [piece for unit in batches(task.spec, plan.seed, indices) for piece in unit]
     with closing(map_ordered(make_instances, ((job, name, piece) for piece in pieces), effort)) as made:
         for piece, result in zip(pieces, made, strict=True):
             if isinstance(result, JobFailure):

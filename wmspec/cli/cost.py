@@ -34,7 +34,7 @@ def print_cost(plan: Plan, effort: PoolConfig, as_json: bool) -> None:
         _print(costs, effort.workers)
         for cost in costs:
             if cost.reasons:
-                click.echo("\n".join([f"{cost.task}:", *top_reasons(cost.reasons, cost.examples)]))
+                click.echo("\n".join([f"{cost.task}:", *top_reasons(cost.reasons, cost.examples).values()]))
             if cost.balance is not None:
                 click.echo(f"{cost.task}: {cost.balance}")
         click.echo(f"with {effort.workers} workers, in {', '.join(plan.engines)}; nothing was written")

@@ -13,6 +13,21 @@ if TYPE_CHECKING:
 #: Maximum number of answers listed for a question.
 MAX_ANSWERS = 12
 
+#: What to do about a gate that rejects instances, by its name.
+REMEDIES = {
+    "alike": "let the options differ more, or name another colour or place for one of them",
+    "balance": "cross the states before and after the violation, so that half of each group is possible",
+    "cause": "let the event need one of the candidates and no other",
+    "ensure": "change the scene so that the condition holds, or remove it",
+    "illegible": "show it longer, larger or further apart, look from nearer, or write `legibility off`",
+    "invalid": "ask for what always has a value, or `ensure` that it has one",
+    "margin": "let the outcomes differ more, or lower the bound",
+    "overlap": "move the objects apart",
+    "unchanged": "let the change be one in every instance",
+    "unseen": "move the object or the camera; if it may be hidden, write `may hide OBJECT` or `seen OBJECT at [TIMES]`",
+    "unstable": "move the outcome away from the edge at which a nudge of 0.5 mm changes it",
+}
+
 
 class CountType(click.IntRange):
     """A number of instances; explains the place of the option if a file follows it."""
@@ -42,7 +57,10 @@ def _lines(question: TriedQuestion) -> Iterator[str]:
     from wmspec.dataset.build.manifest import top_reasons
 
     yield f"  {question.name}: {question.kept} kept, {sum(question.rejected.values())} rejected"
-    yield from (f"  {line}" for line in top_reasons(question.rejected, question.examples))
+    for reason, line in top_reasons(question.rejected, question.examples).items():
+        yield f"  {line}"
+        if reason in REMEDIES:
+            yield f"      help: {REMEDIES[reason]}"
     for word, counts in (("kept", question.answers.kept), ("rejected", question.answers.rejected)):
         if counts:
             yield f"    answers {word}: {_histogram(counts)}"

@@ -117,6 +117,13 @@ def _nth(_values: Evaluator, items: tuple[Any, ...], number: float) -> Any:
     return items[i]
 
 
+def _member(_values: Evaluator, members: tuple[Any, ...], number: float) -> Any:
+    """Return a member of a set by its index."""
+    if number != math.floor(number) or not 0 <= number < len(members):
+        raise NoValue(f"index {number:g} is no whole number from 0 to {len(members) - 1}")
+    return members[int(number)]
+
+
 def extreme_name(sizes: dict[str, float], most: bool, tie: float | None = None) -> str:
     """Return the name with the largest or smallest size; the first of equals, or `neither` within `tie` times."""
     ordered = sorted(sizes, key=lambda name: -sizes[name] if most else sizes[name])
@@ -147,6 +154,7 @@ def _luminance(values: Evaluator, owner: str) -> float:
 
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     "toward": _toward,
+    "heading_of": lambda _, direction: heading_of(direction),
     "opposite": lambda _, a: heading_of(a) + math.pi,
     "left_of": _beside(-1.0, 0.0),
     "right_of": _beside(1.0, 0.0),
@@ -169,6 +177,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "cos": lambda _, a: math.cos(a),
     "present": _present,
     "nth": _nth,
+    "member": _member,
     "count": _count,
     "any": lambda _, truths: any(truths),
     "all": lambda _, truths: all(truths),

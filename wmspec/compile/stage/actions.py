@@ -44,7 +44,7 @@ def _require_able(action: Entity, target: str, values: Evaluator, carried: dict[
         raise ImpossibleValue(f"`{target}` is fixed, so nothing can {action.verb} it", action.place)
     if action.verb not in motion.CARRYING and target in carried and not VERBS[action.verb].allows_carried:
         what = f"`{target}` is carried by `{carried[target]}`, so `{action.verb}` cannot move it"
-        raise ImpossibleValue(what, action.place, "use verbs that carry it, or none of them")
+        raise ImpossibleValue(what, action.place, "`launch` it instead of carrying it, or carry what it rests on")
     if {"launch", "vanish", "teleport"} & {action.verb, VERBS[action.verb].staged} and has_joint(values, target):
         remedy = "use `impulse`" if action.verb == "launch" else "leave out the joint, or this"
         raise ImpossibleValue(f"a joint holds `{target}`, so it cannot {action.verb}", action.place, remedy)

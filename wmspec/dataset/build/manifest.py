@@ -36,13 +36,13 @@ class TaskSummary:
     def __str__(self) -> str:
         """Return the number of questions kept and the main rejection reasons."""
         kept = f"{self.name}: {sum(self.rows.values()):,} questions of {self.instances:,} instances"
-        return "\n".join([kept, *top_reasons(self.rejected, self.examples)])
+        return "\n".join([kept, *top_reasons(self.rejected, self.examples).values()])
 
 
-def top_reasons(rejected: Mapping[str, int], examples: Mapping[str, Rejected]) -> list[str]:
-    """Return the most frequent rejection reasons, one line each, with an example."""
+def top_reasons(rejected: Mapping[str, int], examples: Mapping[str, Rejected]) -> dict[str, str]:
+    """Return the most frequent rejection reasons, each with a line that has an example."""
     often = sorted(rejected.items(), key=lambda one: (-one[1], one[0]))[:MAX_REASONS]
-    return [f"  {n:,} {reason}, such as {describe(examples[reason])}" for reason, n in often]
+    return {reason: f"  {n:,} {reason}, such as {describe(examples[reason])}" for reason, n in often}
 
 
 def by_reason(lost: Sequence[Rejected]) -> tuple[dict[str, int], dict[str, Rejected]]:

@@ -18,7 +18,7 @@ from wmspec.dataset.build.images import encode_png, encode_webp
 from wmspec.lang.check.ir.ir import Choices, Factor, TaskSpec
 from wmspec.runtime.questions.consensus import RowsOf
 from wmspec.runtime.questions.kinds import KINDS
-from wmspec.runtime.questions.model import Change, Picture, QuestionRow, Strength, VisibleObject, Vote
+from wmspec.runtime.questions.model import Change, Legibility, Picture, QuestionRow, Strength, VisibleObject, Vote
 
 Row = dict[str, Any]
 
@@ -110,7 +110,7 @@ def encode(question: QuestionRow, rows_of: RowsOf, film: Row | None = None) -> R
         "answer_moments": question.moments,
         "difference": _strength(question.difference),
         "margin": question.margin,
-        "legibility": [asdict(each) for each in question.legibility],
+        "legibility": [_measure(each) for each in question.legibility],
         "measured": [{"name": n, "value": float(v)} for n, v in question.measured.items()],
         "agreement": [_vote(v) for v in question.agreement],
         "seed": question.seed,
@@ -169,6 +169,10 @@ def _change(change: Change | None) -> str | None:
 
 def _vote(vote: Vote) -> Row:
     return asdict(vote)
+
+
+def _measure(measured: Legibility) -> Row:
+    return {"name": measured.name, "unit": measured.unit, "value": measured.value, "bound": measured.bound}
 
 
 def _strength(strength: Strength | None) -> Row | None:

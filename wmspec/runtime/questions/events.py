@@ -6,6 +6,7 @@ import numpy as np
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.questions.observed import MIN_MOTION, Observed
+from wmspec.sim.scene.physics.kinematic_contact import first_touch, moves_freely
 
 
 def contact(observed: Observed, a: str, b: str, from_: float | None = None, to: float | None = None) -> bool:
@@ -42,8 +43,11 @@ def when_highest(observed: Observed, name: str, from_: float | None = None, to: 
 
 def _touched(observed: Observed, a: str, b: str, start: float | None, stop: float | None) -> float | None:
     """Return the first time (s) of contact within an interval (default: the episode), or None."""
-    pair = {observed.body(a).name, observed.body(b).name}
-    times = observed.trace.time[observed.span(start, stop, observed.whole)]
+    samples = observed.span(start, stop, observed.whole)
+    if not moves_freely(observed.body(a), observed.body(b)):
+        return first_touch(observed.scene, observed.trace, a, b, samples)
+    pair = {a, b}
+    times = observed.trace.time[samples]
     first, last = (float(times[0]), float(times[-1]))
     touches = (c for c in observed.trace.contacts if {c.first, c.second} == pair)
     met = [max(c.start, first) for c in touches if c.stop >= first and c.start <= last]

@@ -112,13 +112,14 @@ class Strength:
 class Legibility:
     """How clearly a person sees what decides the answer: measure, unit, value, and the bound that it must meet.
 
-    `runtime.questions.legibility.bounds` has all measures.
+    `runtime.questions.legibility.bounds` has all measures. `of` is the object with this value, if it is of one.
     """
 
     name: str
     unit: str
     value: float
     bound: float
+    of: str = ""
 
 
 @dataclass(frozen=True)

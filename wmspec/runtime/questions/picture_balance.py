@@ -58,9 +58,11 @@ def _telling_pictures(rows: Sequence[QuestionRow]) -> Iterator[str]:
         for _, values in seen:
             possible = values.count(POSSIBLE)
             if 2 * possible != len(values):
+                of_all = [row.value for row in rows].count(POSSIBLE)
+                group = "" if 2 * of_all == len(rows) else f"; of all {len(rows)}, {of_all}"
                 yield (
                     f"picture {place + 1} tells the answer: of {len(values)} instances of the group that show it, "
-                    f"{possible} are possible"
+                    f"{possible} are possible{group}"
                 )
 
 

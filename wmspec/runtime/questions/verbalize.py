@@ -131,17 +131,27 @@ def format_expression(expr: ir.Expr) -> str:
             return f"{format_expression(expr.owner)}.{expr.name}"
         case ir.Items():
             return f"[{', '.join(map(format_expression, expr.items))}]"
-        case ir.Call(function="present", arguments=(ir.Items(items=(ir.Value(value=str(first)), *_)),)):
-            return first.rpartition("_")[0]  # a set by its name
-        case ir.Call(function="nth", arguments=(items, ir.Value(value=float(number)))):
-            return f"{format_expression(items)}[{number:g}]"
         case ir.Call():
-            options = (f"{option.name}: {format_expression(option.value)}" for option in expr.options)
-            return f"{expr.function}({', '.join([*map(format_expression, expr.arguments), *options])})"
+            return _call(expr)
         case ir.Operation():
             return _operation(expr.operator, [_operand(o) for o in expr.operands])
         case ir.WhatIf() | ir.Cause():
             return _imagined(expr)
+
+
+def _call(expr: ir.Call) -> str:
+    """Return a call in source form; sets, their members and headings are calls only in the IR."""
+    match expr.function, expr.arguments:
+        case "present", (ir.Items(items=(ir.Value(value=str(first)), *_)),):
+            return first.rpartition("_")[0]  # a set by its name
+        case "nth", (items, ir.Value(value=float(index))):
+            return f"{format_expression(items)}[{index:g}]"
+        case "member", (ir.Items(items=(first, *_)), number):
+            return f"{format_expression(first).rpartition('_')[0]}[{format_expression(number)}]"
+        case "heading_of", (direction,):
+            return format_expression(direction)
+    options = (f"{option.name}: {format_expression(option.value)}" for option in expr.options)
+    return f"{expr.function}({', '.join([*map(format_expression, expr.arguments), *options])})"
 
 
 def _imagined(expr: ir.WhatIf | ir.Cause) -> str:

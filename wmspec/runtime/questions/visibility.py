@@ -71,6 +71,19 @@ def outline(observed: Observed, index: int, view: View) -> Silhouette:
     return silhouette(observed.scene, index, (camera, observed.poses(time)), (width, height))
 
 
+def body_in_front(observed: Observed, index: int, view: View) -> str:
+    """Return the body that covers most of a body's box in a picture, or ''."""
+    camera, time = view
+    ids = observed.picture(camera, time).ids
+    around = box(observed.scene, index, (camera, observed.poses(time)), (ids.shape[1], ids.shape[0]))
+    if around is None:
+        return ""
+    (left, top), (right, bottom) = np.clip(around, 0, [ids.shape[1], ids.shape[0]]).round().astype(int)
+    covered = ids[top : bottom + 1, left : right + 1]
+    others = covered[(covered >= 0) & (covered != index)]
+    return observed.scene.bodies[int(np.bincount(others).argmax())].name if others.size else ""
+
+
 def hidden_share_bound(observed: Observed, index: int, view: View) -> float:
     """Return an upper bound of the occluded share of a body; 1 if part of it is outside the picture.
 

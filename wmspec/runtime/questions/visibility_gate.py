@@ -113,7 +113,7 @@ def invisibility_reason(observed: Observed, name: str, view: View) -> str:
     frame = observed.picture(*view)
     pixels = patch(frame, index).pixels
     if pixels < MIN_VISIBLE_SHARE * frame.ids.size:
-        return f"{pixels} of {frame.ids.size} pixels"
+        return f"{pixels} of {frame.ids.size} pixels{_hindrance(observed, index, view)}"
     can_move = observed.scene.bodies[index].motion != "static"
     if can_move and visibility.hidden_share_bound(observed, index, view) > MAX_HIDDEN:
         outline = visibility.outline(observed, index, view)
@@ -125,3 +125,15 @@ def invisibility_reason(observed: Observed, name: str, view: View) -> str:
     if contrast < MIN_CONTRAST:
         return f"its contrast is low: its colour differs by {contrast:.1f}, and {MIN_CONTRAST:g} can be seen"
     return ""
+
+
+def _hindrance(observed: Observed, index: int, view: View) -> str:
+    """Return why a picture shows hardly anything of a body: the frame, or the body in front of most of it."""
+    frame = observed.picture(*view)
+    inside = visibility.outline(observed, index, view).inside
+    if not inside:
+        return ": it is outside the frame"
+    if inside < MIN_VISIBLE_SHARE * frame.ids.size:
+        return ": too little of it is inside the frame, or it is too small"
+    hiding = visibility.body_in_front(observed, index, view)
+    return f": it is hidden behind {hiding}" if hiding else ""

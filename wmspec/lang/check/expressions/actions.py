@@ -132,7 +132,9 @@ def property_(check: Expressions, name: str, member: s.Name) -> Typed:
             check.fail("WMS206", f"`{name}` has no {member.id}", member.span, f"add `{member.id}:` to it")
         return Typed(expr, slot.types[0])
     kind = argument(check, action, does, member.id).type
-    return Typed(expr, AN_ANGLE if kind == DIRECTION and AN_ANGLE in slot.types else kind)
+    if kind == DIRECTION and AN_ANGLE in slot.types:
+        return Typed(ir.Call(function="heading_of", arguments=(expr,)), AN_ANGLE)
+    return Typed(expr, kind)
 
 
 def slot_of(check: Expressions, name: str, member: s.Name) -> PropertySpec:

@@ -25,6 +25,7 @@ from wmspec.lang.check.types.types import (
     List,
     Quantity,
     Type,
+    Vector,
     Word,
     article,
 )
@@ -153,7 +154,7 @@ def _accepts_list(function: Function, i: int) -> bool:
 
 
 def _maps_over_lists(result: Type) -> bool:
-    return result in (TRUTH, QUANTITY) or isinstance(result, Quantity | Word)
+    return result in (TRUTH, QUANTITY) or isinstance(result, Quantity | Word | Vector)
 
 
 def _item(kind: Type) -> Type:

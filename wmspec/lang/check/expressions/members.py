@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NoReturn
 
 from wmspec.core.diagnostics import suggestion
@@ -37,8 +38,9 @@ _OWNERS = {**{kind: block for block, kind in BLOCKS.items()}, PART: "part"}
 def member(check: Expressions, e: s.Member) -> Typed:
     """Check `ball.mass`, `push.speed`, `rack.left`, `spot.x`."""
     whole = check.infer(e.value, tuple(_OWNERS))
-    if isinstance(whole.type, Vector):
-        return _coordinate(check, whole, whole.type, e.name)
+    point = whole.type.item if isinstance(whole.type, List) else whole.type
+    if isinstance(point, Vector):
+        return _coordinate(check, whole, point, e.name)
     if whole.type == ACTION and isinstance(whole.expr, ir.Value):
         return actions.property_(check, str(whole.expr.value), e.name)
     if whole.type not in _OWNERS:
@@ -104,10 +106,14 @@ def _measure(check: Expressions, e: s.Member, what: str) -> str:
 
 
 def _coordinate(check: Expressions, point: Typed, kind: Vector, name: s.Name) -> Typed:
+    """Return a coordinate of a point, or of each point of a list."""
     axes = "xyz"[: kind.size]
     if name.id not in axes or len(name.id) != 1:
         check.fail("WMS203", f"{article(str(kind))} has no `{name.id}`", name.span, f"it has {', '.join(axes)}")
-    return Typed(ir.Operation(operator=name.id, operands=(point.expr,)), Quantity(kind.dimension))
+    each = 0 if isinstance(point.type, List) else None
+    one = Quantity(kind.dimension)
+    expr = ir.Operation(operator=name.id, operands=(point.expr,), each=each)
+    return Typed(expr, one if each is None else List(one))
 
 
 def _type(check: Expressions, of: Owner, e: s.Member) -> Type:
@@ -140,10 +146,10 @@ def index(check: Expressions, e: s.Index) -> Typed:
     members = check.scope.members(declared.name.id)
     if not members:  # its wrong count was reported
         raise Failed
-    number = constant(check.value(e.index, (A_NUMBER,), "`[...]`").expr)
+    written = check.value(e.index, (A_NUMBER,), "`[...]`").expr
+    number = constant(written)
     if number is None:
-        check.fail("WMS304", "the index of a member must be constant", e.index.span,
-                   "a factor can hold the members themselves: `in [blocks[0], blocks[1]]`")  # fmt: skip
+        return _varying_member(check, e, declared, members, written)
     if number != int(number) or not -len(members) <= number < len(members):
         message = f"`{declared.name.id}` has members 0 to {len(members) - 1}"
         check.fail("WMS304", message, e.index.span, "count from the end with `-1`, the last that is there")
@@ -156,6 +162,21 @@ def index(check: Expressions, e: s.Index) -> Typed:
         message = f"how many members `{declared.name.id}` has depends on a factor, so its last one does too"
         check.fail("WMS304", message, e.index.span, "count from the start, from 0 on")
     return _member(check, declared, members[int(number)], e.span)
+
+
+def _varying_member(
+    check: Expressions, e: s.Index, declared: s.Block | s.Action | s.Factor, members: Sequence[str], number: ir.Expr
+) -> Typed:
+    """Return the member at an index that depends on factors."""
+    if isinstance(declared, s.Action):
+        check.fail("WMS304", "the index of an action must be constant", e.index.span,
+                   "let the arguments of one action depend on factors")  # fmt: skip
+    if isinstance(declared, s.Block):
+        typed = [Typed(ir.Value(value=name), BLOCKS[SETS[declared.kind]]) for name in members]
+    else:
+        typed = [_member(check, declared, name, e.span) for name in members]
+    items = ir.Items(items=tuple(each.expr for each in typed))
+    return Typed(ir.Call(function="member", arguments=(items, number)), typed[0].type)
 
 
 def all_of(check: Expressions, e: s.Name, declared: s.Action | s.Factor) -> Typed:

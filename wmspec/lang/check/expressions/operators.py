@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from math import degrees
 from typing import TYPE_CHECKING
 
 from wmspec.lang.check.expressions.typed import ZERO, Typed, common_type, operation
-from wmspec.lang.check.types.types import TRUTH, List, Plain, Quantity, Type, Word, article
+from wmspec.lang.check.ir import ir
+from wmspec.lang.check.tables.vocabulary import HEADINGS
+from wmspec.lang.check.types.types import DIRECTION, TRUTH, List, Plain, Quantity, Type, Word, article
 from wmspec.lang.check.types.units import NUMBER
 from wmspec.lang.parse import syntax as s
 
@@ -78,12 +81,21 @@ def _arithmetic(check: Expressions, e: s.Operation) -> Typed:
     return typed if each is None else Typed(typed.expr, List(typed.type))
 
 
+def _as_angle(operand: Typed) -> str:
+    """Return the remedy for a direction word in arithmetic, or ''."""
+    if operand.type != DIRECTION:
+        return ""
+    if isinstance(operand.expr, ir.Value) and isinstance(operand.expr.value, str):
+        return f"write its angle, `{degrees(HEADINGS[operand.expr.value]):.0f} deg`"
+    return "use angles: " + ", ".join(f"{word} is {degrees(angle):.0f} deg" for word, angle in HEADINGS.items())
+
+
 def _arithmetic_of(check: Expressions, e: s.Operation, operands: list[Typed], each: int | None) -> Typed:
     kinds = []
     for operand, written in zip(operands, e.operands, strict=True):
         if not isinstance(operand.type, Quantity):
             message = f"`{e.operator}` expects quantities, found {article(str(operand.type))}"
-            check.fail("WMS302", message, written.span)
+            check.fail("WMS302", message, written.span, _as_angle(operand))
         kinds.append(operand.type)
     dimensions = [NUMBER if k.dimension == ZERO and e.operator in "*/" else k.dimension for k in kinds]
     if len(operands) == 1:

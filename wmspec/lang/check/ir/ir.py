@@ -78,8 +78,9 @@ class Option(Node):
 class Call(Node):
     """A call of a function of `functions.FUNCTIONS`. `each` is that of an operation.
 
-    Two functions have no table row: `present` filters entities by presence, and `nth` returns the item of a list at an
-    index, counted from the end if negative.
+    Four functions have no table row: `present` filters entities by presence, `nth` returns the item of a list at an
+    index, counted from the end if negative, `member` that of a set at an index that depends on factors, and
+    `heading_of` the angle of a direction word.
     """
 
     kind: Literal["call"] = "call"

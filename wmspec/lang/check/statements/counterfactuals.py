@@ -18,7 +18,7 @@ from wmspec.lang.check.library.files import resolve_path
 from wmspec.lang.check.statements.factors import Factors
 from wmspec.lang.check.statements.objects import Entities
 from wmspec.lang.check.tables.vocabulary import FILES, PropertySpec
-from wmspec.lang.check.types.types import ACTION, CAMERA, JOINT, LIGHT, OBJECT, PART, ROBOT, WORLD, article
+from wmspec.lang.check.types.types import ACTION, CAMERA, JOINT, LIGHT, OBJECT, PART, ROBOT, WORLD, List, article
 from wmspec.lang.parse import syntax as s
 
 #: Types with properties that a counterfactual can change.
@@ -83,6 +83,11 @@ class Counterfactuals:
 
     def _without(self, name: str, change: s.Change) -> ir.Counterfactual:
         """Leave out an object or an action; which one may depend on factors."""
+        typed = self.check.infer(change.target, (ACTION, OBJECT))
+        if typed.type in (List(ACTION), List(OBJECT)):
+            what = f"`without` leaves out one thing, and `{change.target.span.text}` is a set"
+            remedy = "let a factor decide whether its members are there (`present:`, `when`), and change its level"
+            self.check.fail("WMS503", what, change.target.span, remedy)
         removed = self.check.value(change.target, (ACTION, OBJECT), "`without`").expr
         if isinstance(removed, ir.Value):
             return self._made(name, change, str(removed.value), "", None, "")
@@ -150,7 +155,8 @@ class Counterfactuals:
         typed = self._value(change, change.value, owner, slot, prop)
         check_bounds(self.check, typed.expr, slot, change.value.span, f"`{prop}`")
         expr = resolve_path(self.check, prop, change.value, typed.expr) if prop in FILES else typed.expr
-        if expr == ir.Property(owner=ir.Value(value=owner), name=prop):
+        own = ir.Property(owner=ir.Value(value=owner), name=prop)
+        if expr in (own, ir.Call(function="heading_of", arguments=(own,))):
             self.check.fail(
                 "WMS503", "this is the value without the counterfactual", change.value.span, "change the value"
             )

@@ -45,7 +45,8 @@ def require_legible(measured: Sequence[Legibility]) -> None:
 def _sentence(fault: Legibility) -> str:
     limit = "most" if BOUNDS[fault.name].at_most else "least"
     required = f"{fault.bound:g} {fault.unit}".strip()
-    return f"`{fault.name}` is {fault.value:.3g} and must be at {limit} {required} ({BOUNDS[fault.name].meaning})"
+    of = f" of {fault.of}" if fault.of else ""
+    return f"`{fault.name}`{of} is {fault.value:.3g} and must be at {limit} {required} ({BOUNDS[fault.name].meaning})"
 
 
 def _measures(

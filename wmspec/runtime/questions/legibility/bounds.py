@@ -99,10 +99,10 @@ BOUNDS: dict[str, Bound] = {
 }  # fmt: skip
 
 
-def entry(name: str, value: float) -> Legibility:
-    """Return a measured value with its bound."""
+def entry(name: str, value: float, of: str = "") -> Legibility:
+    """Return a measured value with its bound, and the object that has it."""
     bound = BOUNDS[name]
-    return Legibility(name, bound.unit, float(value), bound.value)
+    return Legibility(name, bound.unit, float(value), bound.value, of)
 
 
 def ratio(measured: Legibility) -> float:

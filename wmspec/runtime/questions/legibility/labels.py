@@ -165,7 +165,7 @@ class DecisiveMeasures:
 
     def size(self, names: Iterable[str]) -> Legibility:
         """Return the size of the smallest of these bodies, each in the picture that shows it largest."""
-        return entry("size", min(map(self._best_size, names)))
+        return entry("size", *min((self._best_size(name), name) for name in names))
 
     def _best_size(self, name: str) -> float:
         index = self.observed.index(name)

@@ -82,12 +82,12 @@ def is_drawn_moving(observed: Observed, name: str) -> bool:
 def motion_measures(observed: Observed, movers: Iterable[str]) -> Iterator[Legibility]:
     """Yield step and path of the least legible of these bodies, each in the camera that shows it best."""
     times = camera_times(observed)
-    paths = [[drawn_path(observed, name, *each) for each in times.items()] for name in movers]
+    paths = {name: [drawn_path(observed, name, *each) for each in times.items()] for name in movers}
     if not times or not paths:
         return
-    yield entry("step", min(max(path.step for path in own) for own in paths))
-    yield entry("step_in_widths", min(max(path.step_in_widths for path in own) for own in paths))
-    yield entry("path", min(max(path.length for path in own) for own in paths))
+    yield entry("step", *min((max(path.step for path in own), name) for name, own in paths.items()))
+    yield entry("step_in_widths", *min((max(path.step_in_widths for path in own), name) for name, own in paths.items()))
+    yield entry("path", *min((max(path.length for path in own), name) for name, own in paths.items()))
 
 
 def lead(observed: Observed, one: str, other: str) -> float:
