@@ -20,7 +20,7 @@ BALLS = """
 """
 
 
-def test_a_factor_selects_the_member_that_acts_and_is_asked_about() -> None:
+def test_a_factor_selects_the_member_that_acts_and_that_a_question_names() -> None:
     body = BALLS + """
   action go = launch(balls[target], direction: away, speed: pace[target], rolling: true) at 0.1 s
   observe front at [0 s, 0.4 s]
