@@ -54,6 +54,19 @@ def bare(node: Any) -> Any:
     return node
 
 
+@pytest.mark.parametrize("path", SPECS[::8], ids=lambda p: f"{p.parent.stem}-{p.stem}")
+def test_what_is_accepted_is_what_can_be_read(path: Path) -> None:
+    """`accepted` follows token types together; one by one they come to the same."""
+    machine, text = LRParser("start"), path.read_text()
+    tokens = [t for t in tokenize(text) if t.type not in ("WHITE", "COMMENT")]
+    kinds = {kind for state in machine.tables.states for kind in state if kind.isupper() or kind == END}
+    for i, token in enumerate(tokens):
+        if i % 7 == 0:
+            assert machine.accepted() == {kind for kind in kinds if machine.accepts(kind)}
+        assert machine.read(token)
+    assert END in machine.accepted()
+
+
 @pytest.mark.parametrize("path", SPECS, ids=lambda p: f"{p.parent.stem}-{p.stem}")
 def test_specs_are_read_as_lark_reads_them(path: Path) -> None:
     text = path.read_text()

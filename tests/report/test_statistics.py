@@ -11,7 +11,7 @@ import pytest
 from tests.report.conftest import LAPSE, STEEP, THRESHOLD, Made, seer
 from tests.report.made import Rater, answers
 from wmspec.eval.report.choices import kind_of_change
-from wmspec.eval.report.compare import comparisons, robust_mean, weights_in_average
+from wmspec.eval.report.compare import Strata, comparisons, weights_in_average
 from wmspec.eval.report.curves import curves, strength
 from wmspec.eval.report.entanglement import dimension_of_values, relative_entanglement
 from wmspec.eval.report.filtered import ALL_MODELS, OWN_PERCEPTION, filtered_accuracies, missed_accuracies
@@ -100,7 +100,7 @@ def test_comparison_has_its_nominal_error_rate() -> None:
     for trial in range(400):
         random = seeded_generator("comparison", trial)
         shared = np.repeat(random.normal(0, 0.3, 60), 4)
-        _, p = robust_mean(shared + random.normal(0, 0.5, 240), about)
+        _, p = Strata.of(about).robust_mean(shared + random.normal(0, 0.5, 240))
         assert p is not None
         found += p < 0.05
     assert 0.02 < found / 400 < 0.09

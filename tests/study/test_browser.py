@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -146,6 +147,25 @@ def test_a_reload_goes_on_with_the_same_question(browser: Any, url: str, study: 
     assert [answer.step for answer in visit.answers] == list(range(len(load(study).slots[0])))
     rater.tab.reload()
     assert rater.tab.inner_text("#code") == visit.code
+
+
+def test_seconds_under_a_clock_that_jumps(browser: Any, url: str, study: Path) -> None:
+    """Answers take as long as they take, whatever the wall clock of the computer shows."""
+    rater, began = Rater(browser, url, load(study)), time.monotonic()
+    rater.tab.evaluate(
+        """() => {
+          const now = Date.now;
+          let reads = 0;
+          Date.now = () => now() + 864e5 * (reads++ % 2 ? 1 : -1) * reads;
+          Date = class extends Date { constructor(...given) { super(...(given.length ? given : [Date.now()])); } };
+        }"""
+    )
+    rater.finish()
+    elapsed = time.monotonic() - began
+    (visit,) = AnswerStore(study / store.ANSWERS_FILE, load(study)).visits()
+    assert [answer.step for answer in visit.answers] == list(range(len(load(study).slots[0])))
+    assert all(answer.seconds > 0 for answer in visit.answers)
+    assert sum(answer.seconds for answer in visit.answers) <= elapsed
 
 
 def test_answers_wait_while_the_server_is_away(browser: Any, study: Path) -> None:

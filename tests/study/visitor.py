@@ -16,13 +16,15 @@ from wmspec.eval.study.model import Study
 class Process:
     """`wmspec study serve`, on a port that stays the same when it is begun again."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder, self.port = folder, 0
+    def __init__(self, folder: Path, environment: dict[str, str] | None = None) -> None:
+        self.folder, self.port, self.environment = folder, 0, environment
         self.begin()
 
     def begin(self) -> None:
         command = [sys.executable, "-m", "wmspec", "study", "serve", str(self.folder), "--port", str(self.port)]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment
+        )
         assert self.process.stdout is not None
         said = self.process.stdout.readline()
         assert said, self.process.stderr and self.process.stderr.read()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -14,6 +14,9 @@ from tests.trust.made import wmspec
 from wmspec.core.diagnostics import WmsError
 from wmspec.eval.models import results
 from wmspec.eval.models.journal import Journal
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 pytest.importorskip("pandas")
 
@@ -112,3 +115,33 @@ def test_texts_that_no_run_writes(tmp_path: Path, original: Path, values: dict[s
     result = wmspec("evaluate", "--rescore", rewritten(original, tmp_path / "evil.parquet", **values))
     assert result.exit_code == 2
     assert reported in result.output
+
+
+def of_models(original: Path, path: Path, count: int) -> Path:
+    rows, about = results.read(original)
+    results.write(path, [{**row, "model": f"m{n}"} for n in range(count) for row in rows], about)
+    return path
+
+
+def test_a_report_of_many_models(tmp_path: Path, original: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """780 pairs of systems with the same questions share what does not depend on the replies."""
+    from wmspec.eval.report import compare
+    from wmspec.eval.report.replies import read
+
+    whole, calls = compare.weights_in_average, list[int]()
+
+    def counted(questions: pd.DataFrame) -> Any:
+        calls.append(len(questions))
+        return whole(questions)
+
+    monkeypatch.setattr(compare, "weights_in_average", counted)
+    found = compare.comparisons(read([of_models(original, tmp_path / "many.parquet", 40)], None))
+    assert len(found) == 780 * len({each.kind for each in found})
+    assert len(calls) == len({each.kind for each in found})
+
+
+def test_a_report_of_too_many_models(tmp_path: Path, original: Path) -> None:
+    from wmspec.eval.report.replies import read
+
+    with pytest.raises(WmsError, match="the results are of 301 systems, and a report compares at most 300"):
+        read([of_models(original, tmp_path / "many.parquet", 301)], None)

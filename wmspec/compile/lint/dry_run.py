@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.design import Design
@@ -28,7 +28,7 @@ from wmspec.compile.lint.scene_rules import LintScene
 from wmspec.compile.lint.task_rules import LintTask
 from wmspec.compile.stage import episode
 from wmspec.core.diagnostics import Report
-from wmspec.lang.check.ir.ir import TaskSpec
+from wmspec.lang.check.ir.ir import Counterfactual, TaskSpec
 from wmspec.lang.parse.load import with_source_text
 
 #: Maximum number of sampled instances. Up to ENTITY_BUDGET entities all are built, a third with counterfactuals; else
@@ -38,6 +38,25 @@ SAMPLE_SIZE, ENTITY_BUDGET = 12, 100
 MIN_SCENES = 4
 #: Cost of planning one robot action, in entities.
 ROBOT_ACTION_COST = 40
+#: Maximum number of entities in all scenes of counterfactuals, and while those built before are built again.
+MAX_CHANGED_ENTITIES, MAX_REPEATED_ENTITIES = 4_000, 2_000
+
+
+@dataclass
+class _ChangeBudget:
+    """Bounds the scenes of counterfactuals, each of which has `work` entities."""
+
+    work: int
+    spent: int = 0
+    built: set[str] = field(default_factory=set)
+
+    def allows(self, change: Counterfactual) -> bool:
+        """Whether one more scene may be built, which is counted then."""
+        if self.spent >= (MAX_REPEATED_ENTITIES if change.name in self.built else MAX_CHANGED_ENTITIES):
+            return False
+        self.spent += self.work
+        self.built.add(change.name)
+        return True
 
 
 def dry_run(spec: TaskSpec, report: Report) -> Design | None:
@@ -53,12 +72,13 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
             thing.kind == "action" and bool(thing.of) for thing in spec.things
         )
         built = max(MIN_SCENES, SAMPLE_SIZE * ENTITY_BUDGET // max(ENTITY_BUDGET, work))
+        budget = _ChangeBudget(work)
         for count, (values, instance) in enumerate(zip(tried[:built], instances, strict=False)):
             with linter.collecting():
                 _lint_scene(
                     LintScene(values, depend, design, instance),
                     linter,
-                    changed=count < max(MIN_SCENES // 2, built // 3),
+                    budget if count < max(MIN_SCENES // 2, built // 3) else None,
                 )
         for question in spec.questions:
             with linter.collecting():
@@ -68,8 +88,11 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
     return design
 
 
-def _lint_scene(scene: LintScene, linter: Linter, *, changed: bool) -> None:
-    """Lint the scene of an instance, with its counterfactuals if `changed`. Raises WmsError if it cannot be built."""
+def _lint_scene(scene: LintScene, linter: Linter, budget: _ChangeBudget | None) -> None:
+    """Lint the scene of an instance, with its counterfactuals if there is a `budget` for them.
+
+    Raises WmsError if it cannot be built.
+    """
     spec, instance = scene.values.spec, scene.instance
     stage = episode.build_document(scene.values)
     linter.check(scene, scene_rules.RULES)
@@ -80,9 +103,9 @@ def _lint_scene(scene: LintScene, linter: Linter, *, changed: bool) -> None:
     linter.check(scene, drive_rules.RULES)
     linter.check(scene, giveaway_rules.SCENE_RULES)
     things = {t.name for t in spec.things}
-    for question in spec.questions if changed else ():
+    for question in spec.questions if budget else ():
         for change in (*question.alternatives(instance.factors), *what_ifs(question, scene.values)):
-            if change.change == "levels" or change.owner in things:
+            if (change.change == "levels" or change.owner in things) and budget and budget.allows(change):
                 with linter.collecting():
                     otherwise = replace(scene, values=Evaluator(spec, instance.values, change, instance.key))
                     linter.check(ChangedScene(question, change, scene, stage, otherwise), change_rules.RULES)

@@ -66,8 +66,32 @@ def separation(values: Evaluator, a: str, b: str) -> tuple[float, Vector]:
     return min((max((-_overlap(p, q, d), d) for d in _directions(p, q)) for p, q in pairs))
 
 
+def may_be_within(values: Evaluator, a: str, b: str, distance: float) -> bool:
+    """Whether the `separation` of two objects may be at most a positive distance (m); quick to compute."""
+    spare = _radius(values, a) + _radius(values, b) + distance
+    return math.dist(values.pose(a).position, values.pose(b).position) <= spare
+
+
+def _radius(values: Evaluator, name: str) -> float:
+    """Return the radius (m) of a ball about an object's origin that contains balls about its convex pieces."""
+    return values.memoized((name, "radius of its pieces"), lambda: _radius_of_pieces(values, name))
+
+
+def _radius_of_pieces(values: Evaluator, name: str) -> float:
+    origin = values.pose(name).position
+    return max(
+        math.dist(origin, piece.pose.position)
+        + math.hypot(*(max(piece.solid.reach(axis), piece.solid.reach(scale(-1.0, axis))) for axis in _EDGES))
+        for piece in _pieces_of(values, name)
+    )
+
+
 def _pieces_of(values: Evaluator, name: str) -> tuple[PlacedShape, ...]:
     """Return the convex pieces of an object in the world."""
+    return values.memoized((name, "convex pieces"), lambda: _convex_pieces(values, name))
+
+
+def _convex_pieces(values: Evaluator, name: str) -> tuple[PlacedShape, ...]:
     pose = values.pose(name)
     return tuple(
         PlacedShape(convex, pose.compose(piece.pose).compose(at))

@@ -9,7 +9,7 @@ from itertools import combinations, permutations
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import mass, pieces
 from wmspec.compile.layout.solids import PlacedShape, bounds
-from wmspec.compile.lint.overlap import separation
+from wmspec.compile.lint.overlap import may_be_within, separation
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import LintScene
 from wmspec.core.diagnostics import Note
@@ -49,13 +49,12 @@ def struck_in_a_row(scene: LintScene) -> Iterator[Breach]:
     values = scene.values
     speed = max(_speeds(values), default=0.0)
     free = list(_movable(values))
+    nearby = max(IMPACT_DURATION * speed, CONTACT_DISTANCE)
     for a, b in combinations(free, 2) if speed or _can_fall(values) else ():
+        if _bounce(values, a, b) < ELASTIC_RESTITUTION or not may_be_within(values, a, b, nearby):
+            continue
         gap, way = separation(values, a, b)
-        if (
-            gap > max(IMPACT_DURATION * speed, CONTACT_DISTANCE)
-            or abs(way[2]) > STEEP_COSINE
-            or _bounce(values, a, b) < ELASTIC_RESTITUTION
-        ):
+        if gap > nearby or abs(way[2]) > STEEP_COSINE:
             continue
         touch = gap < CONTACT_DISTANCE
         how = "touch" if touch else f"are {_length(gap)} apart"

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 from wmspec.compile.layout.geometry import all_pieces
 from wmspec.compile.layout.motion import carriers
 from wmspec.compile.layout.solids import PlacedShape, bounds, corners
 from wmspec.core.space import IDENTITY, Pose, Vector
+from wmspec.sim.shapes import Shape
 
 if TYPE_CHECKING:
     from wmspec.compile.layout.evaluator import Evaluator
@@ -45,17 +46,34 @@ class Outline:
         """The ends of each side."""
         return tuple(zip(self.corners, (*self.corners[1:], self.corners[0]), strict=True))
 
+    @cached_property
+    def edges(self) -> tuple[tuple[float, float, float, float, float], ...]:
+        """The start (x, y) of each side, its vector (x, y), and its squared length; m, m²."""
+        return tuple((a[0], a[1], b[0] - a[0], b[1] - a[1], math.dist(a, b) ** 2) for a, b in self.sides)
+
     def least_distance(self, point: Point) -> float:
         """Return a lower bound (m) of the distance of a point, which is quick to compute."""
         return math.dist(self.middle, point) - self.radius - _ROUNDING
 
     def contains(self, point: Point) -> bool:
         """Whether a point is within the outline."""
-        return self.least_distance(point) <= 0 and all(_left(a, b, point) >= 0 for a, b in self.sides)
+        if self.least_distance(point) > 0:
+            return False
+        px, py = point
+        for x, y, dx, dy, _ in self.edges:  # noqa: SIM110  a loop takes half the time of `all`
+            if dx * (py - y) - dy * (px - x) < 0:
+                return False
+        return True
 
     def distance(self, point: Point) -> float:
         """Return the distance (m) of a point; 0 within the outline."""
-        return 0.0 if self.contains(point) else min(_from_side(a, b, point) for a, b in self.sides)
+        if self.contains(point):
+            return 0.0
+        least, (px, py) = math.inf, point
+        for x, y, dx, dy, square in self.edges:
+            share = min(1.0, max(0.0, ((px - x) * dx + (py - y) * dy) / square))
+            least = min(least, math.dist(point, (x + share * dx, y + share * dy)))
+        return least
 
     def meets(self, other: Outline) -> bool:
         """Whether two outlines overlap, by the separating axis test."""
@@ -101,7 +119,12 @@ def _has_any(values: Evaluator, name: str, properties: Sequence[str]) -> bool:
 def _box(piece: PlacedShape, pose: Pose) -> list[Vector]:
     """Return the world corners of the box around a solid, along the solid's own axes."""
     placed = pose.compose(piece.pose)
-    return [placed.apply(corner) for corner in corners(bounds([PlacedShape(piece.solid, IDENTITY)], IDENTITY))]
+    return [placed.apply(corner) for corner in _own_corners(piece.solid)]
+
+
+@lru_cache(4096)
+def _own_corners(solid: Shape) -> tuple[Vector, ...]:
+    return tuple(corners(bounds([PlacedShape(solid, IDENTITY)], IDENTITY)))
 
 
 def hull(points: Sequence[Point]) -> tuple[Point, ...]:
@@ -121,13 +144,6 @@ def hull(points: Sequence[Point]) -> tuple[Point, ...]:
 def _left(a: Point, b: Point, point: Point) -> float:
     """Return twice the signed area of the triangle `a`, `b`, `point`; positive on the left."""
     return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])
-
-
-def _from_side(a: Point, b: Point, point: Point) -> float:
-    length = math.dist(a, b)
-    along = ((point[0] - a[0]) * (b[0] - a[0]) + (point[1] - a[1]) * (b[1] - a[1])) / length**2
-    share = min(1.0, max(0.0, along))
-    return math.dist(point, (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])))
 
 
 def _is_separated(one: Outline, other: Outline) -> bool:

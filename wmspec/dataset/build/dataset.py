@@ -6,7 +6,6 @@ import json
 import os
 import re
 import shutil
-import time
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
@@ -237,6 +236,6 @@ def _build_date() -> str:
     """Return the date (YYYY-MM-DD) of SOURCE_DATE_EPOCH, or the current one. Raises WmsError if it is invalid."""
     said = os.environ.get("SOURCE_DATE_EPOCH")
     try:
-        return str(datetime.fromtimestamp(float(said) if said else time.time(), UTC).date())
+        return str((datetime.fromtimestamp(float(said), UTC) if said else datetime.now(UTC)).date())
     except (ValueError, OverflowError, OSError):
         raise WmsError(f"SOURCE_DATE_EPOCH is invalid: {said}", help="give seconds since 1970, or unset it") from None

@@ -7,6 +7,7 @@ from itertools import combinations
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from wmspec.eval.report.intervals import CONFIDENCE, MIN_CLUSTERS, Estimate, Floats
 from wmspec.eval.report.replies import Replies
@@ -39,18 +40,21 @@ def comparisons(replies: Replies) -> tuple[Comparison, ...]:
 
 
 def _of_kind(replies: Replies, kind: str, chosen: pd.Series[bool]) -> list[Comparison]:
-    main_questions = replies.main_questions[chosen]
-    scores = replies.scores.loc[main_questions.index]
-    pairs = [_pair(kind, a, b, scores, main_questions) for a, b in combinations(replies.systems, 2)]
-    return [pair for pair in pairs if pair is not None]
+    questions = replies.main_questions[chosen]
+    scores = replies.scores.loc[questions.index].to_numpy()
+    strata: dict[bytes, Strata] = {}  # most pairs of systems answered the same questions
+    pairs = []
+    for (i, a), (j, b) in combinations(enumerate(replies.systems), 2):
+        both = ~np.isnan(scores[:, [i, j]]).any(axis=1)
+        if both.any():
+            if (key := both.tobytes()) not in strata:
+                strata[key] = Strata.of(questions[both])
+            pairs.append(_pair(kind, a, b, scores[both, i], scores[both, j], strata[key]))
+    return pairs
 
 
-def _pair(kind: str, a: str, b: str, scores: pd.DataFrame, questions: pd.DataFrame) -> Comparison | None:
-    both = scores[[a, b]].dropna()
-    if both.empty:
-        return None
-    first, second = both[a].to_numpy(), both[b].to_numpy()
-    difference, p = robust_mean(first - second, questions.loc[both.index])
+def _pair(kind: str, a: str, b: str, first: Floats, second: Floats, strata: Strata) -> Comparison:
+    difference, p = strata.robust_mean(first - second)
     only = int(((first >= 0.5) & (second < 0.5)).sum()), int(((first < 0.5) & (second >= 0.5)).sum())
     return Comparison(kind, a, b, difference, p, None, *only)
 
@@ -68,28 +72,47 @@ def weights_in_average(questions: pd.DataFrame) -> Floats:
     return np.asarray(1 / each.to_numpy(dtype=float))
 
 
-def robust_mean(gaps: Floats, questions: pd.DataFrame) -> tuple[Estimate, float | None]:
-    """Return the weighted mean of gaps with its interval, and the p-value.
+@dataclass(frozen=True)
+class Strata:
+    """The weights of questions in an average, their tasks, and their control groups in tasks, as numbers.
 
-    Both are missing if clusters are few. Tasks are strata: their means are known to differ, so deviations count within
-    them (Cochran, Sampling Techniques, 1977, sections 5.4 and 9A.5).
+    `task_of` has the task of each group.
     """
-    from scipy.stats import t
 
-    weights = weights_in_average(questions)
-    mean = float(weights @ gaps)
-    task, cluster = questions["task"], questions["cluster"]
-    middle = pd.Series(gaps, questions.index).groupby(task).transform("mean").to_numpy()
-    off = pd.Series(weights * (gaps - middle), questions.index).groupby([task, cluster]).sum()
-    count = off.groupby(level=0).size()
-    freedom = int(count.sum() - len(count))
-    if (count < 2).any() or freedom < MIN_CLUSTERS - 1:
-        return Estimate(mean, None, None, len(gaps)), None
-    error = float(np.sqrt(((off**2).groupby(level=0).sum() * count / (count - 1)).sum()))
-    if not error:
-        return Estimate(mean, mean, mean, len(gaps)), 0.0 if mean else 1.0
-    reach = float(t.ppf((1 + CONFIDENCE) / 2, freedom)) * error
-    return Estimate(mean, mean - reach, mean + reach, len(gaps)), float(2 * t.sf(abs(mean) / error, freedom))
+    weights: Floats
+    task: NDArray[np.intp]
+    group: NDArray[np.intp]
+    task_of: NDArray[np.intp]
+
+    @staticmethod
+    def of(questions: pd.DataFrame) -> Strata:
+        """Return the strata of questions with `task`, `dimension` and `cluster`."""
+        task = pd.factorize(questions["task"])[0]
+        group = questions.groupby([task, "cluster"]).ngroup().to_numpy()
+        task_of = np.zeros(group.max() + 1, np.intp)
+        task_of[group] = task
+        return Strata(weights_in_average(questions), task, group, task_of)
+
+    def robust_mean(self, gaps: Floats) -> tuple[Estimate, float | None]:
+        """Return the weighted mean of gaps with its interval, and the p-value.
+
+        Both are missing if clusters are few. Tasks are strata: their means are known to differ, so deviations count
+        within them (Cochran, Sampling Techniques, 1977, sections 5.4 and 9A.5).
+        """
+        from scipy.stats import t
+
+        mean = float(self.weights @ gaps)
+        middle = np.bincount(self.task, gaps) / np.bincount(self.task)
+        off = np.bincount(self.group, self.weights * (gaps - middle[self.task]))
+        count = np.bincount(self.task_of)
+        freedom = int(count.sum() - len(count))
+        if (count < 2).any() or freedom < MIN_CLUSTERS - 1:
+            return Estimate(mean, None, None, len(gaps)), None
+        error = float(np.sqrt((np.bincount(self.task_of, off**2) * count / (count - 1)).sum()))
+        if not error:
+            return Estimate(mean, mean, mean, len(gaps)), 0.0 if mean else 1.0
+        reach = float(t.ppf((1 + CONFIDENCE) / 2, freedom)) * error
+        return Estimate(mean, mean - reach, mean + reach, len(gaps)), float(2 * t.sf(abs(mean) / error, freedom))
 
 
 def _holm_corrected(pairs: list[Comparison]) -> list[Comparison]:

@@ -40,6 +40,8 @@ KEY = ["id", "model", "prompt", "ablation", "permutation", "sample"]
 RATER_PREFIX, PEOPLE = "human:", "people"
 #: Systems that check the pipeline and say nothing about the questions.
 BASELINES = ("random", "blind", "options-only", "oracle")
+#: Maximum number of systems: all pairs of them are compared.
+MAX_SYSTEMS = 300
 #: Minimum number of control groups for an interval over groups; below it instances are treated as independent.
 MIN_GROUPS = 5
 
@@ -105,8 +107,8 @@ class Replies:
 def read(paths: Sequence[Path], dataset: Path | None, names: Mapping[str, str] | None = None) -> Replies:
     """Read result files, or folders of them; `names` are display names of models.
 
-    Raises WmsError if one cannot be read, lacks a column, or contradicts another, or if a question is not in the
-    dataset.
+    Raises WmsError if one cannot be read, lacks a column, or contradicts another, if a question is not in the dataset,
+    or if there are too many systems.
     """
     table = pd.concat([_file(path) for path in _files(paths)], ignore_index=True)
     if table.empty:
@@ -116,7 +118,13 @@ def read(paths: Sequence[Path], dataset: Path | None, names: Mapping[str, str] |
     questions = Questions.read(dataset) if dataset else None
     if questions is not None:
         _check_dataset(table, questions, dataset)
-    return replies(table, questions)
+    made = replies(table, questions)
+    if len(made.systems) > MAX_SYSTEMS:
+        raise WmsError(
+            f"the results are of {len(made.systems):,} systems, and a report compares at most {MAX_SYSTEMS}",
+            help="give the results of fewer models",
+        )
+    return made
 
 
 def replies(table: pd.DataFrame, questions: Questions | None = None) -> Replies:

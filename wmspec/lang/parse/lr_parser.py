@@ -89,8 +89,29 @@ class LRParser:
         return False
 
     def accepted(self) -> set[str]:
-        """Return the token types that could be read next."""
-        return {kind for kind in self._next([], len(self.states)) if _is_terminal(kind) and self.accepts(kind)}
+        """Return the token types that could be read next; types with the same reductions are followed together."""
+        found = set[str]()
+        kinds = [kind for kind in self._next([], len(self.states)) if _is_terminal(kind)]
+        waiting: list[tuple[list[int], int, list[str]]] = [([], len(self.states), kinds)]
+        while waiting:
+            pushed, left, kinds = waiting.pop()
+            row, reducing = self._next(pushed, left), dict[int, list[str]]()
+            for kind in kinds:
+                action = row.get(kind)
+                if action is not None and action >= 0:
+                    found.add(kind)
+                elif action is not None:
+                    reducing.setdefault(~action, []).append(kind)
+            for number, those in reducing.items():
+                rule = self.tables.rules[number]
+                below = left - max(0, rule.size - len(pushed))
+                states = pushed[: max(0, len(pushed) - rule.size)]
+                states.append(self._next(states, below)[rule.origin])
+                if states[-1] == self.last and END in those:
+                    found.add(END)
+                    those.remove(END)
+                waiting.append((states, below, those))
+        return found
 
     def recover_to(self, *kinds: str) -> bool:
         """Pop states until tokens of these types can follow; leave the stack unchanged if they never can."""

@@ -8,7 +8,6 @@ applied.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from itertools import chain
 
 from wmspec.lang.parse.foreign_syntax import foreign_candidates
@@ -31,16 +30,17 @@ def repair(start: str, words: Sequence[Token], stuck: int, own: Repair | None = 
     `own` is a further candidate.
     """
     stacks = _stacks(start, words, stuck)
+    furthest = min(len(words) - stuck, MAX_TOKENS_AHEAD)
     best, merit = None, (0, 0.0)
-    for one in chain(() if own is None else (own,), _candidates(start, words, stuck, stacks)):
-        if one.start not in stacks:
+    machine = LRParser(start)
+    for one, cost in chain(() if own is None else ((own, own.cost),), _candidates(start, words, stuck, stacks)):
+        if one.start not in stacks or (furthest, -cost) <= merit:
             continue
-        machine = LRParser(start)
         machine.states = list(stacks[one.start])
         reached = _reach(machine, one, words, stuck)
-        worth = reached >= MIN_TOKENS_READ or stuck + reached >= len(words) or (reached > 0 and one.cost < LIKELY_COST)
-        if (reached, -one.cost) > merit and worth:
-            best, merit = one, (reached, -one.cost)
+        worth = reached >= MIN_TOKENS_READ or stuck + reached >= len(words) or (reached > 0 and cost < LIKELY_COST)
+        if (reached, -cost) > merit and worth:
+            best, merit = one, (reached, -cost)
     return best
 
 
@@ -70,13 +70,16 @@ def keeps_names(change: Repair, words: Sequence[Token]) -> bool:
     return not change.hyphenated and not guessed and (bool(change.words) or not names)
 
 
-def _candidates(start: str, words: Sequence[Token], stuck: int, stacks: dict[int, list[int]]) -> Iterator[Repair]:
+def _candidates(
+    start: str, words: Sequence[Token], stuck: int, stacks: dict[int, list[int]]
+) -> Iterator[tuple[Repair, float]]:
+    """Yield the candidates with their costs, which grow with the distance."""
     for i, states in stacks.items():
         machine = LRParser(start)
         machine.states = states
         place = RepairSite(words, i, machine.accepted())
         for one in (*repair_candidates(place, stuck), *foreign_candidates(place)):
-            yield replace(one, cost=one.cost + _DISTANCE_COST * (stuck - i))
+            yield one, one.cost + _DISTANCE_COST * (stuck - i)
 
 
 def _stacks(start: str, words: Sequence[Token], stuck: int) -> dict[int, list[int]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 from wmspec.core.spelling import edit_distance
@@ -282,7 +283,8 @@ def _missing_statement_keyword(place: RepairSite) -> Iterator[Repair]:
     """A missing statement keyword; likelier at the start of a line, and likelier for frequent keywords."""
     begins = place.before.end_line < place.word.line and place.word.type not in tables().starters
     cost = 2.7 if begins else 6.0
-    starters = {w: kind for w, kind in _keywords().items() if kind in place.accepted & tables().starters}
+    kinds = place.accepted & tables().starters
+    starters = {w: kind for w, kind in _keywords().items() if kind in kinds} if kinds else {}
     first = "action" if _is_call_assignment(place) else "horizon" if place.word.type == "QUANTITY" else "let"
     ordered = [w for w in dict.fromkeys((first, *_FREQUENT_KEYWORDS, *sorted(starters))) if w in starters]
     for rank, keyword in enumerate(ordered):
@@ -331,14 +333,20 @@ def short_text(word: Token) -> str:
     return text if len(text) <= 30 else f"{text[:27]}..."
 
 
-def _similar_keywords(text: str) -> Iterator[tuple[str, str, int]]:
-    """Yield the keywords similar to a word, with their types and edit distance."""
+@lru_cache(4096)
+def _similar_keywords(text: str) -> tuple[tuple[str, str, int], ...]:
+    """Return the keywords similar to a word, with their types and edit distance."""
+    found = []
     for keyword, kind in _keywords().items():
-        apart = edit_distance(text.lower(), keyword, 4)
-        if apart <= max(1, (len(keyword) + 1) // 3) and (len(text) > 1 or apart == 0):
-            yield keyword, kind, apart
+        most = max(1, (len(keyword) + 1) // 3)
+        if abs(len(keyword) - len(text)) <= most:
+            apart = edit_distance(text.lower(), keyword, 4)
+            if apart <= most and (len(text) > 1 or apart == 0):
+                found.append((keyword, kind, apart))
+    return tuple(found)
 
 
+@cache
 def _keywords() -> dict[str, str]:
     """Return the keywords with their token types."""
     return tables().keywords | dict.fromkeys(("title", "license", "source"), "SETTING")
