@@ -150,7 +150,7 @@ def test_a_reload_goes_on_with_the_same_question(browser: Any, url: str, study: 
 
 
 def test_seconds_under_a_clock_that_jumps(browser: Any, url: str, study: Path) -> None:
-    """Answers take as long as they take, whatever the wall clock of the computer shows."""
+    """Answers take as long as they take, independent of the wall clock of the computer."""
     rater, began = Rater(browser, url, load(study)), time.monotonic()
     rater.tab.evaluate(
         """() => {

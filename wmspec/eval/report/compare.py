@@ -87,8 +87,8 @@ class Strata:
     @staticmethod
     def of(questions: pd.DataFrame) -> Strata:
         """Return the strata of questions with `task`, `dimension` and `cluster`."""
-        task = pd.factorize(questions["task"])[0]
-        group = questions.groupby([task, "cluster"]).ngroup().to_numpy()
+        task = np.asarray(pd.factorize(questions["task"])[0], np.intp)
+        group = np.asarray(questions.groupby([task, "cluster"]).ngroup(), np.intp)
         task_of = np.zeros(group.max() + 1, np.intp)
         task_of[group] = task
         return Strata(weights_in_average(questions), task, group, task_of)
