@@ -21,7 +21,7 @@ from wmspec.eval.report.questions import Questions
 from wmspec.eval.report.replies import replies
 from wmspec.runtime.questions.ask import groups
 
-#: So many of about 15 factors are significant by chance: more are in one of 2,000 tasks.
+#: Of about 15 factors, at most two are significant by chance: more are in one of 2,000 tasks.
 CHANCE = 2
 QUICK = ("collide", "color", "drive", "count")
 TASKS = [path if path.stem in QUICK else pytest.param(path, marks=pytest.mark.slow) for path in CATALOGUE]
