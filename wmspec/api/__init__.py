@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from wmspec.api.agreement import Agreement as Agreement
     from wmspec.api.agreement import crosscheck as crosscheck
+    from wmspec.api.environments import Environment as Environment
+    from wmspec.api.environments import Problem as Problem
+    from wmspec.api.environments import environment as environment
     from wmspec.api.episode import Episode as Episode
     from wmspec.api.episode import Track as Track
     from wmspec.api.episode import load_episode as load_episode
@@ -37,10 +40,12 @@ HOMES = {
     "Agreement": "wmspec.api.agreement",
     "DatasetOptions": "wmspec.api.generating",
     "Diagnosis": "wmspec.api.loading",
+    "Environment": "wmspec.api.environments",
     "Episode": "wmspec.api.episode",
     "Factor": "wmspec.api.task",
     "Instance": "wmspec.api.task",
     "InstanceQuestions": "wmspec.api.task",
+    "Problem": "wmspec.api.environments",
     "RenderOptions": "wmspec.api.rendering",
     "SpecError": "wmspec.core.diagnostics",
     "Task": "wmspec.api.task",
@@ -48,6 +53,7 @@ HOMES = {
     "WmsError": "wmspec.core.diagnostics",
     "crosscheck": "wmspec.api.agreement",
     "diagnose": "wmspec.api.loading",
+    "environment": "wmspec.api.environments",
     "generate": "wmspec.api.generating",
     "load": "wmspec.api.loading",
     "load_all": "wmspec.api.loading",
