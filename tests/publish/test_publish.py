@@ -107,6 +107,17 @@ def test_scores_are_exact(make: Any, tmp_path: Path) -> None:
         assert (receipt["model"], receipt["date"]) == (name, "2026-11-26")
 
 
+def test_private_results_are_those_of_evaluate(holder: Holder, tmp_path: Path) -> None:
+    """They are for equating and reports; nobody else has them."""
+    submission, out = holder.submission("half", 0.5), tmp_path / "half.parquet"
+    args = (holder.dataset, holder.public, submission, "--secret", holder.secret, "-o", tmp_path / "r.json")
+    wmspec("score", *args, "--results", out)
+    table = pq.read_table(out).to_pandas()
+    assert set(table["id"]) == {q.id for q in question_list(holder.dataset)}
+    assert table["right"].mean() == pytest.approx(0.5)
+    wmspec("report", out, "--dataset", holder.dataset, "-o", tmp_path / "report")
+
+
 def test_missing_and_failed_replies_are_wrong(holder: Holder) -> None:
     path = holder.submission("partial")
     about, *lines = path.read_text().splitlines()

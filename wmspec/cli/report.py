@@ -38,6 +38,14 @@ from wmspec.core.diagnostics import WmsError
     help="Results of the same models on another dataset: print how far both rank the models alike. Repeatable.",
 )
 @click.option(
+    "--equate",
+    "earlier",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="RESULTS",
+    help="Results on an earlier set of the same design: print what scores would be there. Repeatable.",
+)
+@click.option(
     "--holdout",
     "holdouts",
     multiple=True,
@@ -51,6 +59,7 @@ def report_command(
     dataset: Path | None,
     output: Path,
     ranks: tuple[Path, ...],
+    earlier: tuple[Path, ...],
     holdouts: tuple[str, ...],
     names: tuple[str, ...],
     as_json: bool,
@@ -66,6 +75,9 @@ def report_command(
         raise WmsError(f"a report needs {', '.join(lacking)}; install it with: pip install 'wmspec[report]'")
     if ranks:
         _print_ranks(results, ranks, names, as_json)
+        return
+    if earlier:
+        _print_equated(results, earlier, names, as_json)
         return
     from wmspec.eval.models.splits import Splits
     from wmspec.eval.report.page import lost_answers, summary, warnings
@@ -116,3 +128,29 @@ def _print_ranks(results: tuple[Path, ...], others: tuple[Path, ...], names: tup
         rows = sorted(zip(agreement.models, agreement.first, agreement.second, strict=True), key=lambda row: -row[1])
         for model, here, there in rows:
             click.echo(f"  {shown.get(model, model)}: {format_percent(here)} % and {format_percent(there)} %")
+
+
+def _print_equated(results: tuple[Path, ...], earlier: tuple[Path, ...], names: tuple[str, ...], as_json: bool) -> None:
+    from wmspec.eval.report.equating import equate
+    from wmspec.eval.report.frames import format_percent
+    from wmspec.eval.report.replies import read
+
+    found = equate(*(read(list(paths), None, {}) for paths in (results, earlier)))
+    if as_json:
+        click.echo(json.dumps([asdict(equated) for equated in found], indent=1))
+        return
+    shown = _display_names(names)
+    for equated in found:
+        shift = equated.shift
+        interval = f" [{format_percent(shift.low)}, {format_percent(shift.high)}]" if shift.sure else ""
+        click.echo(
+            f"{equated.kind or 'all'}: the new questions are harder by {format_percent(shift.value)} %{interval}"
+        )
+        for score in equated.scores:
+            value = score.equated
+            interval = f" [{format_percent(value.low)}, {format_percent(value.high)}]" if value.sure else ""
+            there = f"; earlier {format_percent(score.earlier)} %" if score.earlier is not None else ""
+            click.echo(
+                f"  {shown.get(score.model, score.model)}: {format_percent(score.fresh)} %, "
+                f"equated {format_percent(value.value)} %{interval}{there}"
+            )

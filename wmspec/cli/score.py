@@ -22,10 +22,22 @@ _PATH = click.Path(path_type=Path)
 )
 @click.option("--output", "-o", type=_PATH, required=True, metavar="FILE", help="Receipt (.json).")
 @click.option(
+    "--results",
+    type=_PATH,
+    metavar="FILE",
+    help="Also write private results (.parquet), one row a reply, for `wmspec report`.",
+)
+@click.option(
     "--date", type=click.DateTime(["%Y-%m-%d"]), metavar="DATE", help="Date of the receipt.  [default: today, in UTC]"
 )
 def score_command(
-    dataset: Path, questions: Path, submission: Path, secret: Path, output: Path, date: datetime | None
+    dataset: Path,
+    questions: Path,
+    submission: Path,
+    secret: Path,
+    output: Path,
+    results: Path | None,
+    date: datetime | None,
 ) -> None:
     """Score a submission with the private DATASET, and write a signed receipt.
 
@@ -33,6 +45,7 @@ def score_command(
     outcomes, and scores with intervals. `wmspec leaderboard` refuses receipts that were edited.
     """
     from wmspec.dataset.build.reader import DatasetReader
+    from wmspec.eval.models.results import write as write_results
     from wmspec.eval.publish import questions as published
     from wmspec.eval.publish import receipt
     from wmspec.eval.publish import submission as submissions
@@ -42,7 +55,11 @@ def score_command(
     opened = DatasetReader.open(dataset)
     opened.intact()
     day = (date or datetime.now(UTC)).date().isoformat()
-    made = receipt.score(opened, known, submissions.read(submission, known), key, day)
+    sent = submissions.read(submission, known)
+    rows = receipt.scored(opened, known, sent, key)
+    made = receipt.receipt(opened, known, sent, key, day, rows)
+    if results is not None:
+        write_results(results, rows, {"submission": sent.digest, "questions": known.digest})
     write_text(output, json.dumps(made, indent=1, ensure_ascii=False) + "\n")
     for kind, scores in made["scores"].items():
         average, chance = scores["average"], scores["chance"]

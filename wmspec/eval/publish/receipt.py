@@ -35,10 +35,8 @@ FORMAT = 1
 _NO_LINE = Reply(error="the submission has no reply")
 
 
-def score(
-    dataset: DatasetReader, published: Published, submission: Submission, secret: Secret, date: str
-) -> dict[str, Any]:
-    """Return the signed receipt of a submission: digests, model, prompt, outcomes, and scores with intervals.
+def scored(dataset: DatasetReader, published: Published, submission: Submission, secret: Secret) -> list[results.Row]:
+    """Return the scored rows of a submission, as `wmspec evaluate` writes them, with private ids and answers.
 
     Raises WmsError if the published questions are not those of the dataset and the secret.
     """
@@ -48,6 +46,21 @@ def score(
             f"{len(published.questions) - len(rows):,} published questions are not in the dataset",
             help="give the dataset and the secret that they were exported with",
         )
+    return rows
+
+
+def receipt(
+    dataset: DatasetReader,
+    published: Published,
+    submission: Submission,
+    secret: Secret,
+    date: str,
+    rows: list[results.Row],
+) -> dict[str, Any]:
+    """Return the signed receipt of a submission: digests, model, prompt, outcomes, and scores with intervals.
+
+    `rows` are its scored rows.
+    """
     made = tables(replies(pd.DataFrame(rows), Questions.read(dataset.folder)))
     content = {
         "format": FORMAT,
