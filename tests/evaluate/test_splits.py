@@ -35,14 +35,14 @@ def lines(path: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in path.read_text().splitlines()]
 
 
-@given(st.lists(st.text(max_size=12), min_size=1, max_size=30), st.integers(0, 100))
-def test_a_group_has_one_split_and_shares_hold(groups: list[str], train: int) -> None:
+@given(st.lists(st.integers(0, 10**6), min_size=1, max_size=30), st.text(max_size=8), st.integers(0, 100))
+def test_a_group_has_one_split_and_shares_hold(blocks: list[int], task: str, train: int) -> None:
     splits = Splits.parse(f"train={train},test={100 - train},validation=0", ())
-    for group in groups:
-        split = splits.of_group(group)
-        assert split == splits.of_group(group)
+    for block in blocks:
+        split = splits.of_block(task, block)
+        assert split == splits.of_block(task, block)
         assert splits.shares[split] > 0
-    many = [splits.of_group(f"{number}/{groups[0]}") for number in range(2000)]
+    many = [splits.of_block(task, number) for number in range(2000)]
     assert many.count("train") / 2000 == pytest.approx(train / 100, abs=0.06)
 
 
@@ -52,6 +52,7 @@ def test_a_group_has_one_split_and_shares_hold(groups: list[str], train: int) ->
         ("train=80", (), "add up to 100"),
         ("train=80,test=30,validation=0", (), "add up to 110"),
         ("training=80,test=20", (), "expected shares"),
+        ("train=80,train=20", (), "named twice"),
         ("", ("color",), "expected FACTOR=LEVEL"),
         ("", ("color=red,color=blue",), "expected FACTOR=LEVEL"),
     ],

@@ -103,6 +103,9 @@ def _statements() -> st.SearchStrategy[s.Statement]:
         st.builds(s.Factor, names, expressions, st.booleans(), here, st.none() | words),
         st.builds(s.Let, names, expressions, here),
         st.builds(s.Require, expressions, here),
+        st.builds(
+            s.Holdout, names | st.builds(s.Items, st.just("tuple"), _many(names, 2), none, here), expressions, here
+        ),
         st.builds(s.Setting, st.sampled_from(["repeat", "horizon"]), expressions, here),
         st.builds(s.Setting, st.sampled_from(["title", "license", "source"]), texts, here),
         st.builds(s.Design, names, optional, properties, here),
@@ -245,6 +248,7 @@ _TEXTS: dict[type, Callable[[Any], str]] = {
     s.Legibility: lambda n: f"legibility {n.word.id}",
     s.Let: lambda n: f"let {n.name.id} = {written(n.value)}",
     s.Require: lambda n: f"require {written(n.condition)}",
+    s.Holdout: lambda n: f"holdout {written(n.target)} in {written(n.levels)}",
     s.Setting: lambda n: f"{n.key} {written(n.value)}",
     s.Design: _design,
     s.Tolerance: lambda n: f"tolerance {n.name.id} {written(n.value)}",

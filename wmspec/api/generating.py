@@ -28,6 +28,7 @@ from wmspec.dataset.build.manifest import Summary
 from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.plan import Task as PlannedTask
 from wmspec.dataset.build.reuse import PriorInstances
+from wmspec.dataset.build.splits import Split, parse_split
 from wmspec.dataset.film.codec import pyav
 from wmspec.dataset.film.timing import DEFAULT_SIZE as DEFAULT_FILM_SIZE
 from wmspec.dataset.film.timing import FilmSettings
@@ -51,7 +52,9 @@ class DatasetOptions(TypedDict, total=False):
     engines agree, if the "majority" agrees, or always ("none"). `seed`: random seed of tasks given by path. `size`
     (pixels), `look` and `samples`: see `RenderOptions`. `film`: frames per second of films of closed sets, None for no
     films; `film_size`: their width and height (pixels). `licence`: SPDX identifier of the data licence, by default
-    that of the specs, and CC-BY-4.0 for specs of wmspec.
+    that of the specs, and CC-BY-4.0 for specs of wmspec. `split`: only the instances of "train", "validation" or
+    "test"; the first two without the hold-outs of the specs. `shares`: of the splits in percent, such as
+    "train=80,validation=10,test=10".
     """
 
     per_task: int | None
@@ -70,6 +73,8 @@ class DatasetOptions(TypedDict, total=False):
     film: int | None
     film_size: tuple[int, int]
     licence: str
+    split: str
+    shares: str
 
 
 Executor = Literal["local", "ray"]
@@ -162,6 +167,7 @@ def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptio
         raise WmsError(f"no rows of {rows_of!r}", help=f"rows are of {' or of '.join(get_args(RowsOf))}")
     if rows_of == "questions":
         renderer = renderer or quickest_renderer(engines)
+    split = parse_split(options.get("split", ""), options.get("shares", ""))
     drawers = require_look(select_backends(renderer) if renderer else engines, look)
     if renderer and len(drawers) > 1:
         raise WmsError("`renderer` expects one engine")
@@ -170,7 +176,7 @@ def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptio
             raise WmsError(f"the task `{task.name}` has no question; nothing to generate")
     return Plan(
         texts=spec_texts(chosen_tasks),
-        tasks=tuple(planned_task(t, per_task, full, part) for t in chosen_tasks),
+        tasks=tuple(planned_task(t, per_task, full, part, split) for t in chosen_tasks),
         engines=engines,
         size=pixels(options.get("size", DEFAULT_SIDE)),
         seed=chosen_tasks[0].seed,
@@ -183,6 +189,7 @@ def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptio
         part=part,
         film=_film(options.get("film"), options.get("film_size"), chosen_tasks, look),
         licence=_licence(chosen_tasks, options.get("licence", "")),
+        split=split,
         versions=versions({*engines, *drawers}, look),
     )
 
@@ -240,13 +247,21 @@ def spec_texts(tasks: Sequence[Task]) -> dict[str, str]:
     return texts
 
 
-def planned_task(task: Task, per_task: int | None, full: bool, part: tuple[int, int]) -> PlannedTask:
-    """Return a task with its instances: all, or a sample of the requested or the paper's size; of these a share."""
+def planned_task(
+    task: Task, per_task: int | None, full: bool, part: tuple[int, int], split: Split | None = None
+) -> PlannedTask:
+    """Return a task with its instances: all, or a sample of the requested or the paper's size; of these a share.
+
+    With a split, these are instances of the split. Raises WmsError if it has none.
+    """
     count = len(task) if full else per_task or instance_count(task.name, task.questions)
     if min(count or len(task), len(task)) > INSTANCES.most:
         raise WmsError(f"`{task.name}` {INSTANCES.sentence}", help=INSTANCES.help)
     try:
-        selected = len(task.design.selection(count))
-        return PlannedTask(task.spec, task.design.selection(count, *part), selected)
+        allowed = split.contains(task.design) if split else None
+        selected = task.design.selection(count, allowed=allowed)
+        if split and not selected:
+            raise split.nothing_left(task.design)
+        return PlannedTask(task.spec, task.design.selection(count, *part, allowed), len(selected))
     except IndexError as error:
         raise WmsError(f"part {part}: {error}") from None

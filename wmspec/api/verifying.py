@@ -22,6 +22,7 @@ from wmspec.dataset.build.derived import publication_date
 from wmspec.dataset.build.plan import FORMAT, Plan
 from wmspec.dataset.build.plan import Task as PlannedTask
 from wmspec.dataset.build.reader import DatasetReader, read_plan
+from wmspec.dataset.build.splits import Split
 from wmspec.dataset.verify.folder import folder_differences
 from wmspec.dataset.verify.model import Verification
 from wmspec.dataset.verify.records import check_records
@@ -106,6 +107,8 @@ def _limits(dataset: DatasetReader, plan: Plan) -> Iterator[str]:
         "its own specs that change no row, such as comments, make another valid dataset; a seal shows such changes "
         "(wmspec attest)"
     )
+    if plan.split is not None:
+        yield f"it is the split `{plan.split.name}` of its instances"
     if plan.part != (1, 1):
         yield f"it is share {plan.part[0]} of {plan.part[1]} of its instances"
 
@@ -169,6 +172,7 @@ def _plan(dataset: DatasetReader, tasks: list[Task]) -> Plan:
         licence=manifest.get("licence", ""),
         versions=manifest["versions"],
         film=dataset.film,
+        split=Split.of(manifest.get("split")),
     )
 
 

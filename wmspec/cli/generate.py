@@ -63,6 +63,14 @@ if TYPE_CHECKING:
     type=click.Choice(["wm-abench"]),
     help="The paper's 44 tasks as the paper asks them: one kind of question, and its number of pictures.",
 )
+@click.option(
+    "--split",
+    type=click.Choice(["train", "validation", "test"]),
+    help="Only this split of control groups; train and validation without the hold-outs of the specs.",
+)
+@click.option(
+    "--shares", default="", metavar="SHARES", help="Splits in percent.  [default: train=80,validation=10,test=10]"
+)
 @click.option("--full", is_flag=True, help="All instances of every task, also beyond WM-ABench's count.")
 @dimension_option
 @size_option
@@ -117,6 +125,8 @@ def generate_command(
     reuse: tuple[Path, ...],
     full: bool,
     profile: Any,
+    split: str | None,
+    shares: str,
     dimension: tuple[str, ...],
     size: str,
     film: str | None,
@@ -162,6 +172,8 @@ def generate_command(
         "per_task": per_task,
         "full": full,
         "profile": profile or "",
+        "split": split or "",
+        "shares": shares,
         "part": parse_share(shard),
         "dimensions": dimension,
         "backend": backend,

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import zip_longest
+from itertools import islice, zip_longest
 from typing import overload
 
 from wmspec.compile.design.arrange import blocks
@@ -16,6 +16,9 @@ from wmspec.compile.design.levels import Level, quantile
 from wmspec.core.diagnostics import SpecError
 from wmspec.core.rng import Permutation, uniform
 from wmspec.lang.check.ir.ir import Choices, Items, TaskSpec
+
+#: Whether an instance, by its index, may be selected.
+Allowed = Callable[[int], bool]
 
 
 @dataclass(frozen=True)
@@ -149,6 +152,10 @@ class Design:
         every = (self.blocks.in_turn(turn, first + other) for other in order)
         return tuple(other for other in every if other < self.blocks.count)
 
+    def block_of(self, index: int) -> int:
+        """Return the control group of an instance."""
+        return self.blocks.locate(index)[0]
+
     @cached_property
     def answers(self) -> int:
         """Number of answers to balance."""
@@ -156,29 +163,38 @@ class Design:
         assert isinstance(options, Items)
         return len(options.items)
 
-    def sample(self, count: int) -> tuple[int, ...]:
+    def sample(self, count: int, allowed: Allowed | None = None) -> tuple[int, ...]:
         """Return `count` distinct indices in a random order that depends on the seed only; all if there are fewer.
+
+        `allowed` says which indices may be taken; by default all.
 
         A design with groups covers as many groups as possible. From each group in turn it takes whole parts, at least
         one: the instances that differ in the factors crossed in every group and share the value of the rotating factor.
         Where answers are balanced, it takes whole balance batches.
         """
         if self.spec.plan.kind != "groups":
-            order = Permutation(len(self), self.seed, self.spec.name, "sample")
-            return tuple(order(i) for i in range(min(count, len(self))))
+            order = map(Permutation(len(self), self.seed, self.spec.name, "sample"), range(len(self)))
+            return tuple(islice(filter(allowed, order) if allowed else order, count))
         sampled: list[int] = []
-        for part in self._laps() if self.spec.plan.balance else self._parts():
+        parts: Iterator[Sequence[int]] = self._laps() if self.spec.plan.balance else self._parts()
+        for part in parts if allowed is None else filter(None, ([*filter(allowed, part)] for part in parts)):
             if sampled and len(sampled) + len(part) > count:
                 break
             sampled += part
         return tuple(sampled)
 
-    def selection(self, count: int | None, number: int = 1, of: int = 1) -> tuple[int, ...]:
-        """Return share `number` (1 .. `of`) of a sample of `count` indices, or of all indices, in ascending order.
+    def selection(
+        self, count: int | None, number: int = 1, of: int = 1, allowed: Allowed | None = None
+    ) -> tuple[int, ...]:
+        """Return share `number` (1 .. `of`) of a sample of `count` allowed indices, or of all, in ascending order.
 
         Raises IndexError if there is no such share.
         """
-        chosen = range(len(self)) if count is None or count >= len(self) else sorted(self.sample(count))
+        chosen: Sequence[int] = range(len(self))
+        if count is not None and count < len(self):
+            chosen = sorted(self.sample(count, allowed))
+        elif allowed is not None:
+            chosen = [*filter(allowed, chosen)]
         return tuple(chosen[share(len(chosen), number, of)])
 
     @property

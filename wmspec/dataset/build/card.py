@@ -12,6 +12,7 @@ from wmspec.dataset.build.files import EXAMPLES
 from wmspec.dataset.build.manifest import Summary, TaskSummary
 from wmspec.dataset.build.plan import Plan, Task, row_names
 from wmspec.dataset.build.rows import schema
+from wmspec.dataset.build.splits import TEST
 from wmspec.lang.check.ir.ir import Choices, Factor, Interval, Normal
 
 #: The configuration that holds the questions of all tasks, with the columns that all tasks share.
@@ -55,7 +56,7 @@ def card(plan: Plan, total: Summary, scores: Mapping[str, Baselines]) -> str:
     """
     people = [
         _opening(plan, total),
-        _loading(total),
+        _loading(plan, total),
         _use(plan),
         _baselines(scores),
         _tasks(plan, total),
@@ -78,16 +79,21 @@ def _front(plan: Plan, total: Summary) -> str:
     filled = _nonempty_tasks(total)
     if filled:
         lines.append("configs:")
-        lines += [*configuration(ALL, "*"), "  default: true", "  columns:", *(f"  - {name}" for name in COLUMNS)]
+        lines += [
+            *configuration(ALL, "*", plan.split_name),
+            "  default: true",
+            "  columns:",
+            *(f"  - {name}" for name in COLUMNS),
+        ]
     for name in filled:
-        lines += configuration(name, name)
+        lines += configuration(name, name, plan.split_name)
     return "\n".join([*lines, "---"])
 
 
-def configuration(name: str, folder: str) -> list[str]:
+def configuration(name: str, folder: str, split: str) -> list[str]:
     """Return the YAML lines of a configuration: the files of a task, or of all tasks for `*`."""
-    path = json.dumps(f"data/{folder}/test-*.parquet")
-    return [f"- config_name: {json.dumps(name)}", "  data_files:", "  - split: test", f"    path: {path}"]
+    path = json.dumps(f"data/{folder}/{split}-*.parquet")
+    return [f"- config_name: {json.dumps(name)}", "  data_files:", f"  - split: {split}", f"    path: {path}"]
 
 
 def _licenses(plan: Plan) -> list[str]:
@@ -134,14 +140,14 @@ def _opening(plan: Plan, total: Summary) -> str:
     )
 
 
-def _loading(total: Summary) -> str:
-    name = next(iter(_nonempty_tasks(total)), "TASK")
+def _loading(plan: Plan, total: Summary) -> str:
+    name, split = next(iter(_nonempty_tasks(total)), "TASK"), plan.split_name
     return (
         "## Loading\n\n"
         "```python\n"
         "from datasets import load_dataset\n\n"
-        'questions = load_dataset("path/to/this/folder", split="test")  # of all tasks\n'
-        f'questions = load_dataset("path/to/this/folder", "{name}", split="test")  # of one, with its factors\n'
+        f'questions = load_dataset("path/to/this/folder", split="{split}")  # of all tasks\n'
+        f'questions = load_dataset("path/to/this/folder", "{name}", split="{split}")  # of one, with its factors\n'
         'questions[0]["text"], questions[0]["context"]  # the pictures are PIL images\n'
         "```\n\n"
         "Or without anything but pandas: "
@@ -163,11 +169,16 @@ def _use(plan: Plan) -> str:
     ]
     if plan.rows_of == "engines":
         limits.append("Rows of several engines are of the same episodes: they are no more questions.")
-    return (
-        "## Use and limits\n\nFor measuring what models that see pictures understand of a physical world, factor by "
-        "factor. Not for training: a model that has seen it is not measured by it.\n\n"
-        + "\n".join(f"- {limit}" for limit in limits)
+    purpose = (
+        "For measuring what models that see pictures understand of a physical world, factor by factor. Not for "
+        "training: a model that has seen it is not measured by it."
     )
+    if plan.split is not None and plan.split.name != TEST:
+        purpose = (
+            f"For {'training' if plan.split.name == 'train' else 'validation during training'}: the split "
+            f"`{plan.split.name}`, without the hold-outs of the specs. The split `{TEST}` measures the result."
+        )
+    return f"## Use and limits\n\n{purpose}\n\n" + "\n".join(f"- {limit}" for limit in limits)
 
 
 def _baselines(scores: Mapping[str, Baselines]) -> str:

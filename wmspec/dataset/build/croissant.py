@@ -59,11 +59,12 @@ _TYPES = {pa.bool_(): "sc:Boolean", pa.int64(): "sc:Integer", pa.float64(): "sc:
 
 @dataclass(frozen=True)
 class TaskMetadata:
-    """A task that has questions: its name, title and columns."""
+    """A task that has questions: its name, title and columns, and the split of its files."""
 
     name: str
     title: str
     columns: pa.Schema
+    split: str = "test"
 
 
 def croissant(plan: Plan, records: Mapping[str, Record], cited: str, published: str) -> dict[str, Any]:
@@ -75,7 +76,7 @@ def croissant(plan: Plan, records: Mapping[str, Record], cited: str, published: 
     for shard in plan.shards():
         rows[shard.task.spec.name] += records[shard.path].rows
     filled = [
-        TaskMetadata(t.spec.name, t.spec.title, schema(t.spec, plan.film is not None))
+        TaskMetadata(t.spec.name, t.spec.title, schema(t.spec, plan.film is not None), plan.split_name)
         for t in plan.tasks
         if rows[t.spec.name]
     ]
@@ -97,20 +98,20 @@ def metadata(
         "name": name or "wmspec",
         "description": description,
         "version": version,
-        "distribution": [_files(task.name) for task in tasks],
+        "distribution": [_files(task.name, task.split) for task in tasks],
         "recordSet": [_records(task) for task in tasks],
     }
     listed = list(licenses)
     return described | {"license": listed} if listed else described
 
 
-def _files(name: str) -> dict[str, Any]:
+def _files(name: str, split: str) -> dict[str, Any]:
     return {
         "@type": "cr:FileSet",
         "@id": f"files/{name}",
         "name": f"files/{name}",
         "encodingFormat": "application/x-parquet",
-        "includes": f"data/{name}/test-*.parquet",
+        "includes": f"data/{name}/{split}-*.parquet",
     }
 
 

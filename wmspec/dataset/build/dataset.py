@@ -27,7 +27,7 @@ from wmspec.dataset.build.worker import Outcome
 from wmspec.runtime.questions.model import Rejected
 
 _OWN_FILES = ("data", files.FILMS, files.EXAMPLES, files.MANIFEST, files.CARD, files.CROISSANT)
-_SHARD = re.compile(r"test-\d{5}-of-\d{5}\.parquet")
+_SHARD = re.compile(r"(?:train|validation|test)-\d{5}-of-\d{5}\.parquet")
 
 
 class Dataset:

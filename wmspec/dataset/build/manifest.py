@@ -7,10 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from wmspec.compile.design.design import Design
 from wmspec.core.crash import Crash
 from wmspec.core.tally import Tally
 from wmspec.dataset.build.plan import QUESTIONS, Plan, Task, row_names
 from wmspec.dataset.build.shards import Record, shard_entry
+from wmspec.dataset.build.splits import declared_holdouts
 from wmspec.dataset.build.worker import Balance, CacheStats
 from wmspec.runtime.questions.model import FAILED, Rejected
 
@@ -134,6 +136,7 @@ def manifest(
         **{key: record[key] for key in ("versions", "seed", "engines", "size", "consensus", "rows_of", "shard")},
         **({"profile": plan.profile} if plan.profile else {}),
         **({"part": list(plan.part)} if plan.part != (1, 1) else {}),
+        **({"split": plan.split.record} if plan.split else {}),
         **({"film": plan.film.record} if plan.film else {}),
         "licence": plan.licence,
         "specs": {name: {"sha256": sha, "text": plan.texts[name]} for name, sha in record["specs"].items()},
@@ -149,4 +152,16 @@ def _task(plan: Plan, task: Task, count: TaskSummary) -> dict[str, Any]:
     spec = task.spec
     about = {key: getattr(spec, key) for key in ("dimension", "title", "description", "license", "source")}
     selected = {"selected": task.selected} if plan.part != (1, 1) and task.selected is not None else {}
-    return {**about, "instances": count.instances, **selected, "rows": count.rows, "rejected": count.rejected}
+    counts = {"instances": count.instances, **selected, "rows": count.rows, "rejected": count.rejected}
+    return {**about, **counts, **_splits(plan, task)}
+
+
+def _splits(plan: Plan, task: Task) -> dict[str, Any]:
+    """Return what splits of the rows depend on: hold-outs, and the control groups that are balanced together."""
+    holdouts = declared_holdouts(task.spec)
+    made: dict[str, Any] = {"holdouts": holdouts} if holdouts else {}
+    if task.spec.plan.balance:
+        design = Design(task.spec, plan.seed)
+        batches = {tuple(sorted(design.balance_batch(design.block_of(index)))) for index in task.indices}
+        made["balance_batches"] = [list(batch) for batch in sorted(batches)]
+    return made

@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Any, Final
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.splits import TEST, Split
 from wmspec.dataset.film.timing import FilmSettings
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.runtime.questions.consensus import Consensus, RowsOf
@@ -41,11 +42,12 @@ class Shard:
     number: int
     of: int
     indices: tuple[int, ...]
+    split: str = TEST
 
     @property
     def path(self) -> str:
         """The path in the dataset folder."""
-        return f"data/{self.task.spec.name}/test-{self.number:05d}-of-{self.of:05d}.parquet"
+        return f"data/{self.task.spec.name}/{self.split}-{self.number:05d}-of-{self.of:05d}.parquet"
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,8 @@ class Plan:
     reference engine executed and the others confirm, or a question in each of the engines. `profile` names the
     benchmark whose questions have its format. `part` is (i, n) for share i of n of the instances. `shard` is the
     number of instances in a shard, `versions` those of wmspec and the engines. `film` are the settings of
-    films, None for a dataset without. `licence` is stated in the card and has no other effect.
+    films, None for a dataset without. `split` is the split of which all instances are, if any. `licence` is stated
+    in the card and has no other effect.
 
     Raises WmsError if two tasks have the same name.
     """
@@ -79,6 +82,7 @@ class Plan:
     shard: int = field(default=64)
     licence: str = ""
     film: FilmSettings | None = None
+    split: Split | None = None
 
     def __post_init__(self) -> None:
         names = [t.spec.name.casefold() for t in self.tasks]
@@ -100,12 +104,18 @@ class Plan:
         """The engines of the rows of one question; None for the single row that stands for all engines."""
         return self.engines if self.rows_of == "engines" else (None,)
 
+    @property
+    def split_name(self) -> str:
+        """The split of the files: `test` for a dataset that is not divided."""
+        return self.split.name if self.split else TEST
+
     def shards(self) -> Iterator[Shard]:
         """Yield the shards of all tasks, in order."""
         for task in self.tasks:
             of = -(-len(task.indices) // self.shard)
             for number in range(of):
-                yield Shard(task, number, of, task.indices[number * self.shard : (number + 1) * self.shard])
+                indices = task.indices[number * self.shard : (number + 1) * self.shard]
+                yield Shard(task, number, of, indices, self.split_name)
 
     @cached_property
     def record(self) -> dict[str, Any]:
@@ -123,6 +133,7 @@ class Plan:
             "rows_of": self.rows_of,
             **({"profile": self.profile} if self.profile else {}),
             **({"film": self.film.record} if self.film else {}),
+            **({"split": self.split.record} if self.split else {}),
             "shard": self.shard,
             "specs": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(self.texts.items())},
             "tasks": {t.spec.name: list(t.indices) for t in self.tasks},

@@ -29,7 +29,7 @@ PICTURES = ("context", "option_image")
 CHANNELS = ("context_depth", "context_ids")
 
 #: What both the plan and the manifest state.
-_SHARED_KEYS = {"seed", "engines", "size", "consensus", "versions", "rows_of", "profile", "film"}
+_SHARED_KEYS = {"seed", "engines", "size", "consensus", "versions", "rows_of", "profile", "film", "split"}
 
 #: Remedy for a damaged dataset.
 REPAIR_HINT = "run the command that made the dataset again (`wmspec generate ... -o FOLDER`) to repair it"
@@ -185,7 +185,7 @@ class DatasetReader:
 
 def unlisted_files(folder: Path, known: Collection[str]) -> list[str]:
     """Return the files that `load_dataset` would load from a folder and that are not in `known`, in order."""
-    there = (path.relative_to(folder).as_posix() for path in sorted(folder.glob("data/*/test-*.parquet")))
+    there = (path.relative_to(folder).as_posix() for path in sorted(folder.glob("data/*/*-*.parquet")))
     return [path for path in there if path not in known]
 
 

@@ -20,6 +20,7 @@ from wmspec.dataset.build.film_files import damaged_film
 from wmspec.dataset.build.plan import Plan, Shard, Task, differences
 from wmspec.dataset.build.rebuild import rebuild_plan
 from wmspec.dataset.build.shards import Record, read_outcomes, read_records
+from wmspec.dataset.build.splits import Split
 from wmspec.dataset.build.worker import Outcome
 
 
@@ -92,17 +93,18 @@ def _files(folder: Path, plan: Plan) -> Iterator[ShardFile]:
 
 
 def _plan(folder: Path, plan: Plan) -> Plan:
-    """Return the plan of a folder: `plan` with the folder's own instances."""
+    """Return the plan of a folder: `plan` with the folder's own instances and split."""
     try:
         path = folder / files.PLAN
         record: Any = json.loads(read_bytes(path)) if path.exists() else rebuild_plan(folder, plan)
         indices = {name: tuple(map(int, numbers)) for name, numbers in record["tasks"].items()}
+        split = Split.of(record.get("split"))
     except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
         raise WmsError(
             f"{folder} holds no dataset that could be reused; name a folder that `wmspec generate` made"
         ) from None
     tasks = tuple(Task(t.spec, indices[t.spec.name]) for t in plan.tasks if t.spec.name in indices)
-    there = replace(plan, tasks=tasks)
+    there = replace(plan, tasks=tasks, split=split)
     if there.record != record:
         what = "; ".join(differences(record, there.record)) or "parts that this version does not know"
         raise WmsError(

@@ -20,7 +20,7 @@ from wmspec.dataset.build.rows import Row
 from wmspec.runtime.questions.consensus import Consensus, RowsOf
 
 #: The path of a shard, which contains the name of its task.
-SHARD = re.compile(r"data/(\w[\w.-]{0,99})/test-\d{5}-of-\d{5}\.parquet")
+SHARD = re.compile(r"data/(\w[\w.-]{0,99})/(?:train|validation|test)-\d{5}-of-\d{5}\.parquet")
 
 _Name = Annotated[str, StringConstraints(pattern=r"^\w[\w.-]{0,99}$")]
 _Count = Annotated[int, Field(ge=0, strict=True)]
@@ -40,6 +40,13 @@ class _Task(_Strict):
     selected: _Count | None = None
     rows: dict[_Name, _Count]
     rejected: dict[str, _Count]
+    holdouts: list[dict[_Name, bool | float | str | list[float]]] = []
+    balance_batches: list[list[_Count]] = []
+
+
+class _Split(_Strict):
+    name: Literal["train", "validation", "test"]
+    shares: dict[Literal["train", "validation", "test"], Annotated[int, Field(ge=0, le=100, strict=True)]]
 
 
 class _Film(_Strict):
@@ -77,6 +84,7 @@ class _Manifest(_Strict):
     licence: str = ""
     part: Annotated[list[Annotated[int, Field(ge=1, strict=True)]], Field(min_length=2, max_length=2)] = [1, 1]
     film: _Film | None = None
+    split: _Split | None = None
     versions: dict[str, str]
     tasks: dict[_Name, _Task]
     rows: _Count

@@ -60,7 +60,7 @@ def _plan_differences(plan: Plan) -> Iterator[Difference]:
     for task in plan.tasks:
         design, count = Design(task.spec, plan.seed), task.selected if task.selected is not None else len(task.indices)
         try:
-            expected = design.selection(count, *plan.part)
+            expected = design.selection(count, *plan.part, plan.split.contains(design) if plan.split else None)
         except IndexError as error:
             yield Difference(files.MANIFEST, "part", str(error))
             continue

@@ -25,11 +25,12 @@ def write(
 ) -> dict[str, int]:
     """Write a file of JSON lines for each split, and pictures by content; returns the number of questions by split.
 
-    Libraries refuse empty files, so a split without questions has none.
+    Libraries refuse empty files, so a split without questions has none. Hold-outs of the specs apply too.
 
     `tasks` has the ids of questions by task, `path` returns where a file goes. Raises WmsError for a prompt with
-    videos.
+    videos, and for splits that do not fit the dataset.
     """
+    splits = splits.of_dataset(dataset)
     counts = dict.fromkeys(splits.shares, 0)
     out: dict[str, TextIO] = {}
     known: set[str] = set()
@@ -47,12 +48,12 @@ def write(
         for task, ids in tasks.items():
             levels = factors_of(dataset, task)
             for question in questions(dataset, ids):
-                group, factors = levels[question.id]
-                split = splits.of(group, factors)
+                block, factors = levels[question.id]
+                split = splits.of(task, block, factors)
                 if split and split not in out:
                     out[split] = stack.enter_context(path(f"{split}.jsonl").open("w", encoding="utf-8"))
                 if split:
-                    line = _chat(question, prompt, keep) | {"seen": not splits.is_unseen(factors)}
+                    line = _chat(question, prompt, keep) | {"seen": not splits.is_unseen(task, factors)}
                     out[split].write(json.dumps(line, ensure_ascii=False) + "\n")
                     counts[split] += 1
     path("dataset_info.json").write_bytes(pretty_json({f"wmspec_{name}": _llama_factory(name) for name in sorted(out)}))
@@ -64,13 +65,13 @@ def _chat(question: Question, prompt: Prompt, keep: Callable[[bytes], str]) -> R
     images: list[str] = []
     content = list(_content(ask, keep, images))
     plain = "\n".join(part.get("text", "<image>") for part in content)
-    answer = _answer(ask)
+    answer = ask.true_reply
     system = [{"role": "system", "content": prompt.system}] if prompt.system else []
     return {
         "id": question.id,
         "task": question.task,
         "group": question.group,
-        "truth": _truth(ask),
+        "truth": ask.truth,
         "messages": [
             *({"role": m["role"], "content": [{"type": "text", "text": m["content"]}]} for m in system),
             {"role": "user", "content": content},
@@ -93,28 +94,6 @@ def _content(ask: Ask, keep: Callable[[bytes], str], images: list[str]) -> Itera
             yield {"type": "image"}
         else:
             raise WmsError("videos cannot be exported; use another --prompt than `clip`")
-
-
-def _truth(ask: Ask) -> Row:
-    """Return the arguments with which `mark` scores a reply, for rewards."""
-    question = ask.question
-    number, unit, within = question.open_answer
-    return {
-        "options": list(question.options),
-        "labels": ask.labels,
-        "answer": question.answer,
-        "number": number,
-        "unit": unit,
-        "within": within,
-    }
-
-
-def _answer(ask: Ask) -> str:
-    """Return the true answer as a model should write it: a label, or a number with its unit."""
-    question = ask.question
-    if question.answer is not None:
-        return ask.label(ask.order.index(question.answer))
-    return f"{question.number:.4g} {question.unit}".strip()
 
 
 def _llama_factory(split: str) -> Row:

@@ -155,7 +155,6 @@ def _chat(what: Export, folder: Folder) -> int:
     folder.copy("eval/export/files/chat.md", "README.md")
     folder.copy("eval/export/files/chat_train.py", "train.py")
     folder.copy("eval/export/files/reward.py", "reward.py")
-    what.splits.check(what.dataset)
     return sum(chat.write(what.dataset, what.tasks, what.prompt, what.splits, folder.path).values())
 
 

@@ -116,12 +116,14 @@ class Selection:
                 hint = suggestion(name, dataset.tasks)
                 raise WmsError(f"the dataset has no task `{name}`; {hint}".rstrip("; "))
         dataset.require_engines(self.engines)
-        self.splits.check(dataset)
+        splits = self.splits.of_dataset(dataset)
+        if self.split and splits.whole not in ("", self.split):
+            raise WmsError(f"--split {self.split}: the dataset is the split `{splits.whole}`")
         queues: dict[tuple[str, str], dict[str, str]] = {}
         for task in self.tasks or dataset.tasks:
             levels = factors_of(dataset, task) if self.split else {}
             for row in dataset.rows(task, ["id", "index", "question", "engine"]):
-                if self.split and self.splits.of(*levels[row["id"]]) != self.split:
+                if self.split and splits.of(task, *levels[row["id"]]) != self.split:
                     continue
                 engine = row["engine"] if dataset.rows_of == "engines" else ""
                 if not self.engines or engine in self.engines:

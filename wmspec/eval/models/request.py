@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 from wmspec.dataset.build.films import ShownFilm
 from wmspec.eval.models.ablation import Ablation, Words, option_words
@@ -103,6 +103,28 @@ class Ask:
     def label(self, place: int) -> str:
         """Return the label of the option at a position (as shown)."""
         return LETTERS[place] if self.labels == "letters" else str(place + 1)
+
+    @property
+    def truth(self) -> dict[str, Any]:
+        """The arguments with which `mark` scores a reply: options and answer in the order in which they are shown."""
+        question = self.question
+        number, unit, within = question.open_answer
+        return {
+            "options": [question.options[place] for place in self.order],
+            "labels": self.labels,
+            "answer": None if question.answer is None else self.order.index(question.answer),
+            "number": number,
+            "unit": unit,
+            "within": within,
+        }
+
+    @property
+    def true_reply(self) -> str:
+        """The true answer as a model should write it: a label, or a number with its unit."""
+        question = self.question
+        if question.answer is not None:
+            return self.label(self.order.index(question.answer))
+        return f"{question.number:.4g} {question.unit}".strip()
 
     @cached_property
     def request(self) -> Request:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.build.splits import DEFAULT_SHARES, TEST, parse_shares, split_of_group
 
-#: The names of splits, in order, and their default shares in percent.
-DEFAULT_SHARES = {"train": 80, "validation": 10, "test": 10}
 _LEVEL = re.compile(r"\s*([a-z][a-z0-9_]*)\s*=\s*([^,=]+?)\s*")
 
 
@@ -21,11 +19,16 @@ class Splits:
     """Shares of splits in percent, and hold-outs: levels by factor that never occur together in training.
 
     A control group is in one split, which depends on its name alone: another dataset of the same design and seed has
-    the same splits. Questions with a hold-out in a group for training or validation are in no split.
+    the same splits. Questions with a hold-out in a group for training or validation are in no split. `declared` are the
+    hold-outs of the specs by task, which `holdouts` add to. `whole` is the split of all questions of a dataset that was
+    generated as one. `units` has, by task, the block that stands for each block in groups that are balanced together.
     """
 
     shares: Mapping[str, int] = field(default_factory=lambda: dict(DEFAULT_SHARES))
     holdouts: tuple[Mapping[str, str], ...] = ()
+    declared: Mapping[str, tuple[Mapping[str, str], ...]] = field(default_factory=dict)
+    whole: str = ""
+    units: Mapping[str, Mapping[int, int]] = field(default_factory=dict)
 
     @classmethod
     def parse(cls, shares: str, holdouts: Sequence[str]) -> Splits:
@@ -33,18 +36,31 @@ class Splits:
 
         Raises WmsError for anything else.
         """
-        parsed = dict(DEFAULT_SHARES)
-        if shares:
-            parts = [part.partition("=") for part in shares.split(",")]
-            if any(name.strip() not in DEFAULT_SHARES or not share.strip().isdecimal() for name, _, share in parts):
-                raise WmsError(f"--shares {shares}: expected shares in percent, such as train=80,validation=10,test=10")
-            parsed = {name.strip(): int(share) for name, _, share in parts}
-        if sum(parsed.values()) != 100:
-            raise WmsError(f"--shares {shares}: the shares add up to {sum(parsed.values())}, not to 100")
-        return cls(parsed, tuple(map(_holdout, holdouts)))
+        return cls(parse_shares(shares), tuple(map(_holdout, holdouts)))
 
-    def check(self, dataset: DatasetReader) -> None:
-        """Raise WmsError if no task of a dataset has the factors of a hold-out."""
+    def of_dataset(self, dataset: DatasetReader) -> Splits:
+        """Return the splits with what a dataset records: hold-outs of its specs, and its split if it is one.
+
+        Raises WmsError if no task of the dataset has the factors of a hold-out, or if it is a split of other shares.
+        """
+        self._check(dataset)
+        tasks = dataset.manifest["tasks"]
+        declared = {
+            name: tuple({factor: _text(level) for factor, level in out.items()} for out in task["holdouts"])
+            for name, task in tasks.items()
+            if task.get("holdouts")
+        }
+        units = {
+            name: {block: min(batch) for batch in task.get("balance_batches", ()) for block in batch}
+            for name, task in tasks.items()
+        }
+        split = dataset.manifest.get("split")
+        if split and self.shares not in (split["shares"], DEFAULT_SHARES):
+            raise WmsError(f"--shares: the dataset is the split `{split['name']}`, of shares {_words(split['shares'])}")
+        shares = split["shares"] if split else self.shares
+        return replace(self, shares=shares, declared=declared, units=units, whole=split["name"] if split else "")
+
+    def _check(self, dataset: DatasetReader) -> None:
         known = {c.split(".", 1)[1] for task in dataset.tasks for c in dataset.columns(task) if c.startswith("factor.")}
         for holdout in self.holdouts:
             for name in holdout:
@@ -52,24 +68,30 @@ class Splits:
                     hint = suggestion(name, sorted(known))
                     raise WmsError(f"--holdout {name}: no task has this factor; {hint}".rstrip("; "))
 
-    def of_group(self, group: str) -> str:
+    @property
+    def hold_out(self) -> bool:
+        """Whether there are hold-outs."""
+        return bool(self.holdouts or self.declared)
+
+    def of_block(self, task: str, block: int) -> str:
         """Return the split of a control group."""
-        digest = hashlib.sha256(f"split\n{group}".encode()).digest()
-        place, reached = int.from_bytes(digest[:8], "big") / 2**64 * 100, 0
-        for name, share in self.shares.items():
-            reached += share
-            if place < reached:
-                return name
-        return [*self.shares][-1]
+        if self.whole:
+            return self.whole
+        return split_of_group(f"{task}/{self.units.get(task, {}).get(block, block)}", self.shares)
 
-    def is_unseen(self, factors: Mapping[str, Any]) -> bool:
-        """Whether levels by factor contain a hold-out."""
-        return any(all(_text(factors.get(name)) == level for name, level in out.items()) for out in self.holdouts)
+    def is_unseen(self, task: str, factors: Mapping[str, Any]) -> bool:
+        """Whether levels by factor of a question of a task contain a hold-out."""
+        outs = (*self.holdouts, *self.declared.get(task, ()))
+        return any(all(_text(factors.get(name)) == level for name, level in out.items()) for out in outs)
 
-    def of(self, group: str, factors: Mapping[str, Any]) -> str:
+    def of(self, task: str, block: int, factors: Mapping[str, Any]) -> str:
         """Return the split of a question, '' if it has a hold-out and its group is not in the test split."""
-        split = self.of_group(group)
-        return "" if split != "test" and self.is_unseen(factors) else split
+        split = self.of_block(task, block)
+        return "" if split != TEST and self.is_unseen(task, factors) else split
+
+
+def _words(shares: Mapping[str, int]) -> str:
+    return ",".join(f"{name}={share}" for name, share in shares.items())
 
 
 def _holdout(written: str) -> dict[str, str]:
@@ -87,15 +109,15 @@ def _text(level: Any) -> str:
     return str(level).lower() if isinstance(level, bool) else str(level)
 
 
-def factors_of(dataset: DatasetReader, task: str) -> dict[str, tuple[str, dict[str, Any]]]:
-    """Return the control group and the levels by factor of each question of a task, by id.
+def factors_of(dataset: DatasetReader, task: str) -> dict[str, tuple[int, dict[str, Any]]]:
+    """Return the control group (block) and the levels by factor of each question of a task, by id.
 
     A factor with named values has the name as its level.
     """
     named = {c.split(".", 1)[1]: c for c in dataset.columns(task) if c.startswith("factor.")}
     named |= {c.split(".", 1)[1]: c for c in dataset.columns(task) if c.startswith("level.") and c[6:] in named}
     rows = dataset.rows(task, ["id", "block", *named.values()])
-    return {row["id"]: (f"{task}/{row['block']}", {name: row[c] for name, c in named.items()}) for row in rows}
+    return {row["id"]: (row["block"], {name: row[c] for name, c in named.items()}) for row in rows}
 
 
 #: Four fifths for training, without hold-outs.

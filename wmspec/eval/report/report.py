@@ -9,6 +9,7 @@ from typing import TypeVar, get_args
 
 import numpy as np
 
+from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.models.causes import Cause, causes
 from wmspec.eval.models.splits import DEFAULT_SPLITS, Splits
 from wmspec.eval.replies import Outcome
@@ -99,11 +100,14 @@ def report(
 ) -> Report:
     """Read results and run every analysis that they and the dataset permit. `progress` is called after each.
 
-    `names` are display names by model; the hold-outs of `splits` separate seen and unseen questions.
+    `names` are display names by model; the hold-outs of `splits` and of the dataset separate seen and unseen questions.
 
     Raises WmsError if a file cannot be read, or files do not match.
     """
-    return analyse(read(results, dataset, names), dataset.resolve().name if dataset else "", progress, splits)
+    read_replies = read(results, dataset, names)
+    if dataset is not None:
+        splits = splits.of_dataset(DatasetReader.open(dataset))
+    return analyse(read_replies, dataset.resolve().name if dataset else "", progress, splits)
 
 
 def analyse(

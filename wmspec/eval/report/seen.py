@@ -29,7 +29,7 @@ def seen_accuracies(replies: Replies, splits: Splits) -> tuple[SeenAccuracy, ...
 
     Requires the dataset; empty without hold-outs.
     """
-    if replies.questions is None or not splits.holdouts:
+    if replies.questions is None or not splits.hold_out:
         return ()
     main = replies.main_questions
     unseen = pd.concat([_unseen(replies, str(task), of_one.index, splits) for task, of_one in main.groupby("task")])
@@ -45,7 +45,7 @@ def _unseen(replies: Replies, task: str, ids: pd.Index[str], splits: Splits) -> 
     assert replies.questions is not None
     levels = replies.questions.levels_of(task).loc[ids]
     rows = levels.to_dict("records")
-    return pd.Series([splits.is_unseen({str(k): v for k, v in row.items()}) for row in rows], ids)
+    return pd.Series([splits.is_unseen(task, {str(k): v for k, v in row.items()}) for row in rows], ids)
 
 
 def _accuracies(replies: Replies, task: str, ids: pd.Index[str], unseen: pd.Series[bool]) -> Iterator[SeenAccuracy]:

@@ -93,6 +93,9 @@ class _Builder:
     def require(self, c: Any, span: Span) -> s.Require:
         return s.Require(self(c[0]), span)
 
+    def holdout(self, c: Any, span: Span) -> s.Holdout:
+        return s.Holdout(self(c[0]), self(c[1]), span)
+
     def repeat(self, c: Any, span: Span) -> s.Setting:
         return s.Setting("repeat", self(c[0]), span)
 

@@ -106,6 +106,33 @@ def _equal(tokens: Sequence[Token], i: int) -> Idiom | None:
     return None
 
 
+def _holdout(tokens: Sequence[Token], i: int) -> Idiom | None:
+    """`holdout shape x color in ...`, `holdout shape, color in ...`, `holdout color == red`."""
+    if tokens[i].type != "HOLDOUT" or [t.type for t in tokens[i + 1 : i + 2]] != ["NAME"]:
+        return None
+    names, after = [tokens[i + 1]], i + 2
+    while [t.type for t in tokens[after + 1 : after + 2]] == ["NAME"] and tokens[after].text in ("x", ",", "*", "and"):
+        names.append(tokens[after + 1])
+        after += 2
+    sign = tokens[after] if after < len(tokens) else None
+    if sign is None:
+        return None
+    written = ", ".join(name.text for name in names)
+    if len(names) > 1 and sign.type == "IN":
+        opened, comma, closed = (
+            sign._replace(type=kind, text=text) for kind, text in (("LPAR", "("), ("COMMA", ","), ("RPAR", ")"))
+        )
+        listed = [token for name in names for token in (comma, name)][1:]
+        help = f"write `holdout ({written}) in [(LEVEL, LEVEL)]`"
+        return Idiom(i + 1, after, (opened, *listed, closed), "several factors of a hold-out are in parentheses", help)
+    if len(names) == 1 and sign.text in ("==", "=") and after + 1 < len(tokens):
+        value = tokens[after + 1]
+        inside = sign._replace(type="IN", text="in"), sign._replace(type="LSQB", text="[")
+        words = (*inside, value, value._replace(type="RSQB", text="]"))
+        return Idiom(after, after + 2, words, "a hold-out lists levels", f"write `holdout {written} in [{value.text}]`")
+    return None
+
+
 def _braces(tokens: Sequence[Token], i: int) -> Idiom | None:
     """A list in braces: `in {red, blue}`."""
     if tokens[i].type != "LBRACE" or not i or tokens[i - 1].type not in ("IN", "EQUAL", "COLON", "OF"):
@@ -261,6 +288,7 @@ def _quotes_in_braces(tokens: Sequence[Token], i: int) -> Idiom | None:
 
 
 _IDIOMS: tuple[Callable[[Sequence[Token], int], Idiom | None], ...] = (
+    _holdout,
     _quotes_in_braces,
     _power,
     _remainder,

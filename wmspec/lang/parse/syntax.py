@@ -210,6 +210,14 @@ class Require(Node):
     span: Span
 
 
+class Holdout(Node):
+    """`holdout factor in levels`, `holdout (factor, factor) in [(level, level)]`."""
+
+    target: Expr
+    levels: Expr
+    span: Span
+
+
 class Setting(Node):
     """`title "..."`, `repeat 4`, `horizon 2 s`: one value of the task itself."""
 
@@ -398,6 +406,7 @@ Statement = (
     | Let
     | Parameter
     | Require
+    | Holdout
     | Setting
     | Design
     | Tolerance

@@ -193,6 +193,14 @@ class Require(Node):
     place: Location
 
 
+class Holdout(Node):
+    """Combinations of levels that training never sees: each of `levels` has a level for every one of `factors`."""
+
+    factors: tuple[str, ...]
+    levels: tuple[tuple[Level, ...], ...]
+    place: Location
+
+
 class Setting(Node):
     """The value of one property or argument."""
 
@@ -446,6 +454,11 @@ class TaskSpec(Node):
     observations: tuple[Observation, ...]
     questions: tuple[Question, ...]
     film: Film | None = None
+    holdouts: tuple[Holdout, ...] = ()
+
+    def is_held_out(self, levels: Mapping[str, Level]) -> bool:
+        """Whether an instance with these levels has a combination that training never sees."""
+        return any(tuple(levels[name] for name in out.factors) in out.levels for out in self.holdouts)
 
     @property
     def licenses(self) -> tuple[str, ...]:

@@ -27,7 +27,7 @@ from wmspec.lang.check.tables.vocabulary import FACTOR_DIMENSIONS, JOINTS, TOLER
 #: Location of nodes without source text.
 PYTHON_LOCATION = Location(file="<python>", line=1, column=1, start=0, end=0)
 
-Part = ir.Factor | ir.Let | ir.Require | ir.Entity | ir.Observation | ir.Film | ir.Question
+Part = ir.Factor | ir.Let | ir.Require | ir.Holdout | ir.Entity | ir.Observation | ir.Film | ir.Question
 _NODES = (ir.Value, ir.Ref, ir.Property, ir.Operation, ir.Call, ir.Items, ir.WhatIf, ir.Cause)
 
 
@@ -66,6 +66,12 @@ def _constant(value: float | bool | str | Sequence[float]) -> ir.Scalar | tuple[
 def nuisance(name: str, low: float, high: float, unit: str = "") -> ir.Factor:
     """Return a nuisance drawn uniformly from an interval."""
     return ir.Factor(name=name, domain=ir.Interval(low=low, high=high), nuisance=True, unit=unit, place=PYTHON_LOCATION)
+
+
+def holdout(**levels: float | bool | str | Sequence[float]) -> ir.Holdout:
+    """Return a hold-out: levels by factor that training never sees together."""
+    chosen = tuple(_constant(level) for level in levels.values())
+    return ir.Holdout(factors=tuple(levels), levels=(chosen,), place=PYTHON_LOCATION)
 
 
 def let(name: str, value: Any) -> ir.Let:
@@ -156,7 +162,8 @@ def task(
 ) -> ir.TaskSpec:
     """Return a task with parts in any order. It ends at `horizon` (s), by default at the last observation.
 
-    `tolerances` (SI) are the allowed disagreement between engines. Raises WmsError for unknown ones.
+    `tolerances` (SI) are the allowed disagreement between engines. Raises WmsError for unknown ones,
+    and for a hold-out of other levels than those of its factors.
     """
     for key in tolerances or {}:
         if key not in TOLERANCES:
@@ -164,6 +171,8 @@ def task(
     by_type: dict[type, list[Any]] = {}
     for part in parts:
         by_type.setdefault(type(part), []).append(part)
+    for out in by_type.get(ir.Holdout, ()):
+        _check_holdout(out, by_type.get(ir.Factor, ()))
     return ir.TaskSpec(
         name=name,
         dimension=dimension,
@@ -173,6 +182,7 @@ def task(
         factors=tuple(by_type.get(ir.Factor, ())),
         lets=tuple(by_type.get(ir.Let, ())),
         requires=tuple(by_type.get(ir.Require, ())),
+        holdouts=tuple(by_type.get(ir.Holdout, ())),
         things=tuple(sorted(by_type.get(ir.Entity, ()), key=lambda t: t.kind == "action")),
         observations=tuple(by_type.get(ir.Observation, ())),
         questions=tuple(by_type.get(ir.Question, ())),
@@ -185,6 +195,16 @@ def task(
         license=license,
         source=source,
     )
+
+
+def _check_holdout(out: ir.Holdout, factors: Iterable[ir.Factor]) -> None:
+    """Raise WmsError if a hold-out names no factor of the task, or no level of it."""
+    domains = {f.name: f.domain.values for f in factors if not f.nuisance and isinstance(f.domain, ir.Choices)}
+    for name, level in zip(out.factors, out.levels[0], strict=True):
+        if name not in domains:
+            raise WmsError(f"hold-out: there is no factor `{name}`; {suggestion(name, domains)}".rstrip("; "))
+        if level not in domains[name]:
+            raise WmsError(f"hold-out: {level!r} is none of the values of `{name}`")
 
 
 def _setting(value: Any) -> ir.Setting:

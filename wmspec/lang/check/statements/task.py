@@ -24,6 +24,7 @@ from wmspec.lang.check.statements.balance import balance
 from wmspec.lang.check.statements.dimensions import warn_near_known
 from wmspec.lang.check.statements.factors import Factors
 from wmspec.lang.check.statements.films import check_film
+from wmspec.lang.check.statements.holdouts import check_holdouts, holdouts
 from wmspec.lang.check.statements.objects import Entities
 from wmspec.lang.check.statements.observations import Observations
 from wmspec.lang.check.statements.orbits import Orbits
@@ -180,6 +181,7 @@ class _Task:
     def library(self) -> None:
         self.each(s.Factor, self.factors.factor)
         self.each(s.Let, self.factors.let)
+        self.holdouts()
         self.blocks()
         self.each(s.Action, self.things.action)
         self.each(s.Observe, self.observations.observe)
@@ -188,6 +190,9 @@ class _Task:
 
     def tolerances(self) -> dict[str, float]:
         return tolerances(self.check, (x for x in self.statements if isinstance(x, s.Tolerance)))
+
+    def holdouts(self) -> tuple[ir.Holdout, ...]:
+        return holdouts(self.factors, (x for x in self.statements if isinstance(x, s.Holdout)))
 
     def blocks(self) -> list[ir.Entity]:
         """Return all entities. Unused templates are checked as well."""
@@ -205,6 +210,7 @@ class _Task:
         factors = self.each(s.Factor, self.factors.factor)
         lets = self.each(s.Let, self.factors.let)
         requires = self.each(s.Require, self.factors.require)
+        held_out = self.holdouts()
         things = [*self.blocks(), *self.each(s.Action, self.things.action)]
         observations = self.each(s.Observe, self.observations.observe)
         film = self.film()
@@ -237,8 +243,10 @@ class _Task:
             observations=tuple(observations),
             questions=tuple(questions),
             film=film,
+            holdouts=held_out,
         )
         balance(self.check, spec)
+        check_holdouts(self.check, spec, self.statements)
         check_film(self.check, spec, self.statements)
         return None if self.report.failed else spec
 
