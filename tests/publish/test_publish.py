@@ -63,7 +63,6 @@ class Holder:
 
     def score(self, submission: Path, code: int = 0) -> Path:
         path = self.folder / "receipts" / f"{submission.stem}.json"
-        path.parent.mkdir(exist_ok=True)
         args = (self.dataset, self.public, submission, "--secret", self.secret, "-o", path, "--date", "2026-11-26")
         wmspec("score", *args, code=code)
         return path
@@ -87,6 +86,11 @@ def test_published_questions_hold_no_answer_and_no_id(holder: Holder) -> None:
         assert q.id.partition("/")[2].encode() not in written
     assert holder.secret.stat().st_mode & 0o077 == 0
     assert holder.secret.read_text().split()[1].encode() not in written
+
+
+def test_a_short_seed_is_a_warning(holder: Holder, tmp_path: Path) -> None:
+    args = ("export", holder.dataset, "--to", "questions", "-o", tmp_path / "q", "--secret", tmp_path / "s.key")
+    assert "the seed 3 can be found by trying" in wmspec(*args).output
 
 
 def test_the_position_of_an_option_does_not_follow_from_the_id(holder: Holder) -> None:

@@ -94,10 +94,16 @@ def export_command(
 
 
 def _publish(dataset: DatasetReader, selection: Selection, prompt: str, secret: Path, output: Path) -> None:
+    from wmspec.dataset.attestation import LONG_SEED, has_guessable_seed
     from wmspec.eval.models import prompt as prompts
     from wmspec.eval.publish.questions import publish
     from wmspec.eval.publish.secret import Secret
 
+    if has_guessable_seed(dataset):
+        tell(
+            f"warning: the seed {dataset.manifest['seed']} can be found by trying, and with it the answers, if the "
+            f"specs are public; make the dataset with a long one: {LONG_SEED}"
+        )
     count = publish(dataset, selection, Path(prompt).stem, prompts.load(prompt), Secret.open_or_create(secret), output)
     click.echo(f"{output}: {count:,} questions without answers; publish it, and keep {secret} and the dataset")
     exit_if_failed(Tally("question was written", count))

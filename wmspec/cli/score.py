@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from wmspec.cli.common import write_text
+from wmspec.cli.common import make_folder, write_text
 
 _PATH = click.Path(path_type=Path)
 
@@ -60,6 +60,7 @@ def score_command(
     made = receipt.receipt(opened, known, sent, key, day, rows)
     if results is not None:
         write_results(results, rows, {"submission": sent.digest, "questions": known.digest})
+    make_folder(output.parent)
     write_text(output, json.dumps(made, indent=1, ensure_ascii=False) + "\n")
     for kind, scores in made["scores"].items():
         average, chance = scores["average"], scores["chance"]

@@ -56,14 +56,22 @@ class Attestation(BaseModel):
         return json.dumps(self.model_dump(mode="json"), indent=1, sort_keys=True) + "\n"
 
 
+#: How to make a dataset with a seed that nobody can guess.
+LONG_SEED = "wmspec generate ... --seed $(python3 -c 'import secrets; print(2**62 + secrets.randbits(62))')"
+
+
+def has_guessable_seed(dataset: DatasetReader) -> bool:
+    """Whether anyone who has the specs can find the seed, and with it the answers, by trying."""
+    return abs(dataset.manifest["seed"]) < MIN_SECRET_SEED
+
+
 def attest(dataset: DatasetReader) -> Attestation:
     """Return the attestation of a dataset. Raises WmsError if its seed could be guessed."""
     manifest = dataset.manifest
-    if abs(manifest["seed"]) < MIN_SECRET_SEED:
+    if has_guessable_seed(dataset):
         raise WmsError(
             f"the dataset was made with the seed {manifest['seed']}, which anyone can find by trying",
-            help="make it with a long one: wmspec generate ... "
-            "--seed $(python3 -c 'import secrets; print(2**62 + secrets.randbits(62))')",
+            help=f"make it with a long one: {LONG_SEED}",
         )
     return _hashes(dataset)
 
