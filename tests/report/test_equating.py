@@ -86,7 +86,7 @@ def test_the_shift_is_found_and_none_is_invented() -> None:
     assert same.low < 0.0 < same.high
 
 
-def test_the_order_of_models_and_their_links_are_told() -> None:
+def test_models_are_ordered_and_links_are_marked() -> None:
     found = equated(3, 0.5)
     assert [score.model for score in found.scores] == ["strong", "newcomer", "middling", "weak", "late"]
     assert {score.model for score in found.scores if score.earlier is not None} == set(LINKS)

@@ -222,6 +222,10 @@ def _named(  # noqa: C901, PLR0912  one case per kind
             for name, declared in visible.items():
                 if isinstance(declared.node, s.Block) and declared.node.kind == "camera":
                     yield CompletionItem(name, "name", "camera")
+        case "factor":
+            for name, declared in visible.items():
+                if isinstance(declared.node, s.Factor) and not declared.node.nuisance:
+                    yield CompletionItem(name, "name", "factor")
         case "changed":
             for name, declared in visible.items():
                 if isinstance(declared.node, s.Block | s.Action):

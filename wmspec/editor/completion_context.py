@@ -70,8 +70,8 @@ class ExpectedInput:
 
     `types` are those of an expected value; None for any type, empty for no value. `measured`: whether the value may
     depend on the executed episode. `slots` are properties or arguments that may follow, each with a colon. `kind`
-    restricts names: "library", "template", "camera", "verb", "table" (of `words`, each with its meaning), or "member"
-    of the expression `of`.
+    restricts names: "library", "template", "camera", "factor", "verb", "table" (of `words`, each with its meaning), or
+    "member" of the expression `of`.
     """
 
     types: tuple[Type, ...] | None = ()
@@ -143,6 +143,8 @@ class Reader:
                 return ExpectedInput((POINT2, PLACE) if on else (A_TIME, List(A_TIME)))
             case "AS":
                 return ExpectedInput((List(CHANNEL),)) if self._symbol(top - 3) == "AT" else ExpectedInput()
+            case "HOLDOUT":
+                return ExpectedInput(kind="factor")
             case "USE":
                 return ExpectedInput(kind="library")
             case "ONLY":
@@ -210,7 +212,7 @@ class Reader:
                 return self._argument(opened, "", place)
             case "LPAR":
                 outer = self._after(opened - 1)
-                return ExpectedInput(None if outer.types is None else _parts(outer.types))
+                return ExpectedInput(None if outer.types is None else _parts(outer.types), kind=outer.kind, of=outer.of)
             case "LSQB" if self._is_value(opened - 1) or self._symbol(opened - 1) == "name":
                 return ExpectedInput((A_NUMBER,))
             case "LSQB":
