@@ -62,7 +62,7 @@ LONG_SEED = "wmspec generate ... --seed $(python3 -c 'import secrets; print(2**6
 
 def has_guessable_seed(dataset: DatasetReader) -> bool:
     """Whether anyone who has the specs can find the seed, and with it the answers, by trying."""
-    return abs(dataset.manifest["seed"]) < MIN_SECRET_SEED
+    return bool(abs(dataset.manifest["seed"]) < MIN_SECRET_SEED)
 
 
 def attest(dataset: DatasetReader) -> Attestation:
