@@ -30,6 +30,7 @@ from wmspec.dataset.build.plan import Task as PlannedTask
 from wmspec.dataset.build.reuse import PriorInstances
 from wmspec.dataset.build.splits import Split, parse_split
 from wmspec.dataset.film.codec import pyav
+from wmspec.dataset.film.group import has_film
 from wmspec.dataset.film.timing import DEFAULT_SIZE as DEFAULT_FILM_SIZE
 from wmspec.dataset.film.timing import FilmSettings
 from wmspec.lang.parse.files import BUNDLED
@@ -209,8 +210,9 @@ def _film(rate: int | None, size: tuple[int, int] | None, tasks: Sequence[Task],
         return None
     if look != "parity":
         raise WmsError(f"films are drawn in the look `parity`, and the pictures in `{look}`", help="remove one of them")
-    if not any(question.has_closed_pictures for task in tasks for question in task.spec.questions):
-        raise WmsError("no task has a question with a closed set of pictures (`options orbit of ...`), so no films")
+    if not any(has_film(task.spec, question) for task in tasks for question in task.spec.questions):
+        message = "no task has a question with a closed set of pictures (`options orbit of ...`), so no films"
+        raise WmsError(message, help="or `film CAMERA` in a task with `answer possible`")
     pyav()
     return FilmSettings(rate, pixels(size or DEFAULT_FILM_SIZE))
 

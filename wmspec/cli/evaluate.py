@@ -130,7 +130,6 @@ def evaluate_command(dataset: Path | None, rescore: Path | None, as_json: bool, 
 
 def _evaluate_surprises(dataset: Path, options: dict[str, Any], as_json: bool) -> None:
     from wmspec.dataset.build.reader import DatasetReader
-    from wmspec.eval.clips.questions import selected
     from wmspec.eval.clips.surprise import SurpriseRun, evaluate_surprises
     from wmspec.eval.models.question import Selection
 
@@ -138,7 +137,7 @@ def _evaluate_surprises(dataset: Path, options: dict[str, Any], as_json: bool) -
     opened = DatasetReader.open(dataset)
     opened.intact()
     run = SurpriseRun(opened, options["model"], Selection(options["task"], options["engine"], options["limit"]))
-    with progress_bar(len(selected(opened, run.selection)), "evaluating", "questions") as bar:
+    with progress_bar(len(run.questions), "evaluating", "questions") as bar:
         ended = evaluate_surprises(run, output, lambda right, count: bar(_so_far(right, count, 0.0), 1))
     _print_counts(ended.counts, output, as_json)
 

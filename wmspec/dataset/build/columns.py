@@ -136,7 +136,7 @@ _TRACK = pa.list_(
     )
 )
 
-#: Additional columns of datasets with films; null or empty for questions without a closed set of films.
+#: Additional columns of datasets with films; null or empty for questions without a film.
 FILMS: Columns = {
     "film": (pa.string(), "the path of the film: the context, and then what happens"),
     "film_camera": (pa.string(), "its camera"),
@@ -152,6 +152,7 @@ FILMS: Columns = {
     "film_objects": (_TEXTS, "the objects whose places tell the films of the options apart"),
     "film_engines": (_TEXTS, "the other engines that have films of the futures, in half the size"),
     "option_film": (_TEXTS, "the path of the film of each option"),
+    "film_split": (pa.int64(), "of `answer possible`: how many frames come before what may be impossible"),
     "film_apart": (
         pa.list_(pa.float64()),
         (

@@ -49,7 +49,8 @@ def _scaled(frame: Any, size: tuple[int, int] | None) -> NDArray[np.uint8]:
 class ShownFilm:
     """The part of a film that a question shows: `count` frames, `rate` a second, from `start` (s) on, of one camera.
 
-    `scene` describes it in words. The answer is seen `wait` (s) after its last frame.
+    `scene` describes it in words. The answer is seen `wait` (s) after its last frame; None if the question is whether
+    the film is possible.
     """
 
     folder: Path
@@ -59,11 +60,13 @@ class ShownFilm:
     start: float
     count: int
     scene: str
-    wait: float
+    wait: float | None
 
     @property
     def text(self) -> str:
         """The question about the film; the text of the row is about the pictures."""
+        if self.wait is None:
+            return f"{self.scene} Is what the film shows possible?".strip()
         return f"{self.scene} Which picture shows the scene {self.wait:.2g} seconds after the end of the film?"
 
     @property
@@ -94,5 +97,5 @@ def shown_film(folder: Path, row: dict[str, Any]) -> ShownFilm | None:
         return None
     camera = row.get("film_camera", "")  # the first datasets with films do not say it
     rate, count = row["film_rate"], row["film_context"]
-    wait = (row["film_answer"] - count + 1) / rate - row["film_offset"]
+    wait = (row["film_answer"] - count + 1) / rate - row["film_offset"] if row["option_film"] else None
     return ShownFilm(folder, row["film"], camera, rate, row["film_start"], count, row["film_text"], wait)

@@ -104,9 +104,14 @@ def read_outcomes(folder: Path, shard: Shard, record: Record) -> dict[int, Outco
 
 def _films_of(rows: Iterable[Row], record: Record) -> dict[str, str]:
     """Return the films that rows refer to, with their hashes: those of their options in all engines."""
-    folders = {(path.rpartition("_")[0], Path(path).stem) for row in rows for path in row.get("option_film") or ()}
+    folders = {(path.rpartition("_")[0], Path(path).stem) for row in rows for path in films_of(row)}
     of = {path: (path.rpartition("_")[0], Path(path).name.partition(".")[0]) for path in record.films}
     return {path: sha for path, sha in record.films.items() if of[path] in folders}
+
+
+def films_of(row: Row) -> Iterable[str]:
+    """Return the paths of the films that a row refers to, in its engine."""
+    return row.get("option_film") or ([row["film"]] if row.get("film") else [])
 
 
 def record_path(shard: Shard) -> str:

@@ -15,10 +15,13 @@ from wmspec.core.memoize import LRU
 from wmspec.dataset.film.distances import Array, pairwise, point_distance, widths_of, working_size
 from wmspec.dataset.film.draw import DrawnFilm, draw_film
 from wmspec.dataset.film.text import model_text
-from wmspec.dataset.film.timing import FilmSettings, FilmTimes, film_times
+from wmspec.dataset.film.timing import FilmSettings, FilmTimes, film_times, shown_times
 from wmspec.lang.check.ir.evaluate import evaluate
+from wmspec.lang.check.ir.ir import Question, TaskSpec
+from wmspec.lang.check.statements.possibility import VIOLATIONS
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.questions.kinds.pictures import PictureAnswer
+from wmspec.runtime.questions.kinds.possible import PossibleAnswer
 from wmspec.runtime.questions.model import TRUTH, QuestionRow, Reject
 from wmspec.runtime.questions.runs import EnginePair, Run, execute
 from wmspec.runtime.questions.views import views_of
@@ -31,6 +34,11 @@ MIN_DIFFERENCE = 0.25
 MIN_STEP = 0.5
 
 Row = dict[str, Any]
+
+
+def has_film(spec: TaskSpec, question: Question) -> bool:
+    """Whether a question has films: of the options of a closed set, or of an episode that may be impossible."""
+    return question.has_closed_pictures or (question.asks_possible and spec.film is not None)
 
 
 def film_path(task: str, block: int, engine: str, index: int, suffix: str = ".mkv") -> str:
@@ -69,7 +77,7 @@ class GroupFilms:
 
     def has_films(self, row: QuestionRow) -> bool:
         """Whether a row has a closed set of pictures, and so of films."""
-        return self._design.spec.questions[row.question].has_closed_pictures
+        return has_film(self._design.spec, self._design.spec.questions[row.question])
 
     def of(self, row: QuestionRow) -> FilmSet:
         """Return the films of a row. Raises Reject if two cannot be distinguished, or if they have no common times."""
@@ -80,8 +88,10 @@ class GroupFilms:
 
     def _of(self, row: QuestionRow) -> FilmSet:
         answer = row.evidence
-        assert isinstance(answer, PictureAnswer)
         design = self._design.redrawn(row.redrawn or 0)
+        if isinstance(answer, PossibleAnswer):
+            return self._whole(design, row)
+        assert isinstance(answer, PictureAnswer)
         members = self._members(design, row)
         films = [self._film(design, index, row.engine, answer) for index in members]
         own = films[members.index(row.index)]
@@ -91,13 +101,29 @@ class GroupFilms:
         apart = pairwise(points, widths_of([_areas(film, objects) for film in films])) if objects else None
         _require_apart(row, apart)
         paths = [film_path(row.task, row.block, row.engine, index) for index in members]
-        made = FilmSet(self._columns(row, answer, own, objects, apart, paths))
+        made = FilmSet(self._columns(row, answer.camera, own, objects, apart, paths))
         for index, path, film in zip(members, paths, films, strict=True):
             made.files[path] = film.content
             made.files[film_path(row.task, row.block, row.engine, index, ".ids.mkv")] = film.ids
         for engine in self._other_engines(row):
             self._add_futures(design, row, engine, members, made)
         return made
+
+    def _whole(self, design: Design, row: QuestionRow) -> FilmSet:
+        """Return the film of a row with `answer possible`; all of it is shown."""
+        film = design.spec.film
+        assert film is not None
+        key = design, row.index, row.engine, film.camera
+        if key not in self._films:
+            pair = self._pairs[row.engine]
+            run = execute(design, design[row.index], None, pair)
+            times = _whole_times(run, self._settings.rate)
+            self._films[key] = draw_film(run, film.camera, times, self._settings.rate, pair, self._full)
+        own = self._films[key]
+        path = film_path(row.task, row.block, row.engine, row.index)
+        columns = self._columns(row, film.camera, own, list(own.objects), None, [])
+        ids = film_path(row.task, row.block, row.engine, row.index, ".ids.mkv")
+        return FilmSet(columns, {path: own.content, ids: own.ids})
 
     def _members(self, design: Design, row: QuestionRow) -> list[int]:
         """Return the instance of each option, in the order of the options."""
@@ -150,7 +176,7 @@ class GroupFilms:
     def _columns(
         self,
         row: QuestionRow,
-        answer: PictureAnswer,
+        camera: str,
         own: DrawnFilm,
         objects: list[str],
         apart: Array | None,
@@ -159,7 +185,7 @@ class GroupFilms:
         width, height = working_size(*self._settings.size)
         return {
             "film": film_path(row.task, row.block, row.engine, row.index),
-            "film_camera": answer.camera,
+            "film_camera": camera,
             "film_rate": self._settings.rate,
             "film_start": own.times.times[0],
             "film_context": own.times.context,
@@ -172,6 +198,7 @@ class GroupFilms:
             "film_objects": objects,
             "film_engines": [],
             "option_film": paths,
+            "film_split": own.times.split,
             "film_apart": [] if apart is None else [float(value) for value in apart.ravel()],
             "film_track": _track(own, objects, width, height),
         }
@@ -198,6 +225,18 @@ def _times(run: Run, answer: PictureAnswer, rate: int) -> FilmTimes:
         looks = [time for _, time in views_of(spec, values) if time < answer.time]
         last = max(looks, default=0.0)
     return film_times(start, last, answer.time, rate)
+
+
+def _whole_times(run: Run, rate: int) -> FilmTimes:
+    """Return the frames of a film that is shown whole, split at the first action that may break the laws of physics."""
+    spec, values = run.values.spec, run.values
+    film = spec.film
+    assert film is not None
+    start = 0.0 if film.start is None else evaluate(film.start, values)
+    last = max(time for _, time in views_of(spec, values)) if film.end is None else evaluate(film.end, values)
+    unlawful = {thing.name for thing in spec.things if thing.kind == "action" and thing.verb in VIOLATIONS}
+    begins = [action.start for action in run.scene.actions if action.name in unlawful]
+    return shown_times(start, last, min(begins, default=(start + last) / 2), rate)
 
 
 def _require_equal_times(films: list[DrawnFilm]) -> None:

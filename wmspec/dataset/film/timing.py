@@ -46,13 +46,30 @@ class FilmSettings:
 class FilmTimes:
     """The times (s) of all frames.
 
-    The first `context` of them are shown. Frame `answer_frame` is nearest to the answer, `offset` (s) later.
+    The first `context` of them are shown. Frame `answer_frame` is nearest to the answer, `offset` (s) later. Of a film
+    that is shown whole, the first `split` come before what may be impossible.
     """
 
     times: tuple[float, ...]
     context: int
     answer_frame: int
     offset: float
+    split: int | None = None
+
+
+def shown_times(start: float, last: float, before: float, rate: int) -> FilmTimes:
+    """Return the frames from `start` to `last` (s), all of which are shown; `split` counts those up to `before` (s).
+
+    Raises WmsError for a film that is too long, or has no frame up to `before` or none after it.
+    """
+    count = int((last - start) * rate + _EPSILON) + 1
+    if not 2 <= count <= MAX_FRAMES:
+        raise WmsError(f"the film has {count:,} frames; 2 to {MAX_FRAMES:,} are possible")
+    times = tuple(max(last + k / rate, 0.0) for k in range(1 - count, 1))
+    split = sum(time <= before + _EPSILON for time in times)
+    if not 0 < split < count:
+        raise WmsError(f"the film, from {start:g} s to {last:g} s, does not begin before {before:g} s and end after it")
+    return FilmTimes(times, count, count - 1, 0.0, split)
 
 
 def film_times(start: float, last: float, answer: float, rate: int) -> FilmTimes:

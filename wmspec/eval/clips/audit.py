@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.audit.model import Finding
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.clips.decide import decide
 from wmspec.eval.clips.measure import measure
-from wmspec.eval.clips.questions import FilmQuestion, film_questions, reference_of
+from wmspec.eval.clips.questions import FilmQuestion, closed_sets, film_questions, reference_of
 from wmspec.eval.clips.read import BadClip
 from wmspec.eval.clips.reference import Reference
 from wmspec.eval.clips.sources import BASELINES, Baseline, open_baseline
@@ -61,7 +61,7 @@ def film_findings(dataset: DatasetReader) -> list[Finding]:
 
 def _findings(dataset: DatasetReader, task: str, every: list[FilmQuestion]) -> Iterator[Finding]:
     """Yield the findings about the films of a task."""
-    sets = _sets([question for question in every if question.task == task])
+    sets = closed_sets([question for question in every if question.task == task], SETS_PER_TASK)
     sources = {name: open_baseline(name, dataset, every) for name in BASELINES}
     scores = {name: _Score() for name in BASELINES}
     for questions in sets:
@@ -74,18 +74,6 @@ def _findings(dataset: DatasetReader, task: str, every: list[FilmQuestion]) -> I
     if moving:
         what = f"in the part that is shown, something moves in {min(moving)} frames or more"
         yield Finding(CHECK, task, "holds" if min(moving) else "fails", what)
-
-
-def _sets(questions: list[FilmQuestion]) -> list[list[FilmQuestion]]:
-    """Return some closed sets, spread over the task; their questions have the same order of options."""
-    sets: dict[tuple[str, ...], list[FilmQuestion]] = {}
-    for question in questions:
-        films = tuple(sorted(question.films))
-        same = replace(question, films=films, answer=films.index(question.films[question.answer]))
-        sets.setdefault(films, []).append(same)
-    found = list(sets.values())
-    count = min(SETS_PER_TASK, len(found))
-    return [found[i * len(found) // count] for i in range(count)]
 
 
 def _score(source: Baseline, question: FilmQuestion, reference: Reference, score: _Score) -> None:

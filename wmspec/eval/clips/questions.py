@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -18,16 +19,17 @@ from wmspec.eval.models.question import QuestionIdentity, Selection
 _COLUMNS = (
     "id", "task", "dimension", "question_name", "engine", "index", "block", "option_name", "answer", "film",
     "film_rate", "film_context", "film_answer", "film_moving", "film_text", "action_text", "film_bodies",
-    "film_objects", "film_engines", "option_film",
+    "film_objects", "film_engines", "option_film", "film_split",
 )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class FilmQuestion(QuestionIdentity):
-    """A question with a closed set of films.
+    """A question with a closed set of films, or whether a film is possible.
 
     `context` is the number of frames shown, `answer_frame` that of the answer. `films` are the paths of the options'
-    films, `objects` the names of the objects by which they differ, `engines` the other engines with films.
+    films, `objects` the names of the objects by which they differ, `engines` the other engines with films. A question
+    whether a film is possible has no `films`; the first `split` frames of its film come before what may be impossible.
     """
 
     options: tuple[str, ...]
@@ -43,6 +45,7 @@ class FilmQuestion(QuestionIdentity):
     objects: tuple[str, ...]
     engines: tuple[str, ...]
     films: tuple[str, ...]
+    split: int = 0
 
     @property
     def file_name(self) -> str:
@@ -61,7 +64,24 @@ class FilmQuestion(QuestionIdentity):
 
 
 def film_questions(dataset: DatasetReader, ids: Collection[str]) -> Iterator[FilmQuestion]:
-    """Yield the questions with films among these ids, in dataset order. Raises WmsError for a dataset without films."""
+    """Yield the questions with closed sets of films among these ids, in dataset order.
+
+    Raises WmsError for a dataset without films.
+    """
+    return _questions(dataset, ids, lambda row: bool(row["option_film"]))
+
+
+def possible_questions(dataset: DatasetReader, ids: Collection[str]) -> Iterator[FilmQuestion]:
+    """Yield the questions whether a film is possible among these ids, in dataset order.
+
+    Raises WmsError for a dataset without films.
+    """
+    return _questions(dataset, ids, lambda row: bool(row.get("film_split")))
+
+
+def _questions(
+    dataset: DatasetReader, ids: Collection[str], accepts: Callable[[dict[str, Any]], bool]
+) -> Iterator[FilmQuestion]:
     if dataset.film is None:
         raise WmsError(f"{dataset.folder} has no films", help="make it with `wmspec generate ... --film 24`")
     expected = set(ids)
@@ -69,16 +89,20 @@ def film_questions(dataset: DatasetReader, ids: Collection[str]) -> Iterator[Fil
     for task in dataset.tasks:
         if task in tasks and dataset.columns(task):
             for row in dataset.rows(task, _COLUMNS):
-                if row["id"] in expected and row["film"]:
+                if row["id"] in expected and accepts(row):
                     yield _question(row)
 
 
 def selected(dataset: DatasetReader, selection: Selection) -> list[FilmQuestion]:
     """Return the selected questions that have films; a limit counts these. Raises WmsError if there are none."""
-    whole = Selection(selection.tasks, selection.engines)
-    every = list(film_questions(dataset, whole.ids(dataset)))
+    every = list(film_questions(dataset, Selection(selection.tasks, selection.engines).ids(dataset)))
     if not every:
         raise WmsError("none of the questions has films: they need a closed set of pictures (`options orbit of ...`)")
+    return limited(dataset, every, selection)
+
+
+def limited(dataset: DatasetReader, every: list[FilmQuestion], selection: Selection) -> list[FilmQuestion]:
+    """Return as many of some questions as a selection has, from as few groups as possible."""
     if selection.limit is None:
         return every
     order = {id: place for place, id in enumerate(Selection(selection.tasks, selection.engines).ids(dataset))}
@@ -101,7 +125,20 @@ def _question(row: dict[str, object]) -> FilmQuestion:
         objects=texts("film_objects"),
         engines=texts("film_engines"),
         films=texts("option_film"),
+        split=row.get("film_split") or 0,  # type: ignore[arg-type]
     )
+
+
+def closed_sets(questions: list[FilmQuestion], most: int) -> list[list[FilmQuestion]]:
+    """Return at most some closed sets, spread over a task; their questions have the same order of options."""
+    sets: dict[tuple[str, ...], list[FilmQuestion]] = {}
+    for question in questions:
+        films = tuple(sorted(question.films))
+        same = replace(question, films=films, answer=films.index(question.films[question.answer]))
+        sets.setdefault(films, []).append(same)
+    found = list(sets.values())
+    count = min(most, len(found))
+    return [found[i * len(found) // count] for i in range(count)]
 
 
 # ---------------------------------------------------------------- films

@@ -3,6 +3,9 @@
 Of a closed set all contexts and all futures are combined. The raw answer is the future that surprises least. The
 centred answer subtracts from every surprise the mean over all contexts, so that a future that is easy to foresee
 whatever came before, such as one in which all is at rest, has no advantage.
+
+Of films that are possible or impossible, those with the same beginning and different answers are compared: the one that
+surprises more is called impossible. So no threshold is needed, and none is fitted.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ import importlib
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -25,10 +29,11 @@ from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import Frames
 from wmspec.dataset.film.distances import Array
 from wmspec.eval.clips import results as clip_results
-from wmspec.eval.clips.questions import FilmQuestion, selected
+from wmspec.eval.clips.questions import FilmQuestion, film_questions, limited, possible_questions
 from wmspec.eval.clips.run import ClipResult, Progress, results_about
 from wmspec.eval.models import results
 from wmspec.eval.models.question import Selection
+from wmspec.lang.check.statements.possibility import IMPOSSIBLE, POSSIBLE
 
 Row = dict[str, Any]
 
@@ -36,6 +41,8 @@ Row = dict[str, Any]
 FUNCTION, TABLE = "surprise:", "surprises:"
 #: How answers are read from surprises: the values of the column `prompt`.
 RAW, CENTRED = "raw", "centred"
+#: The same for films that are possible or impossible: the surprise counts that of a film's frames on average, or most.
+MEAN, MAX = "mean", "max"
 
 
 class Surprises(Protocol):
@@ -46,6 +53,9 @@ class Surprises(Protocol):
 
         `others` are the questions of the set by the option that is true.
         """
+
+    def after(self, question: FilmQuestion, split: int) -> Array:
+        """Return the surprises (n) of a film after its first `split` frames, or one for all; NaN if unknown."""
 
 
 class FunctionSurprises:
@@ -75,13 +85,21 @@ class FunctionSurprises:
         ]
         return np.array(rows)
 
+    def after(self, question: FilmQuestion, split: int) -> Array:
+        """Return the surprises of the frames of a film, or one for all."""
+        frames = read_frames(self._dataset.folder, question.film)
+        return self._values(frames[:split], frames[split:], question.rate, question.text)
+
     def _one(self, context: Frames, future: Frames, rate: int, text: str) -> float:
+        return float(self._values(context, future, rate, text).mean())
+
+    def _values(self, context: Frames, future: Frames, rate: int, text: str) -> Array:
         value = np.asarray(self._function(context.copy(), future.copy(), rate, text), float)
         if value.ndim > 1 or (value.ndim == 1 and len(value) != len(future)):
             raise WmsError(
                 f"the model returned {value.shape} numbers", help=f"return one, or one for each of {len(future)} frames"
             )
-        return float(value.mean())
+        return value.reshape(-1)
 
 
 class TableSurprises:
@@ -96,8 +114,12 @@ class TableSurprises:
         matrix = np.full((count, count), np.nan)
         for option, other in others.items():
             for place in range(count):
-                matrix[option, place] = self._values.get((other.id, place), math.nan)
+                matrix[option, place] = np.mean(self._values.get((other.id, place), [math.nan]))
         return matrix
+
+    def after(self, question: FilmQuestion, split: int) -> Array:  # noqa: ARG002
+        """Return the surprises in the table, under the place 0."""
+        return np.array(self._values.get((question.id, 0), [math.nan]))
 
 
 def _function(name: str) -> Callable[..., Any]:
@@ -114,8 +136,8 @@ def _function(name: str) -> Callable[..., Any]:
     return made  # type: ignore[no-any-return]
 
 
-def _read_table(path: Path) -> dict[tuple[str, int], float]:
-    """Return the mean surprise by question and place. Raises WmsError for a file that is no such table."""
+def _read_table(path: Path) -> dict[tuple[str, int], list[float]]:
+    """Return the surprises by question and place. Raises WmsError for a file that is no such table."""
     try:
         lines = list(csv.DictReader(read_bytes(path).decode("utf-8").splitlines()))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
@@ -127,7 +149,7 @@ def _read_table(path: Path) -> dict[tuple[str, int], float]:
         except (KeyError, TypeError, ValueError):
             message = "expected the columns id, place, frame and surprise, with numbers in `place` and `surprise`"
             raise WmsError(message, FilePlace(str(path), number)) from None
-    return {key: float(np.mean(each)) for key, each in values.items()}
+    return values
 
 
 # ---------------------------------------------------------------- answers
@@ -154,6 +176,23 @@ class SurpriseRun:
     name: str
     selection: Selection
 
+    @cached_property
+    def whole(self) -> list[FilmQuestion]:
+        """The questions of the dataset whether a film is possible."""
+        return list(possible_questions(self.dataset, self._ids))
+
+    @cached_property
+    def questions(self) -> list[FilmQuestion]:
+        """The selected questions with films. Raises WmsError if there are none."""
+        every = [*film_questions(self.dataset, self._ids), *self.whole]
+        if not every:
+            raise WmsError("none of the questions has films: they need `options orbit of ...` or `answer possible`")
+        return limited(self.dataset, every, self.selection)
+
+    @cached_property
+    def _ids(self) -> list[str]:
+        return Selection(self.selection.tasks, self.selection.engines).ids(self.dataset)
+
     def surprises(self) -> Surprises:
         """Open the model. Raises WmsError if there is none."""
         if self.name.startswith(TABLE):
@@ -162,9 +201,10 @@ class SurpriseRun:
 
 
 def evaluate_surprises(run: SurpriseRun, output: Path, progress: Progress) -> ClipResult:
-    """Write the raw and the centred answer of every question. Raises WmsError if the model cannot be asked."""
+    """Write the answers of every question with films. Raises WmsError if there are none, or the model fails."""
     results.check_free(output)
-    source, questions, rows = run.surprises(), selected(run.dataset, run.selection), list[Row]()
+    source, rows = run.surprises(), list[Row]()
+    questions = [question for question in run.questions if question.films]
     sets: dict[tuple[str, ...], dict[int, FilmQuestion]] = {}
     for question in questions:
         sets.setdefault(question.films, {})[question.own] = question
@@ -172,6 +212,10 @@ def evaluate_surprises(run: SurpriseRun, output: Path, progress: Progress) -> Cl
         matrix = source.of(question, sets[question.films])
         rows += _rows(run, question, matrix)
         progress(sum(row["right"] for row in rows if row["prompt"] == RAW), len(rows) // 2)
+    pairs = FilmPairs(run.dataset, run.whole)
+    for question in (question for question in run.questions if not question.films):
+        rows += _possible_rows(run, question, pairs.of(question), source)
+        progress(sum(row["right"] for row in rows if row["prompt"] in (RAW, MEAN)), len(rows) // 2)
     results.write(output, rows, results_about(run.dataset, run.name, rows), clip_results.SCHEMA)
     return ClipResult(results.counts(rows), "", ())
 
@@ -187,4 +231,59 @@ def _rows(run: SurpriseRun, question: FilmQuestion, matrix: Array) -> Iterator[R
             "status": "unparsed" if place is None else "answered",
             "text": "no single least surprise" if place is None else "",
             "distances": [float(value) for value in own],
+        }
+
+
+# ---------------------------------------------------------------- possible and impossible films
+
+
+class FilmPairs:
+    """Films with the same beginning, of which some are possible and some are not."""
+
+    def __init__(self, dataset: DatasetReader, questions: list[FilmQuestion]) -> None:
+        self._dataset = dataset
+        self._groups: dict[tuple[str, str, str, int], list[FilmQuestion]] = {}
+        for question in questions:
+            self._groups.setdefault(self._key(question), []).append(question)
+
+    def of(self, question: FilmQuestion) -> list[FilmQuestion]:
+        """Return the questions of the same group whose film begins alike and whose answer is another."""
+        others = (one for one in self._groups[self._key(question)] if _word(one) != _word(question))
+        return [one for one in others if self._begin_alike(question, one)]
+
+    def _begin_alike(self, a: FilmQuestion, b: FilmQuestion) -> bool:
+        split = min(a.split, b.split)
+        x, y = (read_frames(self._dataset.folder, each.film, count=split) for each in (a, b))
+        return bool(np.abs(x.astype(np.int16) - y).mean() < _ALIKE)
+
+    @staticmethod
+    def _key(question: FilmQuestion) -> tuple[str, str, str, int]:
+        return question.task, question.name, question.engine, question.block
+
+
+#: Mean difference (grey levels) of beginnings that are alike.
+_ALIKE = 0.05
+
+
+def _word(question: FilmQuestion) -> str:
+    return question.options[question.answer]
+
+
+def _possible_rows(
+    run: SurpriseRun, question: FilmQuestion, others: list[FilmQuestion], source: Surprises
+) -> Iterator[Row]:
+    """Yield the answers of a question whether a film is possible: whether it surprises more than others."""
+    split = min([question.split, *(one.split for one in others)])
+    own, rest = source.after(question, split), [source.after(one, split) for one in others]
+    for reading, number in ((MEAN, np.mean), (MAX, np.max)):
+        mine, theirs = float(number(own)), float(np.mean([number(each) for each in rest])) if rest else math.nan
+        place = None
+        if mine != theirs and not math.isnan(mine + theirs):
+            place = question.options.index(IMPOSSIBLE if mine > theirs else POSSIBLE)
+        yield clip_results.common(question, 0, run.name, "", reading, "") | {
+            "parsed": place,
+            "right": place == question.answer,
+            "status": "unparsed" if place is None else "answered",
+            "text": "" if place is not None else "no other film begins alike" if not rest else "equal surprises",
+            "distances": [mine, theirs],
         }

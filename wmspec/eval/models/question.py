@@ -19,6 +19,7 @@ _COLUMNS = (
 )  # fmt: skip
 _FILM_COLUMNS = (
     "film", "film_camera", "film_rate", "film_start", "film_context", "film_answer", "film_offset", "film_text",
+    "option_film",
 )  # fmt: skip
 
 

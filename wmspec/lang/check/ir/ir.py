@@ -399,6 +399,11 @@ class Question(Node):
         """Whether the options are a closed set of pictures, each of which can have a film."""
         return bool(self.orbit) and self.kind == "pictures"
 
+    @property
+    def asks_possible(self) -> bool:
+        """Whether the question is whether its episode is possible."""
+        return self.kind == "possible"
+
     def alternatives(self, levels: Mapping[str, Level]) -> tuple[Counterfactual, ...]:
         """Return the counterfactuals of an instance with these levels, without those that equal the instance."""
         return tuple(

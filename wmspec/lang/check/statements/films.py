@@ -12,14 +12,14 @@ from wmspec.lang.parse import syntax as s
 
 
 def check_film(check: Expressions, spec: ir.TaskSpec, statements: Iterable[s.Statement]) -> None:
-    """Report a film without a closed set, one of another camera than the options, and a film without a text."""
+    """Report a film that no question uses, one of another camera than the options, and a film without a text."""
     written = list(statements)
     film = next((x for x in written if isinstance(x, s.Film)), None)
     if film is None or spec.film is None:
         return
     closed = [question for question in spec.questions if question.has_closed_pictures]
-    if not closed:
-        message = "no question has a closed set of pictures, so there are no films to tell apart"
+    if not closed and not any(question.asks_possible for question in spec.questions):
+        message = "no question has a closed set of pictures or `answer possible`, so none is about the film"
         check.report.add("WMS502", message, film.span, "add `options orbit of ...`, or remove the film")
     spans = {Location.of(x.text.span): x.text.span for x in written if isinstance(x, s.Question)}
     for question in closed:
