@@ -21,12 +21,13 @@ from wmspec.eval.clips.pixels import (
     motion_masks,
     physics_iq,
     shrink_mask,
+    squared_error,
     thumbnail_gap,
     thumbnails,
 )
 from wmspec.eval.clips.read import Clip
 from wmspec.eval.clips.reference import Reference
-from wmspec.eval.clips.segment import Segmenter, cleaned, foreground, points_of
+from wmspec.eval.clips.segment import cleaned, points_of
 
 Mask = NDArray[np.bool_]
 #: Side (cells) of the pictures of gradient histograms.
@@ -37,11 +38,11 @@ _GRADIENT_CELLS = 16
 class Measurement:
     """What is measured of a clip, for k options and n objects in T frames after the context.
 
-    `points` (n, T, 3, 2) and `areas` (n, T) px are those of the clip, `futures` (k, n, T, 3, 2) those of the options,
-    `widths` (n) px. `votes` (3, k) are the distances by gradients, thumbnails and masks. `left_empty` (k) is the share
-    of each option's place that the clip leaves empty, `vacancies` (k, k) the share that option i leaves empty of the
-    place of option j. `physics_iq` (k, 4) and `overlap` (k) compare with each option. `short` is the share of frames
-    after the end of the clip.
+    `points` (n, T, 3, 2) and `areas` (n, T) px are those of the clip, `futures` (k, n, T, 3, 2) those that are found
+    likewise in the future of each option, `widths` (n) px. `votes` (3, k) are the distances by gradients, thumbnails
+    and masks. `left_empty` (k) is the share of each option's place that the clip leaves empty, `vacancies` (k, k) the
+    share that option i leaves empty of the place of option j. `physics_iq` (k, 4) and `overlap` (k) compare with each
+    option. `short` is the share of frames after the end of the clip.
     """
 
     points: Array
@@ -108,7 +109,9 @@ def align(clip: Clip, reference: Reference, truth: int, begins: Begins | None) -
     picked = [normalise.nearest(clip.times, time) for time in expected]
     frame_time = float(np.median(np.diff(clip.times)))
     late = expected > clip.times[-1] + max(frame_time, 1 / rate)
-    return Aligned(fitted.frames[picked], fitted.valid, fitted.fit, begins, float(late.mean()))
+    first = fitted.frames[normalise.nearest(clip.times, max(delay, 0.0))]
+    frames = normalise.match_picture(fitted.frames[picked], first, context[-1], fitted.valid)
+    return Aligned(frames, fitted.valid, fitted.fit, begins, float(late.mean()))
 
 
 def measure(clip: Clip, reference: Reference, truth: int, begins: Begins | None = None) -> Measurement:
@@ -120,19 +123,18 @@ def measure(clip: Clip, reference: Reference, truth: int, begins: Begins | None 
     frames = steadied.frames
     if frames is not coloured:
         frames = normalise.match_colours(frames, reference.plate, background)
-    differs = foreground(frames, reference.plate, aligned.valid)
-    segmenter = Segmenter(reference.plate, reference.palettes, reference.objects, reference.widths)
-    masks = segmenter.masks(frames, differs, reference.places(truth))
+    masks, differs = reference.segmenter.masks(frames, aligned.valid, reference.background, reference.places(truth))
     options = range(len(reference.films))
     motion = motion_masks(frames)
     compared = [physics_iq(motion, reference.motion[o], frames, reference.futures[o]) for o in options]
     overlap = np.array([_mean_overlap(masks, reference.object_masks(o)) for o in options])
+    likeness = np.array([_mean_overlap(masks, found) for found in reference.found_masks])
     return Measurement(
         points=points_of(masks),
         areas=masks.sum(axis=(2, 3)).astype(float),
-        futures=np.stack(reference.points),
+        futures=np.stack(reference.found_points),
         widths=reference.widths,
-        votes=np.stack([*_pixel_votes(frames, aligned.valid, reference), 1 - overlap]),
+        votes=np.stack([*_pixel_votes(frames, aligned.valid, reference), 1 - likeness]),
         left_empty=reference.left_empty(cleaned(differs), background),
         vacancies=reference.vacancies,
         physics_iq=np.array(compared),
@@ -169,5 +171,5 @@ def _background_rmse(frames: Frames, plate: NDArray[np.uint8], background: Mask)
     """Return the root mean squared error of background pixels, as a share of the range."""
     if not background.any():
         return 0.0
-    gaps = frames[:, background].astype(np.float32) - plate[background]
-    return float(np.sqrt((gaps**2).mean())) / 255
+    total = sum(squared_error(frame, plate, background) for frame in frames)
+    return float(np.sqrt(total / (3 * len(frames) * np.count_nonzero(background)))) / 255

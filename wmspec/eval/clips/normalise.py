@@ -25,7 +25,9 @@ SAME_ASPECT = 1.02
 #: Limits of a camera that can be followed: the zoom, and the share of background points that move alike.
 MAX_ZOOM, MIN_INLIERS = 1.35, 0.4
 #: Number of background points that the camera and the colours are measured at.
-CORNERS, SAMPLES = 200, 2500
+CORNERS, SAMPLES = 200, 1000
+#: The camera is followed in one of this many frames first, and in all of them if it moves.
+CAMERA_STEP = 4
 
 
 @dataclass(frozen=True)
@@ -136,43 +138,88 @@ def nearest(times: NDArray[np.float64], time: float) -> int:
 
 def match_colours(frames: Frames, plate: NDArray[np.uint8], background: Mask) -> Frames:
     """Return frames whose background has the colours of the `plate`: one robust line for each channel and frame."""
+    cv2 = opencv()
     ys, xs = np.nonzero(background)
     if len(ys) < 50:
         return frames
     chosen = np.random.default_rng(1).choice(len(ys), min(SAMPLES, len(ys)), replace=False)
     where = ys[chosen], xs[chosen]
-    known = plate[where].astype(np.float32)
-    made = np.empty(frames.shape, np.uint8)
+    known = cv2.blur(plate, (5, 5))[where].astype(np.float32)
+    made, levels = np.empty(frames.shape, np.uint8), np.empty((1, 256, 3), np.float32)
     for t, frame in enumerate(frames):
+        seen = cv2.blur(frame, (5, 5))[where].astype(np.float32)
         for channel in range(3):
-            slope, offset = _line(frame[..., channel][where].astype(np.float32), known[:, channel])
-            levels = np.clip(np.arange(256, dtype=np.float32) * slope + offset, 0, 255).astype(np.uint8)
-            made[t, ..., channel] = levels[frame[..., channel]]
+            slope, offset = _line(seen[:, channel], known[:, channel])
+            levels[0, :, channel] = np.clip(np.arange(256, dtype=np.float32) * slope + offset, 0, 255)
+        cv2.LUT(frame, levels.astype(np.uint8), dst=made[t])
     return made
 
 
 def _line(a: NDArray[np.float32], b: NDArray[np.float32]) -> tuple[float, float]:
-    """Return slope and offset that map `a` to `b`; the fifth that fits worst is left out."""
+    """Return slope and offset that map `a` to `b`; the fifth that fits worst is left out.
+
+    `a` is noisy and `b` is not: the line that predicts `a` from `b` is inverted. The other one would be too flat.
+    """
     slope = offset = 0.0
     keep = np.ones(len(a), bool)
     for _ in range(2):
         x, y = a[keep], b[keep]
-        variance = float(x.var())
-        slope = float(((x - x.mean()) * (y - y.mean())).mean()) / variance if variance > 1 else 1.0
-        slope = min(max(slope, 0.4), 2.5)
+        (own, both), (_, known) = np.cov(x, y)
+        slope = min(max(known / both, 0.4), 2.5) if both > 0.5 * np.sqrt(own * known) and known > 1 else 1.0
         offset = float(np.median(y - slope * x))
         gaps = np.abs(b - (slope * a + offset))
         keep = gaps <= np.quantile(gaps, 0.8)
     return slope, offset
 
 
+def match_picture(frames: Frames, first: NDArray[np.uint8], picture: NDArray[np.uint8], valid: Mask) -> Frames:
+    """Return frames in the colours of a known `picture` (h, w, 3), which the clip shows as its `first` frame.
+
+    The background alone does not show what became of other colours. Each channel is a polynomial of the three:
+    linear and quadratic, fitted with all colours of the picture counting alike.
+    """
+    cv2 = opencv()
+    a, b = (cv2.GaussianBlur(x, (0, 0), 1.5)[::2, ::2][valid[::2, ::2]] for x in (first, picture))
+    if len(a) < _MIN_SAMPLES or np.abs(a.astype(np.int16) - b).mean() < _SAME_COLOURS:
+        return frames
+    coefficients = _polynomial(a.astype(np.float64) / 255, b.astype(np.float64) / 255)
+    made = np.empty(frames.shape, np.uint8)
+    squares = (np.arange(256, dtype=np.float32) / 255) ** 2
+    for t, frame in enumerate(frames):
+        linear = cv2.transform(frame.astype(np.float32) / 255, coefficients[:, [0, 1, 2, 6]])
+        quadratic = cv2.transform(cv2.LUT(frame, squares), coefficients[:, 3:6])
+        made[t] = np.clip((linear + quadratic) * 255, 0, 255)
+    return made
+
+
+#: Fewest pixels that colours are fitted to; mean difference (grey levels) of equal pictures; weight of no change.
+_MIN_SAMPLES, _SAME_COLOURS, _RIDGE = 200, 1.5, 0.0003
+
+
+def _polynomial(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Return the coefficients (3, 7) of colours, their squares and 1 that map colours `a` to `b` (n, 3), 0 to 1."""
+    _, which, counts = np.unique((b * 7.99).astype(int) @ [1, 8, 64], return_inverse=True, return_counts=True)
+    weights = 1 / counts[which.ravel()]
+    terms = np.concatenate([a, a**2, np.ones((len(a), 1))], axis=1)
+    same = np.eye(7, 3)
+    coefficients = same
+    keep = np.ones(len(a), bool)
+    for _ in range(3):
+        x, w = terms[keep], (weights[keep] / weights[keep].sum())[:, None]
+        coefficients = np.linalg.solve(x.T @ (w * x) + _RIDGE * np.eye(7), x.T @ (w * b[keep]) + _RIDGE * same)
+        gaps = np.abs(b - terms @ coefficients).sum(axis=1)
+        keep = gaps <= max(0.1, float(np.quantile(gaps, 0.9)))
+    return coefficients.T.astype(np.float32)
+
+
 @dataclass(frozen=True)
 class Steadied:
-    """Frames with the camera at rest, the largest zoom, and the least share of background points that moved alike."""
+    """Frames with the camera at rest, and how it moved: the largest zoom, and the share of points that moved alike."""
 
     frames: Frames
     zoom: float
     inliers: float
+    at_rest: bool = True
 
     @property
     def lost(self) -> bool:
@@ -189,8 +236,18 @@ def steady(frames: Frames, plate: NDArray[np.uint8], background: Mask) -> Steadi
     if points is None or len(points) < 12:
         return Steadied(frames, 1.0, 1.0)
     points = points.astype(np.float32)
+    chosen = np.unique(np.r_[0 : len(frames) : CAMERA_STEP, len(frames) - 1])
+    few = _followed(frames[chosen], still, points)
+    if few.at_rest:
+        return Steadied(frames, 1.0, few.inliers)
+    return _followed(frames, still, points)
+
+
+def _followed(frames: Frames, still: NDArray[np.uint8], points: NDArray[np.float32]) -> Steadied:
+    """Return frames with the camera at rest, given points (n, 1, 2) in the grey background `still`."""
+    cv2 = opencv()
     made, zooms, shares = [], [1.0], list[float]()
-    transform = np.eye(2, 3)
+    transform, at_rest = np.eye(2, 3), True
     for frame in frames:
         grey = cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY)
         guess = cv2.transform(points, transform).astype(np.float32)
@@ -205,9 +262,11 @@ def steady(frames: Frames, plate: NDArray[np.uint8], background: Mask) -> Steadi
                 transform = estimate
                 zooms.append(float(np.hypot(estimate[0, 0], estimate[0, 1])))
         shares.append(share)
-        made.append(frame if _at_rest(transform) else _undone(frame, transform))
+        rests = _at_rest(transform)
+        at_rest &= rests
+        made.append(frame if rests else _undone(frame, transform))
     largest = max(max(zoom, 1 / max(zoom, 1e-6)) for zoom in zooms)
-    return Steadied(np.stack(made), largest, float(np.median(shares)))
+    return Steadied(np.stack(made), largest, float(np.median(shares)), at_rest)
 
 
 def _at_rest(transform: NDArray[np.float64]) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.dataset.film.codec import Frames, Ids
-from wmspec.dataset.film.distances import Array, object_points, widths_of
+from wmspec.dataset.film.distances import END_FRAMES, Array, object_points, widths_of
 from wmspec.eval.clips.packages import opencv
 from wmspec.eval.clips.pixels import gradients, motion_masks, thumbnails
-from wmspec.eval.clips.segment import Palette, palette
+from wmspec.eval.clips.segment import Palette, Segmenter, joined, palette, points_of
 
 Mask = NDArray[np.bool_]
 
@@ -115,10 +115,44 @@ class Reference:
     @cached_property
     def palettes(self) -> dict[int, Palette]:
         """The colours of everything that moves, by body; bodies that are hardly seen are left out."""
-        frames = np.concatenate([film.frames[film.context - 1 :: 4] for film in self.films])
-        ids = np.concatenate([film.ids[film.context - 1 :: 4] for film in self.films])
-        made = {body: palette(frames, ids == body) for body in dict.fromkeys((*self.objects, *self.moving))}
+        # The colours at the end by themselves: an object that is painted there has them in few frames.
+        parts = [self._frames(slice(film.context - 1, None, 4) for film in self.films)]
+        parts.append(self._frames(slice(-END_FRAMES, None) for _ in self.films))
+        made = {
+            body: joined([palette(frames, ids == body) for frames, ids in parts])
+            for body in dict.fromkeys((*self.objects, *self.moving))
+        }
         return {body: colours for body, colours in made.items() if colours is not None}
+
+    def _frames(self, slices: Iterable[slice]) -> tuple[Frames, Ids]:
+        """Return some frames of each film, and their ids."""
+        chosen = list(zip(self.films, slices, strict=True))
+        return (
+            np.concatenate([film.frames[which] for film, which in chosen]),
+            np.concatenate([film.ids[which] for film, which in chosen]),
+        )
+
+    @cached_property
+    def segmenter(self) -> Segmenter:
+        """Finds the objects in clips."""
+        return Segmenter(self.plate, self.palettes, self.objects, self.widths)
+
+    @cached_property
+    def found_masks(self) -> tuple[Mask, ...]:
+        """Where the segmenter finds the objects (objects, n, h, w) in each future.
+
+        Clips are compared with these, not with the true masks: what it mistakes in both makes no difference.
+        """
+        whole = np.ones(self.plate.shape[:2], bool)
+        return tuple(
+            self.segmenter.masks(future, whole, self.background, self.places(option))[0]
+            for option, future in enumerate(self.futures)
+        )
+
+    @cached_property
+    def found_points(self) -> tuple[Array, ...]:
+        """The points (objects, n, 3, 2) where the segmenter finds the objects in each future."""
+        return tuple(points_of(masks) for masks in self.found_masks)
 
     def places(self, option: int) -> Array:
         """Return where each object (n, 2) is in the last frame of a context (px); NaN if it is not seen."""

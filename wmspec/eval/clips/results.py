@@ -24,7 +24,7 @@ from wmspec.eval.models import results
 Row = dict[str, Any]
 
 #: The version of the decision rules.
-RULES_VERSION = 1
+RULES_VERSION = 2
 
 #: The columns beyond those of all results: type and description.
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {

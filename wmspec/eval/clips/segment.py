@@ -27,6 +27,10 @@ PLATE_LIGHTNESS, PALETTE_LIGHTNESS = 0.5, 0.4
 MIN_FOREGROUND, MAX_COLOUR = 9.0, 32.0
 #: The palette must be nearer than this share of its distance from the background.
 NEARER = 0.6
+#: Colours (Lab) as near as this to two objects may belong to either.
+EQUAL_COLOUR = 5.0
+#: Standard deviation (px) of the blur against noise.
+SMOOTH = 1.0
 #: Smallest mask, as a share of the object's area; reach of its parts (widths); and memory of its place (px).
 MIN_AREA, REACH, MEMORY = 0.06, 1.2, 60.0
 
@@ -37,6 +41,12 @@ def lab(frame: NDArray[np.uint8]) -> NDArray[np.float32]:
     return np.asarray(cv2.cvtColor(frame, cv2.COLOR_RGB2LAB), np.float32)
 
 
+def smooth(frame: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return a picture without the noise of single pixels, as clips, films and the background are all compared."""
+    cv2 = opencv()
+    return np.asarray(cv2.GaussianBlur(frame, (0, 0), SMOOTH), np.uint8)
+
+
 def palette(frames: Frames, masks: Mask) -> Palette | None:
     """Return the main colours within masks; None if they are too small."""
     cv2 = opencv()
@@ -44,7 +54,7 @@ def palette(frames: Frames, masks: Mask) -> Palette | None:
     for frame, mask in zip(frames, masks, strict=True):
         inner = cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
         if inner.any():
-            pixels.append(lab(frame)[inner])
+            pixels.append(lab(smooth(frame))[inner])
     if sum(map(len, pixels)) < MIN_PIXELS:
         return None
     found = np.concatenate(pixels)
@@ -56,20 +66,22 @@ def palette(frames: Frames, masks: Mask) -> Palette | None:
     return np.asarray(centres[shares >= MIN_SHARE], np.float32)
 
 
-def distance_to(picture: NDArray[np.float32], colours: Palette) -> NDArray[np.float32]:
-    """Return the distance (h, w) of each pixel (Lab) from the nearest colour of a palette."""
-    gaps = [_weighted(picture - colour, PALETTE_LIGHTNESS) for colour in colours]
-    return np.asarray(np.minimum.reduce(gaps), np.float32)
+def joined(palettes: Sequence[Palette | None]) -> Palette | None:
+    """Return the distinct colours of palettes; None without any."""
+    made: list[NDArray[np.float32]] = []
+    for colour in (colour for colours in palettes if colours is not None for colour in colours):
+        if all(float(_weighted(colour - known, PALETTE_LIGHTNESS)) > MIN_FOREGROUND for known in made):
+            made.append(colour)
+    return np.stack(made) if made else None
+
+
+def _away(pixels: NDArray[np.float32], colour: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the distance (n) of pixels (n, 3), Lab, from a colour of a palette."""
+    return _weighted(pixels - colour, PALETTE_LIGHTNESS)
 
 
 def _weighted(gap: NDArray[np.float32], lightness: float) -> NDArray[np.float32]:
     return np.asarray(np.sqrt((lightness * gap[..., 0]) ** 2 + gap[..., 1] ** 2 + gap[..., 2] ** 2), np.float32)
-
-
-def foreground(frames: Frames, plate: NDArray[np.uint8], valid: Mask) -> Mask:
-    """Return the pixels (n, h, w) that differ from the background."""
-    ground = lab(plate)
-    return np.stack([(_weighted(lab(frame) - ground, PLATE_LIGHTNESS) > MIN_FOREGROUND) & valid for frame in frames])
 
 
 def cleaned(masks: Mask) -> Mask:
@@ -89,38 +101,60 @@ class Segmenter:
         self._palettes = {body: colours for body, colours in palettes.items() if body in objects}
         others = {body: colours for body, colours in palettes.items() if body not in objects}
         self._palettes |= {body: colours for body, colours in others.items() if self._is_other(colours)}
-        ground = lab(plate)
-        self._from_plate = {body: distance_to(ground, colours) for body, colours in self._palettes.items()}
+        self._ground = lab(smooth(plate))
+        plain = self._ground.reshape(-1, 3)
+        self._near = {
+            body: np.stack([np.minimum(MAX_COLOUR, NEARER * _away(plain, colour)) for colour in colours])
+            for body, colours in self._palettes.items()
+        }
 
     def _is_other(self, colours: Palette) -> bool:
         """Whether colours are unlike those of every object; equal ones would take the object's pixels."""
         own = [colour for body in self._objects if body in self._palettes for colour in self._palettes[body]]
         return all(float(_weighted((a - b)[None], PALETTE_LIGHTNESS)[0]) > MIN_FOREGROUND for a in colours for b in own)
 
-    def masks(self, frames: Frames, differs: Mask, places: Array) -> Mask:
-        """Return the masks (objects, n, h, w) in frames.
+    def masks(self, frames: Frames, valid: Mask, background: Mask, places: Array) -> tuple[Mask, Mask]:
+        """Return the masks (objects, n, h, w) in frames, and the pixels (n, h, w) that differ from the background.
 
-        `differs` are the pixels unlike the background, `places` (objects, 2) px where each object is before the first
-        frame, NaN if that is unknown.
+        `valid` (h, w) are the pixels that the frames show, `background` those in which nothing moves in any future.
+        `places` (objects, 2) px are where each object is before the first frame, NaN if that is unknown.
         """
+        differs = np.zeros(frames.shape[:3], bool)
         found = np.zeros((len(self._objects), *differs.shape), bool)
+        ground = np.where(background[..., None], _median(frames), self._ground)
+        threshold, quiet = MIN_FOREGROUND, background & valid
         last = {k: place for k, place in enumerate(places) if not np.isnan(place).any()}
         for t, frame in enumerate(frames):
-            picture = lab(frame)
-            gaps = {body: distance_to(picture, colours) for body, colours in self._palettes.items()}
-            nearest = np.minimum.reduce(list(gaps.values()))
+            picture = lab(smooth(frame))
+            away = _weighted(picture - ground, PLATE_LIGHTNESS)
+            if t == 0 and quiet.any():
+                threshold = max(threshold, float(np.quantile(away[quiet], _QUIET)))
+            differs[t] = (away > threshold) & valid
+            where = np.flatnonzero(differs[t])
+            pixels = picture.reshape(-1, 3)[where]
+            gaps = {body: self._gaps(pixels, where, body) for body in self._palettes}
             for k, body in enumerate(self._objects):
-                if body not in gaps:
-                    continue
-                near = np.minimum(MAX_COLOUR, NEARER * np.maximum(self._from_plate[body], 1.0))
-                mask = differs[t] & (gaps[body] <= nearest) & (gaps[body] < near)
-                found[k, t] = self._component(mask, k, last)
-        return found
+                if body in gaps:
+                    nearest = np.minimum.reduce(list(gaps.values()))
+                    own = (gaps[body] <= nearest + EQUAL_COLOUR) & (gaps[body] < np.inf)
+                    mask = np.zeros(valid.shape, np.uint8)
+                    mask.ravel()[where[own]] = 1
+                    found[k, t] = self._component(mask, k, last)
+        return found, differs
 
-    def _component(self, mask: Mask, k: int, last: dict[int, NDArray[np.float64]]) -> Mask:
+    def _gaps(self, pixels: NDArray[np.float32], where: NDArray[np.intp], body: int) -> NDArray[np.float32]:
+        """Return the distance of pixels (n, 3) at places `where` from a body's nearest colour that they may have.
+
+        A pixel has a colour if it is clearly nearer to that than the background is; infinite if it has none.
+        """
+        gaps = np.stack([_away(pixels, colour) for colour in self._palettes[body]])
+        gaps[gaps >= self._near[body][:, where]] = np.inf
+        return np.asarray(gaps.min(axis=0))
+
+    def _component(self, mask: NDArray[np.uint8], k: int, last: dict[int, NDArray[np.float64]]) -> Mask:
         """Return the largest part of a mask, rather one near the object's last place, with what lies around it."""
         cv2 = opencv()
-        opened = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, np.ones((2, 2), np.uint8))
+        opened = cv2.morphologyEx(mask, cv2.MORPH_OPEN, np.ones((2, 2), np.uint8))
         count, labels, stats, centres = cv2.connectedComponentsWithStats(opened, connectivity=8)
         width = self._widths[k]
         if count < 2:
@@ -134,7 +168,20 @@ class Segmenter:
             return np.zeros(mask.shape, bool)
         last[k] = centres[best]
         near = (np.hypot(*(centres - centres[best]).T) < REACH * width) & (areas >= 6)
-        return np.asarray(np.isin(labels, 1 + np.nonzero(near)[0]))
+        return np.asarray(np.concatenate(([False], near))[labels])
+
+
+def _median(frames: Frames) -> NDArray[np.float32]:
+    """Return the median (h, w, 3), Lab, of some frames.
+
+    It is the background of what stands still, whatever its colours: a model may change those of single things.
+    """
+    chosen = np.linspace(0, len(frames) - 1, min(_MEDIAN_OF, len(frames))).round().astype(int)
+    return lab(np.median([smooth(frames[t]) for t in chosen], axis=0).astype(np.uint8))
+
+
+#: Frames of which the median is taken; share of the background that may differ from it by noise.
+_MEDIAN_OF, _QUIET = 7, 0.98
 
 
 def points_of(masks: Mask) -> Array:
