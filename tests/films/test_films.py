@@ -19,7 +19,7 @@ from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import decode, decode_ids, encode, encode_ids
-from wmspec.dataset.film.distances import film_distance, object_points, pairwise
+from wmspec.dataset.film.distances import film_distance, mask_points, object_points, pairwise
 from wmspec.dataset.film.timing import FilmSettings, film_times
 
 
@@ -65,6 +65,18 @@ def test_distances_are_a_metric() -> None:
     absent = np.full((2, 7, 3, 2), np.nan)
     assert film_distance(absent, points[0], np.array([9.0, 12.0])) == 2.0
     assert film_distance(absent, absent, np.array([9.0, 12.0])) == 0.0
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.02, 0.9))
+def test_points_of_a_mask_are_its_mean_and_percentiles(seed: int, share: float) -> None:
+    mask = np.random.default_rng(seed).random((17, 23)) < share
+    ys, xs = np.nonzero(mask)
+    points = mask_points(mask)
+    if len(xs) < 12:
+        assert np.isnan(points).all()
+        return
+    low, high = np.percentile((xs, ys), (5, 95), axis=1)
+    assert np.allclose(points, [(xs.mean(), ys.mean()), low, high], rtol=0, atol=1e-12)
 
 
 def test_a_row_refers_to_the_films_of_its_options(films: Path) -> None:
