@@ -52,6 +52,8 @@ def pictured(content: bytes) -> Change:
         (setting("engine", "/tmp/x"), "row 2: its engine is `/tmp/x`"),
         (setting("renderer", "../x"), "row 2: its renderer is `../x`, which is not a name"),
         (setting("text", None), "row 2: `text` is null"),
+        (setting("measured", [{"name": None, "value": 1.0}]), "row 2: `name` of `measured` is null"),
+        (setting("measured", [{"name": "speed(ball)", "value": None}]), "row 2: `value` of `measured` is null"),
         (setting("index", -1), "row 2: its index is -1"),
         (setting("answer", 9), "row 2: its answer is 9, of 4 options"),
         (setting("answer", None), "row 2: its answer is None, of 4 options"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, Any, Literal
 
 import pyarrow as pa
@@ -156,6 +156,8 @@ def row_fault(row: Row, task: str, engines: Sequence[str]) -> str:
         value = row.get(name, "")
         if value is None or (isinstance(value, list) and name not in _NULLABLE_ITEMS and None in value):
             return f"`{name}` is null"
+    if null := next(_null_names(row), ""):
+        return f"{null} is null"
     for name, known in (("task", [task]), ("engine", engines)):
         if name in row and row[name] not in known:
             return f"its {name} is `{str(row[name])[:60]}`, expected {' or '.join(known)}"
@@ -168,6 +170,15 @@ def row_fault(row: Row, task: str, engines: Sequence[str]) -> str:
         if len(set(counts.values())) > 1:
             return "it has " + ", ".join(f"{n} {name}" for name, n in counts.items())
     return _options_fault(row)
+
+
+def _null_names(row: Row) -> Iterator[str]:
+    """Yield the names, units, engines and readings that are null in the structures of a row."""
+    for name, value in row.items():
+        fields = ("name", "unit", "engine", "value") if name == "measured" else ("name", "unit", "engine")
+        for item in value if isinstance(value, list) else (value,):
+            if isinstance(item, dict):
+                yield from (f"`{field}` of `{name}`" for field in fields if field in item and item[field] is None)
 
 
 def _options_fault(row: Row) -> str:
