@@ -123,6 +123,15 @@ def test_an_episode_that_lasts_too_long(tmp_path: Path, seconds: int) -> None:
     assert "has more than 600 seconds" in result.output
 
 
+def test_a_trace_is_not_run_as_a_spec(tmp_path: Path) -> None:
+    (tmp_path / "outside.txt").write_text("secret")
+    (tmp_path / "ball.npz").symlink_to(tmp_path / "outside.txt")
+    result = wmspec("run", tmp_path / "ball.npz", "-b", "mujoco")
+    assert result.exit_code == 2
+    assert "`wmspec render` draws it" in result.stderr
+    assert "secret" not in result.stderr
+
+
 def test_a_task_may_be_named_by_its_folders(tmp_path: Path) -> None:
     stage = tmp_path / "ball.usda"
     stage.write_text(STAGE.format(task='"prediction/mechanistic/falls"'))

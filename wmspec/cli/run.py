@@ -22,6 +22,7 @@ from wmspec.cli.common import (
 )
 from wmspec.core.diagnostics import EngineError, StageError, WmsError
 from wmspec.core.limits import EPISODE_SECONDS
+from wmspec.core.places import FilePlace
 from wmspec.lang.check.tables.vocabulary import STAGES
 
 if TYPE_CHECKING:
@@ -84,6 +85,9 @@ def run_command(
     if output is not None and len(engines) > 1:
         raise WmsError("one file holds the trace of one engine; choose one with --backend, or leave out --output")
     seconds = parse_duration(duration) if duration else None
+    if source.suffix.lower() == ".npz":
+        # Read as a spec, a link in a folder of others would show a line of the file that it leads to.
+        raise WmsError("a trace is not executed", FilePlace(str(source)), help="`wmspec render` draws it")
     if source.suffix.lower() in STAGES:
         episodes, refusals = _run_each(engines, lambda engine: run(source, engine, seconds, strict=strict))
     elif source.suffix.lower() in RUN_FILES:
