@@ -52,10 +52,10 @@ class DatasetOptions(TypedDict, total=False):
     default the quickest; with rows of engines, each draws its own by default. `consensus`: keep a question if "all"
     engines agree, if the "majority" agrees, or always ("none"). `seed`: random seed of tasks given by path. `size`
     (pixels), `look` and `samples`: see `RenderOptions`. `film`: frames per second of films of closed sets, None for no
-    films; `film_size`: their width and height (pixels). `licence`: SPDX identifier of the data licence, by default
-    that of the specs, and CC-BY-4.0 for specs of wmspec. `split`: only the instances of "train", "validation" or
-    "test"; the first two without the hold-outs of the specs. `shares`: of the splits in percent, such as
-    "train=80,validation=10,test=10".
+    films; `film_size`: their width and height (pixels); `film_for`: how long (s) they go on after the context, at
+    least. `licence`: SPDX identifier of the data licence, by default that of the specs, and CC-BY-4.0 for specs of
+    wmspec. `split`: only the instances of "train", "validation" or "test"; the first two without the hold-outs of the
+    specs. `shares`: of the splits in percent, such as "train=80,validation=10,test=10".
     """
 
     per_task: int | None
@@ -73,6 +73,7 @@ class DatasetOptions(TypedDict, total=False):
     samples: int | None
     film: int | None
     film_size: tuple[int, int]
+    film_for: float
     licence: str
     split: str
     shares: str
@@ -188,7 +189,7 @@ def plan_dataset(tasks: Tasks, tell: Tell = warn, **options: Unpack[DatasetOptio
         rows_of=rows_of,
         profile=profile,
         part=part,
-        film=_film(options.get("film"), options.get("film_size"), chosen_tasks, look),
+        film=_film(options, chosen_tasks, look),
         licence=_licence(chosen_tasks, options.get("licence", "")),
         split=split,
         versions=versions({*engines, *drawers}, look),
@@ -202,11 +203,13 @@ def _larger_samples(plan: Plan, requested: int | None) -> Iterator[str]:
             yield f"`{task.spec.name}`: {task.selected} instances instead of {requested}, as control groups are whole"
 
 
-def _film(rate: int | None, size: tuple[int, int] | None, tasks: Sequence[Task], look: Look) -> FilmSettings | None:
+def _film(options: DatasetOptions, tasks: Sequence[Task], look: Look) -> FilmSettings | None:
     """Return the settings of films. Raises WmsError if no task has films, or if they cannot be made."""
+    rate, size, seconds = options.get("film"), options.get("film_size"), options.get("film_for")
     if rate is None:
-        if size is not None:
-            raise WmsError("`film_size` is the size of films", help="set `film` too, such as 24 frames per second")
+        if size is not None or seconds is not None:
+            name = "film_size" if size is not None else "film_for"
+            raise WmsError(f"`{name}` is a setting of films", help="set `film` too, such as 24 frames per second")
         return None
     if look != "parity":
         raise WmsError(f"films are drawn in the look `parity`, and the pictures in `{look}`", help="remove one of them")
@@ -214,7 +217,7 @@ def _film(rate: int | None, size: tuple[int, int] | None, tasks: Sequence[Task],
         message = "no task has a question with a closed set of pictures (`options orbit of ...`), so no films"
         raise WmsError(message, help="or `film CAMERA` in a task with `answer possible`")
     pyav()
-    return FilmSettings(rate, pixels(size or DEFAULT_FILM_SIZE))
+    return FilmSettings(rate, pixels(size or DEFAULT_FILM_SIZE), seconds)
 
 
 def _licence(tasks: Sequence[Task], chosen: str) -> str:

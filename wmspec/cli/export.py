@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from wmspec.eval.models.question import Selection
 
 _PATH = click.Path(path_type=Path)
-TOOLS = ("inspect", "lmms-eval", "vlmevalkit", "hf", "chat", "questions", "video")
+TOOLS = ("inspect", "lmms-eval", "vlmevalkit", "hf", "chat", "questions", "video", "physics-iq")
 
 
 @click.command("export")
@@ -55,7 +55,8 @@ def export_command(
     `chat` is training data in splits by control groups (--shares, --holdout), with answers. `questions` are published
     in place of a private dataset: without answers, under ids hidden by --secret, a file that is made if it is not
     there. `wmspec submit`, `score` and `leaderboard` do the rest. `video` has the inputs of video models: the
-    films that are shown and prompts, and nothing of the answers.
+    films that are shown and prompts, and nothing of the answers. `physics-iq` has the films in the layout of that
+    benchmark, with the answers.
 
     Other folders have requests equal to those of `wmspec evaluate`, the parser of replies, and a README.
 
@@ -75,6 +76,13 @@ def export_command(
 
         count = export_video(opened, selection, prompt, output, every_frame=frames)
         click.echo(f"{output}: {count:,} questions for video models; {output / 'README.md'} says what to do")
+        exit_if_failed(Tally("question was written", count))
+        return
+    if tool == "physics-iq":
+        from wmspec.eval.export.physics_iq import export_physics_iq
+
+        count = export_physics_iq(opened, selection, prompt, output)
+        click.echo(f"{output}: {count:,} questions in the layout of Physics-IQ; {output / 'README.md'} says what to do")
         exit_if_failed(Tally("question was written", count))
         return
     if frames:

@@ -81,6 +81,12 @@ if TYPE_CHECKING:
     help="Add a lossless film of every option, with 8, 12, 16, 24, 30 or 60 frames per second.",
 )
 @click.option("--film-size", metavar="WxH", help="Size of films in pixels.  [default: 832x480]")
+@click.option(
+    "--film-for",
+    type=click.FloatRange(0, 60, min_open=True),
+    metavar="SECONDS",
+    help="Let films go on at least so long after what is shown, for models with a fixed length.",
+)
 @look_options
 @seed_option
 @click.option(
@@ -131,6 +137,7 @@ def generate_command(
     size: str,
     film: str | None,
     film_size: str | None,
+    film_for: float | None,
     look: Any,
     samples: int | None,
     seed: int,
@@ -189,6 +196,8 @@ def generate_command(
     }
     if film_size:
         options["film_size"] = parse_size(film_size)
+    if film_for is not None:
+        options["film_for"] = film_for
     if dry_run:
         plan = plan_dataset(specs, tell, **options)
         print_cost(plan, worker_settings(workers, timeout, plan.engines), as_json)

@@ -52,6 +52,7 @@ class _Split(_Strict):
 class _Film(_Strict):
     rate: Literal[8, 12, 16, 24, 30, 60]
     size: Annotated[list[_Side], Field(min_length=2, max_length=2)]
+    seconds: Annotated[float, Field(gt=0, le=60)] | None = None
 
 
 class _Shard(_Strict):

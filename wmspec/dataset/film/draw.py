@@ -19,7 +19,8 @@ class DrawnFilm:
     """A film: encoded frames and ids, and what its objects do.
 
     `objects` are the spec's objects that can move. `points` (n, T, 3, 2) px and `areas` (n, T) px locate them in the
-    working size, `centers` (n, T, 3) m in the world; NaN while absent. `bodies` are the names of all bodies.
+    working size, `centers` (n, A, 3) m in the world, up to the frame of the answer; NaN while absent. `bodies` are the
+    names of all bodies.
     """
 
     content: bytes
@@ -42,7 +43,7 @@ def draw_film(run: Run, camera: str, times: FilmTimes, rate: int, pair: EnginePa
     objects = tuple(name for name in run.movable() if name in things)
     small = shrunk_ids(ids, working_size(*renders.size))
     points, areas = object_points(small, [bodies.index(name) for name in objects])
-    centers = [run.poses(objects, time)[:, :3] for time in times.times]
+    centers = [run.poses(objects, time)[:, :3] for time in times.times[: times.answer_frame + 1]]
     return DrawnFilm(
         codec.encode(rgb, rate), codec.encode_ids(ids, rate), times, objects, points, areas, _by_object(centers), bodies
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Any
 
@@ -140,11 +140,11 @@ class GroupFilms:
     def _film(self, design: Design, index: int, engine: str, answer: PictureAnswer) -> DrawnFilm:
         key = design, index, engine, answer.camera, answer.time
         if key not in self._films:
-            run = execute(design, design[index], None, self._pairs[engine])
-            times = _times(run, answer, self._settings.rate)
-            self._films[key] = draw_film(
-                run, answer.camera, times, self._settings.rate, self._pairs[engine], self._full
-            )
+            pair = self._pairs[engine]
+            run = execute(design, design[index], None, pair)
+            times = _times(run, answer, self._settings)
+            run = _continued(run, times.times[-1], pair)
+            self._films[key] = draw_film(run, answer.camera, times, self._settings.rate, pair, self._full)
         return self._films[key]
 
     def _other_engines(self, row: QuestionRow) -> list[str]:
@@ -162,7 +162,8 @@ class GroupFilms:
                     run = execute(design, design[index], None, pair)
                 except Reject:
                     return
-                whole = _times(run, answer, self._settings.rate)
+                whole = _times(run, answer, self._settings)
+                run = _continued(run, whole.times[-1], pair)
                 times = FilmTimes(
                     whole.times[whole.context - 1 :], 1, whole.answer_frame - whole.context + 1, whole.offset
                 )
@@ -214,8 +215,19 @@ def _renders(renderer: str, width: int, height: int) -> RenderCache:
 _renderers: LRU[tuple[str, int, int], RenderCache] = LRU(2, drop=RenderCache.close)
 
 
-def _times(run: Run, answer: PictureAnswer, rate: int) -> FilmTimes:
-    """Return the frames of an execution: from the start of the film, through the last look, to the answer."""
+def _continued(run: Run, until: float, pair: EnginePair) -> Run:
+    """Return an execution that goes on until a time (s), if it ends before. Raises Reject if the engine fails."""
+    if until <= run.scene.duration:
+        return run
+    scene = replace(run.scene, duration=until)
+    try:
+        return replace(run, scene=scene, trace=pair.traces.trace(scene))
+    except WmsError as error:
+        raise Reject("unstable", f"after the answer: {error}") from None
+
+
+def _times(run: Run, answer: PictureAnswer, settings: FilmSettings) -> FilmTimes:
+    """Return the frames of an execution: from the start of the film, through the last look, to the answer or later."""
     spec, values = run.values.spec, run.values
     film = spec.film
     start = evaluate(film.start, values) if film is not None and film.start is not None else 0.0
@@ -224,7 +236,7 @@ def _times(run: Run, answer: PictureAnswer, rate: int) -> FilmTimes:
     else:
         looks = [time for _, time in views_of(spec, values) if time < answer.time]
         last = max(looks, default=0.0)
-    return film_times(start, last, answer.time, rate)
+    return film_times(start, last, answer.time, settings.rate, settings.seconds)
 
 
 def _whole_times(run: Run, rate: int) -> FilmTimes:
@@ -246,9 +258,9 @@ def _require_equal_times(films: list[DrawnFilm]) -> None:
 
 
 def _futures(film: DrawnFilm, objects: list[str]) -> Array:
-    """Return the points of objects after the context."""
+    """Return the points of objects after the context, up to the answer."""
     which = [film.objects.index(name) for name in objects]
-    return film.points[which][:, film.times.context :]
+    return film.points[which][:, film.times.context : film.times.answer_frame + 1]
 
 
 def _areas(film: DrawnFilm, objects: list[str]) -> Array:
@@ -290,7 +302,7 @@ def _track(film: DrawnFilm, objects: list[str], width: int, height: int) -> list
     rows: list[Row] = []
     for name in objects:
         k = film.objects.index(name)
-        for frame in range(len(film.times.times)):
+        for frame in range(film.times.answer_frame + 1):
             x, y, z = (_number(value) for value in film.centers[k, frame])
             across, down = film.points[k, frame, 0] / (width, height)
             share = float(film.areas[k, frame]) / (width * height)

@@ -13,15 +13,21 @@ RATES = (8, 12, 16, 24, 30, 60)
 DEFAULT_SIZE = (832, 480)
 #: Longest film (frames).
 MAX_FRAMES = 1200
+#: Longest time (s) that a film goes on after the context.
+MAX_SECONDS = 60
 _EPSILON = 1e-6
 
 
 @dataclass(frozen=True)
 class FilmSettings:
-    """The rate (Hz) and the size (px) of the films of a dataset. Raises WmsError for a size or rate that is invalid."""
+    """The rate (Hz) and the size (px) of the films of a dataset, and the least length (s) of what follows the context.
+
+    Raises WmsError for settings that are invalid.
+    """
 
     rate: int
     size: tuple[int, int] = DEFAULT_SIZE
+    seconds: float | None = None
 
     def __post_init__(self) -> None:
         if self.rate not in RATES:
@@ -31,15 +37,21 @@ class FilmSettings:
                 f"film size {self.size[0]}x{self.size[1]}: video codecs need even sides", help="such as 832x480"
             )
 
+        if self.seconds is not None and not 0 < self.seconds <= MAX_SECONDS:
+            raise WmsError(f"films that go on for {self.seconds:g} s", help=f"at most {MAX_SECONDS} s")
+
     @property
     def record(self) -> dict[str, Any]:
         """The settings as JSON values."""
-        return {"rate": self.rate, "size": list(self.size)}
+        longer = {} if self.seconds is None else {"seconds": self.seconds}
+        return {"rate": self.rate, "size": list(self.size), **longer}
 
     @classmethod
     def of(cls, record: dict[str, Any] | None) -> FilmSettings | None:
         """Return the settings of JSON values; None for None."""
-        return None if record is None else cls(record["rate"], (record["size"][0], record["size"][1]))
+        if record is None:
+            return None
+        return cls(record["rate"], (record["size"][0], record["size"][1]), record.get("seconds"))
 
 
 @dataclass(frozen=True)
@@ -72,9 +84,10 @@ def shown_times(start: float, last: float, before: float, rate: int) -> FilmTime
     return FilmTimes(times, count, count - 1, 0.0, split)
 
 
-def film_times(start: float, last: float, answer: float, rate: int) -> FilmTimes:
+def film_times(start: float, last: float, answer: float, rate: int, seconds: float | None = None) -> FilmTimes:
     """Return the frames from `start` to the `answer` (s), one of them exactly at `last`, the end of the context.
 
+    With `seconds`, the film goes on at least so long after the context.
     Raises WmsError for a film that is empty, too long, or ends at or after the answer.
     """
     if not 0 <= start <= last + _EPSILON:
@@ -83,7 +96,8 @@ def film_times(start: float, last: float, answer: float, rate: int) -> FilmTimes
     after = int((answer - last) * rate + _EPSILON)
     if after < 1:
         raise WmsError(f"the film ends at {last:g} s; the answer at {answer:g} s is less than one frame later")
-    if before + after >= MAX_FRAMES:
-        raise WmsError(f"the film has {before + after + 1:,} frames; at most {MAX_FRAMES:,}")
-    times = tuple(max(last + k / rate, 0.0) for k in range(-before, after + 1))
-    return FilmTimes(times, before + 1, len(times) - 1, times[-1] - answer)
+    whole = max(after, round((seconds or 0) * rate))
+    if before + whole >= MAX_FRAMES:
+        raise WmsError(f"the film has {before + whole + 1:,} frames; at most {MAX_FRAMES:,}")
+    times = tuple(max(last + k / rate, 0.0) for k in range(-before, whole + 1))
+    return FilmTimes(times, before + 1, before + after, times[before + after] - answer)

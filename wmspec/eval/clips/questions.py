@@ -148,18 +148,22 @@ def reference_of(dataset: DatasetReader, question: FilmQuestion) -> Reference:
     """Return the films of a question's options in working size. Raises WmsError if a film is damaged."""
     assert dataset.film is not None
     size = working_size(*dataset.film.size)
-    films = tuple(read_film(dataset, path, size, question.context) for path in question.films)
+    films = tuple(
+        read_film(dataset, path, size, question.context, question.answer_frame + 1) for path in question.films
+    )
     bodies = tuple(question.bodies.index(name) for name in question.objects)
     return Reference(question.rate, films, bodies)
 
 
-def read_film(dataset: DatasetReader, path: str, size: tuple[int, int], context: int) -> WholeFilm:
-    """Return a film of the dataset in a size (px)."""
-    frames = read_frames(dataset.folder, path, size)
-    ids = shrunk_ids(_read_ids(dataset, f"{path.removesuffix('.mkv')}.ids.mkv"), size)
+def read_film(
+    dataset: DatasetReader, path: str, size: tuple[int, int], context: int, count: int | None = None
+) -> WholeFilm:
+    """Return a film of the dataset in a size (px), or its first `count` frames: up to the answer."""
+    frames = read_frames(dataset.folder, path, size, count)
+    ids = shrunk_ids(_read_ids(dataset, f"{path.removesuffix('.mkv')}.ids.mkv", count), size)
     return WholeFilm(frames, ids, context)
 
 
-def _read_ids(dataset: DatasetReader, path: str) -> Ids:
-    frames = read_frames(dataset.folder, path).astype(np.int16)
+def _read_ids(dataset: DatasetReader, path: str, count: int | None) -> Ids:
+    frames = read_frames(dataset.folder, path, count=count).astype(np.int16)
     return frames[..., 0] + 256 * frames[..., 1] - np.int16(1)

@@ -72,7 +72,8 @@ class FunctionSurprises:
     def of(self, question: FilmQuestion, others: dict[int, FilmQuestion]) -> Array:
         """Return the surprises of a closed set; each is computed once."""
         if question.films not in self._known:
-            films = [read_frames(self._dataset.folder, path) for path in question.films]
+            count = question.answer_frame + 1
+            films = [read_frames(self._dataset.folder, path, count=count) for path in question.films]
             texts = [others.get(option, question).text for option in range(len(films))]
             self._known = {question.films: self._matrix(films, texts, question)}
         return self._known[question.films]
