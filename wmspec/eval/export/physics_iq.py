@@ -44,7 +44,7 @@ def export_physics_iq(dataset: DatasetReader, selection: Selection, prompt: str,
     _require_suitable(dataset, questions)
     with files.with_remedies(place):
         folder.clear()
-        lines = []
+        lines = list[dict[str, Any]]()
         for number, question in enumerate(questions, 1):
             numbers = (number, number + len(questions))
             for path, content in _files(dataset, question, numbers):
