@@ -21,17 +21,16 @@ from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.timing import film_times
 
 
-@pytest.fixture(scope="module")
-def longer(shared: Shared) -> Path:
-    """A closed set of four futures that go on for 5 s."""
+def made(shared: Shared, seconds: float) -> Path:
+    """A closed set of four futures that go on for so long (s) after what is shown."""
     for engine in ("mujoco", "pybullet"):
         installed(engine)
 
     def make(folder: Path) -> None:
         options = {**OPTIONS, "film": 8}
-        generate(SHOVE, folder / "out", per_task=4, workers=0, film_for=5, **options)  # type: ignore[arg-type]
+        generate(SHOVE, folder / "out", per_task=4, workers=0, film_for=seconds, **options)  # type: ignore[arg-type]
 
-    return shared.folder("longer films", make) / "out"
+    return shared.folder(f"films of {seconds:g} s", make) / "out"
 
 
 def test_a_film_goes_on_after_the_answer() -> None:
@@ -41,21 +40,24 @@ def test_a_film_goes_on_after_the_answer() -> None:
     assert film_times(0, 0.5, 3, 8, 1).times == film_times(0, 0.5, 3, 8).times
 
 
-def test_the_answer_uses_its_span_alone(longer: Path, tmp_path: Path) -> None:
+def test_the_answer_uses_its_span_alone(shared: Shared, tmp_path: Path) -> None:
+    longer = made(shared, 2)
     dataset = DatasetReader.open(longer)
     row = next(row for row in dataset.rows("shove") if row["film"])
     frames = read_frames(longer, row["film"])
-    assert len(frames) == row["film_context"] + 40
-    assert row["film_answer"] < len(frames) - 30
+    assert len(frames) == row["film_context"] + 16
+    assert row["film_answer"] < len(frames) - 6
     assert max(place["frame"] for place in row["film_track"]) == row["film_answer"]
     result = CliRunner().invoke(
         main, ["evaluate", str(longer), "-m", "clips:@engine", "-o", str(tmp_path / "r.parquet")]
     )
     assert "4 right" in result.output or "100" in result.output, result.output
-    assert verify(longer, sample=2, workers=0).verdict == "same"
+    assert verify(longer, sample=1, workers=0).verdict == "same"
 
 
-def test_the_layout_of_physics_iq(longer: Path, tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_the_layout_of_physics_iq(shared: Shared, tmp_path: Path) -> None:
+    longer = made(shared, 5)
     place = tmp_path / "piq"
     result = CliRunner().invoke(main, ["export", str(longer), "--to", "physics-iq", "-o", str(place)])
     assert result.exit_code == 0, result.output
