@@ -77,7 +77,7 @@ def said(row: Row) -> list[Row]:
 
 
 def test_the_command_offers_every_format() -> None:
-    assert set(TOOLS) == {*WRITERS, "questions", "video"}
+    assert set(TOOLS) == {*WRITERS, "questions", "video", "physics-iq"}
 
 
 def test_datasets_library_gives_the_same_score(dataset: Path, tmp_path: Path) -> None:
