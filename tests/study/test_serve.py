@@ -104,6 +104,11 @@ def test_the_first_answer_to_a_step_stands(study: Path) -> None:
     assert [a.text for a in again.visits()[0].answers] == ["A"]
 
 
+def test_the_fingerprint_is_computed_once(study: Path) -> None:
+    made = load(study)
+    assert made.fingerprint is made.fingerprint, "every visit has it"
+
+
 def test_slots_are_assigned_evenly_and_kept_on_return(study: Path) -> None:
     made, opened = load(study), AnswerStore(study / store.ANSWERS_FILE, load(study))
     people = [f"{i:032x}" for i in range(5)]

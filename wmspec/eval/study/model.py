@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
@@ -97,7 +98,7 @@ class Study(_Model):
     items: tuple[Item, ...]
     slots: tuple[tuple[Step, ...], ...]
 
-    @property
+    @cached_property
     def fingerprint(self) -> str:
         """Twelve hex digits that identify the content of the study."""
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:12]
