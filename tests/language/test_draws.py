@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from tests.language.specs import random_text, task_from
 from wmspec.compile.design.design import Design
 from wmspec.compile.layout.evaluator import Evaluator
-from wmspec.core.rng import Permutation
+from wmspec.core.rng import Permutation, uniform, uniforms
 
 # ---------------------------------------------------------------- domains
 
@@ -124,6 +124,12 @@ def _scattered(design: Design, index: int) -> list[object]:
     instance = design[index]
     values = Evaluator(design.spec, instance.values, None, instance.key)
     return [values.pose(f"bricks_{i}") for i in range(4)]
+
+
+@given(key=st.lists(st.integers() | st.text(max_size=3), max_size=3), last=st.integers() | st.text(max_size=3))
+def test_many_draws_of_a_key_are_its_draws(key: list[object], last: object) -> None:
+    draw = uniforms(*key)
+    assert draw(last) == draw(last) == uniform(*key, last)
 
 
 def test_bricks_and_seeds_differ() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from math import isqrt
 
 _MASK = (1 << 64) - 1
@@ -17,6 +18,18 @@ def bits(*key: object) -> int:
 def uniform(*key: object) -> float:
     """Return a uniform number in [0, 1) of a key."""
     return (bits(*key) >> 11) / (1 << 53)
+
+
+def uniforms(*key: object) -> Callable[[object], float]:
+    """Return a function of the last part of a key: `uniforms(*key)(k) == uniform(*key, k)`, quicker for many draws."""
+    begun = hashlib.blake2b("\x1f".join((*map(str, key), "")).encode(), digest_size=8)
+
+    def draw(last: object) -> float:
+        whole = begun.copy()
+        whole.update(str(last).encode())
+        return (int.from_bytes(whole.digest(), "big") >> 11) / (1 << 53)
+
+    return draw
 
 
 class Permutation:

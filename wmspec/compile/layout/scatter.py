@@ -15,7 +15,7 @@ from wmspec.compile.layout.geometry import own_rotation
 from wmspec.compile.layout.solids import Face, footprint
 from wmspec.compile.layout.surfaces import face_coordinates, support_faces
 from wmspec.core.diagnostics import ImpossibleValue
-from wmspec.core.rng import uniform
+from wmspec.core.rng import uniforms
 from wmspec.core.space import UP, from_ypr
 
 if TYPE_CHECKING:
@@ -67,10 +67,11 @@ def _free_circle(values: Evaluator, name: str, face: Face, taken: list[Circle], 
     radius = footprint(assets.pieces(values, name), from_ypr(0.0, pitch, roll))
     x, y = face_coordinates(face, values.spot(name))
     (width, depth), gap = values.pair(name, "scatter"), values.number(name, "gap")
+    across, along = (uniforms(*values.key, name, axis) for axis in "xy")
+    others = [(other[:2], radius + other[2] + gap) for other in taken]
     for k in range(deal * MAX_TRIES, (deal + 1) * MAX_TRIES):
-        u, v = (uniform(*values.key, name, axis, k) - 0.5 for axis in "xy")
-        here = (x + width * u, y + depth * v)
-        if all(math.dist(here, other[:2]) >= radius + other[2] + gap for other in taken):
+        here = (x + width * (across(k) - 0.5), y + depth * (along(k) - 0.5))
+        if all(math.dist(here, place) >= apart for place, apart in others):
             return (*here, radius)
     return None
 
