@@ -23,6 +23,7 @@ CODE = re.compile(r"^(```|~~~).*?^\1|`[^`\n]*`|<!--.*?-->|\]\([^)\s]*\)", re.DOT
 PART = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 #: Where comments of other files begin.
 COMMENTS = {".js": "//", ".lark": "//", ".sh": "#", ".toml": "#", ".wms": "#"}
+#: Suffixes of the files that are checked.
 KINDS = {".md", ".py", *COMMENTS}
 #: Not checked: history, lists that generators write, texts of others, and the rules themselves.
 SKIPPED = ("CHANGELOG.md", "docs/licences.md", "docs/decisions/*", "tools/prose.*", "tests/thirdparty/*")

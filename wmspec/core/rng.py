@@ -17,7 +17,7 @@ def bits(*key: object) -> int:
 
 def uniform(*key: object) -> float:
     """Return a uniform number in [0, 1) of a key."""
-    return (bits(*key) >> 11) / (1 << 53)
+    return _fraction(bits(*key))
 
 
 def uniforms(*key: object) -> Callable[[object], float]:
@@ -27,9 +27,14 @@ def uniforms(*key: object) -> Callable[[object], float]:
     def draw(last: object) -> float:
         whole = begun.copy()
         whole.update(str(last).encode())
-        return (int.from_bytes(whole.digest(), "big") >> 11) / (1 << 53)
+        return _fraction(int.from_bytes(whole.digest(), "big"))
 
     return draw
+
+
+def _fraction(word: int) -> float:
+    """Return 64 bits as a number in [0, 1), by the 53 bits that a float holds."""
+    return (word >> 11) / (1 << 53)
 
 
 class Permutation:

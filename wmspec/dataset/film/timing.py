@@ -36,7 +36,6 @@ class FilmSettings:
             raise WmsError(
                 f"film size {self.size[0]}x{self.size[1]}: video codecs need even sides", help="such as 832x480"
             )
-
         if self.seconds is not None and not 0 < self.seconds <= MAX_SECONDS:
             raise WmsError(f"films that go on for {self.seconds:g} s", help=f"at most {MAX_SECONDS} s")
 

@@ -174,7 +174,7 @@ class Segmenter:
 def _median(frames: Frames) -> NDArray[np.float32]:
     """Return the median (h, w, 3), Lab, of some frames.
 
-    It is the background of what stands still, whatever its colours: a model may change those of single things.
+    Static parts of the scene remain in it, in the colours of the clip: a model may change those of single objects.
     """
     chosen = np.linspace(0, len(frames) - 1, min(_MEDIAN_OF, len(frames))).round().astype(int)
     return lab(np.median([smooth(frames[t]) for t in chosen], axis=0).astype(np.uint8))
