@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -16,7 +17,8 @@ from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_within, read_bytes
 from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.reader import REPAIR_HINT
-from wmspec.dataset.film.codec import Frames, encode_mp4, pyav
+from wmspec.dataset.film.codec import Frames, Ids, encode_mp4, ids_of, pyav, scaler
+from wmspec.dataset.film.distances import nearest_pixels
 
 
 def read_frames(folder: Path, path: str, size: tuple[int, int] | None = None, count: int | None = None) -> Frames:
@@ -24,6 +26,29 @@ def read_frames(folder: Path, path: str, size: tuple[int, int] | None = None, co
 
     Raises WmsError if the film is missing, damaged, or outside the folder.
     """
+    return _decoded(folder, path, scaler(size), count)
+
+
+def read_ids(folder: Path, path: str, size: tuple[int, int], count: int | None = None) -> Ids:
+    """Return the body of each pixel (n, h, w), -1 for none, of a film at `path`, or of its first `count` frames.
+
+    Each pixel of the `size` (px) is the nearest one. Raises WmsError as `read_frames`.
+    """
+
+    def shrunk(frame: Any) -> Frames:
+        # In the order green, blue, red. Rows of a plane are padded.
+        low, high = (_plane(frame.planes[k], frame.width, frame.height) for k in (2, 0))
+        return np.stack([nearest_pixels(plane, size) for plane in (low, high)], axis=-1)
+
+    return ids_of(_decoded(folder, f"{path.removesuffix('.mkv')}.ids.mkv", shrunk, count))
+
+
+def _plane(plane: Any, width: int, height: int) -> NDArray[np.uint8]:
+    return np.frombuffer(plane, np.uint8).reshape(-1, plane.line_size)[:height, :width]
+
+
+def _decoded(folder: Path, path: str, made: Callable[[Any], Frames], count: int | None) -> Frames:
+    """Return what is `made` of the frames of a film, or of its first `count`."""
     av = pyav()
     file = folder / path
     if not is_within(folder, file):
@@ -32,17 +57,10 @@ def read_frames(folder: Path, path: str, size: tuple[int, int] | None = None, co
         with av.open(io.BytesIO(read_bytes(file))) as container:
             stream = container.streams.video[0]
             stream.thread_count = 1
-            frames = [_scaled(frame, size) for frame in islice(container.decode(stream), count)]
+            frames = [made(frame) for frame in islice(container.decode(stream), count)]
         return np.stack(frames)
     except (OSError, av.FFmpegError, IndexError, ValueError) as error:
         raise WmsError(f"a damaged film ({error})", FilePlace(str(file)), REPAIR_HINT) from None
-
-
-def _scaled(frame: Any, size: tuple[int, int] | None) -> NDArray[np.uint8]:
-    if size is not None:
-        frame = frame.reformat(width=size[0], height=size[1], format="rgb24", interpolation="AREA")
-    made: NDArray[np.uint8] = frame.to_ndarray(format="rgb24")
-    return made
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ The bytes depend on the frames and on the version of the encoder, not on the mac
 from __future__ import annotations
 
 import io
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
@@ -61,8 +62,30 @@ def encode_ids(ids: Ids, rate: int) -> bytes:
 
 def decode_ids(content: bytes) -> Ids:
     """Return the body of each pixel (T, h, w), -1 for none."""
-    frames = decode(content).astype(np.int16)
-    return frames[..., 0] + 256 * frames[..., 1] - np.int16(1)
+    return ids_of(decode(content))
+
+
+def ids_of(frames: Frames) -> Ids:
+    """Return the body of each pixel (T, h, w), -1 for none, of frames (T, h, w, 3) that hold them."""
+    return np.asarray(frames[..., 0] + np.left_shift(frames[..., 1], 8, dtype=np.int16) - np.int16(1), np.int16)
+
+
+def scaler(size: tuple[int, int] | None) -> Callable[[Any], Frames]:
+    """Return a function of PyAV's frames that returns them as pictures (h, w, 3), sRGB, scaled to `size` (px).
+
+    It is to be used for frames of one size and format: the tables of the scaler are computed once.
+    """
+    from av.video.reformatter import VideoReformatter
+
+    reformatter = VideoReformatter()
+
+    def scaled(frame: Any) -> Frames:
+        if size is not None:
+            frame = reformatter.reformat(frame, *size, format="rgb24", interpolation="AREA")
+        made: Frames = frame.to_ndarray(format="rgb24")
+        return made
+
+    return scaled
 
 
 def _encoded(frames: Frames, rate: int, codec: str, container: str, options: dict[str, str], pixels: str) -> bytes:

@@ -6,6 +6,8 @@ alone hardly distinguish falling from sliding. Distances are in widths of the ob
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,9 +32,15 @@ def working_size(width: int, height: int) -> tuple[int, int]:
 
 def shrunk_ids(ids: NDArray[np.int16], size: tuple[int, int]) -> NDArray[np.int16]:
     """Return maps of bodies (T, h, w) at another size, each pixel that of the nearest one."""
-    rows = ((np.arange(size[1]) + 0.5) * ids.shape[1] / size[1]).astype(int)
-    columns = ((np.arange(size[0]) + 0.5) * ids.shape[2] / size[0]).astype(int)
-    return ids[:, rows[:, None], columns[None]]
+    return nearest_pixels(ids, size)
+
+
+def nearest_pixels(pictures: NDArray[Any], size: tuple[int, int]) -> NDArray[Any]:
+    """Return pictures (..., h, w) at another size (px), each pixel the nearest one."""
+    height, width = pictures.shape[-2:]
+    rows = ((np.arange(size[1]) + 0.5) * height / size[1]).astype(int)
+    columns = ((np.arange(size[0]) + 0.5) * width / size[0]).astype(int)
+    return pictures[..., rows[:, None], columns]
 
 
 def mask_points(mask: Masks) -> Array:

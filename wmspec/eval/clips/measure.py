@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from wmspec.dataset.film.codec import Frames
 from wmspec.dataset.film.distances import Array
 from wmspec.eval.clips import normalise
+from wmspec.eval.clips.bits import overlaps, packed
 from wmspec.eval.clips.normalise import Begins
 from wmspec.eval.clips.pixels import (
     THUMBNAIL,
+    Motion,
     gradient_gap,
     gradients,
-    intersection_over_union,
-    motion_masks,
     physics_iq,
     shrink_mask,
     squared_error,
@@ -125,10 +125,10 @@ def measure(clip: Clip, reference: Reference, truth: int, begins: Begins | None 
         frames = normalise.match_colours(frames, reference.plate, background)
     masks, differs = reference.segmenter.masks(frames, aligned.valid, reference.background, reference.places(truth))
     options = range(len(reference.films))
-    motion = motion_masks(frames)
-    compared = [physics_iq(motion, reference.motion[o], frames, reference.futures[o]) for o in options]
-    overlap = np.array([_mean_overlap(masks, reference.object_masks(o)) for o in options])
-    likeness = np.array([_mean_overlap(masks, found) for found in reference.found_masks])
+    motion, bits = Motion.of(frames), packed(masks)
+    compared = [physics_iq(motion, reference.motion[o]) for o in options]
+    overlap = np.array([overlaps(bits, reference.object_bits[o]).mean() for o in options])
+    likeness = np.array([overlaps(bits, reference.found_bits[o]).mean() for o in options])
     return Measurement(
         points=points_of(masks),
         areas=masks.sum(axis=(2, 3)).astype(float),
@@ -157,14 +157,6 @@ def _pixel_votes(frames: Frames, valid: Mask, reference: Reference) -> tuple[Arr
         np.array([gradient_gap(edges, future, places) for future in reference.gradients]),
         np.array([thumbnail_gap(small, future, cells) for future in reference.thumbnails]),
     )
-
-
-def _mean_overlap(a: Mask, b: Mask) -> float:
-    """Return the mean intersection over union of masks (objects, n, h, w)."""
-    each = [
-        intersection_over_union(x, y) for mine, its in zip(a, b, strict=True) for x, y in zip(mine, its, strict=True)
-    ]
-    return float(np.mean(each))
 
 
 def _background_rmse(frames: Frames, plate: NDArray[np.uint8], background: Mask) -> float:

@@ -26,8 +26,8 @@ SAME_ASPECT = 1.02
 MAX_ZOOM, MIN_INLIERS = 1.35, 0.4
 #: Number of background points that the camera and the colours are measured at.
 CORNERS, SAMPLES = 200, 1000
-#: The camera is followed in one of this many frames first, and in all of them if it moves.
-CAMERA_STEP = 4
+#: The camera is followed in this many frames first, and in all of them if it moves.
+CAMERA_FRAMES = 9
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,10 @@ class Fitted:
 def fit_size(frames: Frames, picture: NDArray[np.uint8]) -> Fitted:
     """Return a clip in the size of a known `picture` (h, w, 3): the fit whose first frame is most like it."""
     choices = _fits(frames.shape[2], frames.shape[1], picture.shape[1], picture.shape[0])
-    best = max(choices, key=lambda name: _likeness(*choices[name](frames[0]), picture))
+    names = list(choices)
+    best = names[0]
+    if len(names) > 1:
+        best = max(names, key=lambda name: _likeness(*choices[name](frames[0]), picture))
     fitted = [choices[best](frame) for frame in frames]
     return Fitted(np.stack([frame for frame, _ in fitted]), fitted[0][1], best)
 
@@ -144,32 +147,40 @@ def match_colours(frames: Frames, plate: NDArray[np.uint8], background: Mask) ->
         return frames
     chosen = np.random.default_rng(1).choice(len(ys), min(SAMPLES, len(ys)), replace=False)
     where = ys[chosen], xs[chosen]
-    known = cv2.blur(plate, (5, 5))[where].astype(np.float32)
-    made, levels = np.empty(frames.shape, np.uint8), np.empty((1, 256, 3), np.float32)
+    known = cv2.blur(plate, (5, 5))[where].T.astype(np.float32)
+    seen = np.stack([cv2.blur(frame, (5, 5))[where].T for frame in frames]).astype(np.float32)
+    slopes, offsets = _lines(seen, np.broadcast_to(known, seen.shape))
+    levels = np.arange(256, dtype=np.float32)[:, None] * slopes[:, None] + offsets[:, None]
+    tables = np.clip(levels, 0, 255).astype(np.uint8)[:, None]
+    made = np.empty(frames.shape, np.uint8)
     for t, frame in enumerate(frames):
-        seen = cv2.blur(frame, (5, 5))[where].astype(np.float32)
-        for channel in range(3):
-            slope, offset = _line(seen[:, channel], known[:, channel])
-            levels[0, :, channel] = np.clip(np.arange(256, dtype=np.float32) * slope + offset, 0, 255)
-        cv2.LUT(frame, levels.astype(np.uint8), dst=made[t])
+        cv2.LUT(frame, tables[t], dst=made[t])
     return made
 
 
-def _line(a: NDArray[np.float32], b: NDArray[np.float32]) -> tuple[float, float]:
-    """Return slope and offset that map `a` to `b`; the fifth that fits worst is left out.
+def _lines(a: NDArray[np.float32], b: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return slopes and offsets (...) that map `a` to `b` (..., n); the fifth that fits worst is left out.
 
     `a` is noisy and `b` is not: the line that predicts `a` from `b` is inverted. The other one would be too flat.
     """
-    slope = offset = 0.0
-    keep = np.ones(len(a), bool)
-    for _ in range(2):
-        x, y = a[keep], b[keep]
-        (own, both), (_, known) = np.cov(x, y)
-        slope = min(max(known / both, 0.4), 2.5) if both > 0.5 * np.sqrt(own * known) and known > 1 else 1.0
-        offset = float(np.median(y - slope * x))
-        gaps = np.abs(b - (slope * a + offset))
-        keep = gaps <= np.quantile(gaps, 0.8)
-    return slope, offset
+    slopes, offsets = _fitted(a, b, np.ones(a.shape, bool))
+    gaps = np.abs(b - (slopes[..., None] * a + offsets[..., None]))
+    return _fitted(a, b, gaps <= np.quantile(gaps, 0.8, axis=-1)[..., None])
+
+
+def _fitted(
+    a: NDArray[np.float32], b: NDArray[np.float32], keep: Mask
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return slopes and offsets of lines through the points that are kept."""
+    number = keep.sum(axis=-1)
+    x, y = (np.where(keep, each, 0).astype(np.float64) for each in (a, b))
+    x, y = (np.where(keep, each - (each.sum(axis=-1) / number)[..., None], 0) for each in (x, y))
+    own, known, both = ((one * other).sum(axis=-1) / (number - 1) for one, other in ((x, x), (y, y), (x, y)))
+    clear = (both > 0.5 * np.sqrt(own * known)) & (known > 1)
+    slopes = np.where(clear, np.clip(known / np.where(clear, both, 1), 0.4, 2.5), 1).astype(np.float32)
+    rests = np.sort(np.where(keep, b - slopes[..., None] * a, np.inf), axis=-1)
+    low, high = (np.take_along_axis(rests, (number - k)[..., None] // 2, axis=-1)[..., 0] for k in (1, 0))
+    return slopes, np.asarray((low + high) / 2, np.float32)
 
 
 def match_picture(frames: Frames, first: NDArray[np.uint8], picture: NDArray[np.uint8], valid: Mask) -> Frames:
@@ -236,7 +247,7 @@ def steady(frames: Frames, plate: NDArray[np.uint8], background: Mask) -> Steadi
     if points is None or len(points) < 12:
         return Steadied(frames, 1.0, 1.0)
     points = points.astype(np.float32)
-    chosen = np.unique(np.r_[0 : len(frames) : CAMERA_STEP, len(frames) - 1])
+    chosen = np.unique(np.linspace(0, len(frames) - 1, CAMERA_FRAMES).round().astype(int))
     few = _followed(frames[chosen], still, points)
     if few.at_rest:
         return Steadied(frames, 1.0, few.inliers)

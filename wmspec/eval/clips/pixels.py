@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.dataset.film.codec import Frames
 from wmspec.dataset.film.distances import Array
+from wmspec.eval.clips.bits import Bits, count, overlaps, packed
 from wmspec.eval.clips.packages import opencv
 
 Mask = NDArray[np.bool_]
@@ -30,33 +34,35 @@ def thumbnails(frames: Frames) -> Array:
 
 def gradients(frames: Frames) -> Array:
     """Return the histograms of gradient orientations of frames (n, 16, 16, 8), each normalized (Dalal, Triggs 2005)."""
-    return np.stack([_gradient_histograms(frame) for frame in frames])
+    cells = GRADIENT_SIDE // CELL
+    across = np.arange(GRADIENT_SIDE) // CELL
+    first = (across[:, None] * cells + across) * BINS
+    histograms = np.stack([_gradient_histogram(frame, first) for frame in frames])
+    return np.asarray(histograms / (np.linalg.norm(histograms, axis=-1, keepdims=True) + QUIET))
 
 
-def _gradient_histograms(frame: NDArray[np.uint8]) -> Array:
+def _gradient_histogram(frame: NDArray[np.uint8], first: NDArray[np.intp]) -> Array:
+    """Return the histograms of a frame, not normalized; `first` is the place of the first bin of each pixel's cell."""
     cv2 = opencv()
     side = GRADIENT_SIDE, GRADIENT_SIDE
     grey = cv2.resize(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), side, interpolation=cv2.INTER_AREA).astype(np.float32)
     dx, dy = cv2.Sobel(grey, cv2.CV_32F, 1, 0), cv2.Sobel(grey, cv2.CV_32F, 0, 1)
     strength, angle = cv2.cartToPolar(dx, dy)
-    which = np.minimum((angle % np.pi * (BINS / np.pi)).astype(int), BINS - 1)
+    bins = np.minimum((angle % np.pi * (BINS / np.pi)).astype(int), BINS - 1)
+    counts = np.bincount((first + bins).ravel(), strength.ravel(), first.max() + BINS)
     cells = GRADIENT_SIDE // CELL
-    across = np.arange(GRADIENT_SIDE) // CELL
-    places = (across[:, None] * cells + across) * BINS + which
-    counts = np.bincount(places.ravel(), strength.ravel(), cells * cells * BINS)
-    histograms = counts.reshape(cells, cells, BINS)
-    return np.asarray(histograms / (np.linalg.norm(histograms, axis=-1, keepdims=True) + QUIET))
+    return np.asarray(counts.reshape(cells, cells, BINS), np.float64)
 
 
 def thumbnail_gap(a: Array, b: Array, where: Mask) -> float:
     """Return the mean difference of thumbnails in the given cells; 0 without cells."""
-    gaps = np.minimum(np.abs(a - b).sum(axis=-1), MAX_GAP)[where]
+    gaps = np.minimum(np.abs(a[where] - b[where]).sum(axis=-1), MAX_GAP)
     return float(gaps.mean()) if gaps.size else 0.0
 
 
 def gradient_gap(a: Array, b: Array, where: Mask) -> float:
     """Return the mean difference of gradient histograms in the given cells; 0 without cells."""
-    gaps = np.linalg.norm(a - b, axis=-1)[where]
+    gaps = np.linalg.norm(a[where] - b[where], axis=-1)
     return float(gaps.mean()) if gaps.size else 0.0
 
 
@@ -64,12 +70,6 @@ def shrink_mask(valid: Mask, side: int) -> Mask:
     """Return a mask (h, w) at another size."""
     cv2 = opencv()
     return np.asarray(cv2.resize(valid.astype(np.uint8), (side, side), interpolation=cv2.INTER_AREA) > 0)
-
-
-def intersection_over_union(a: Mask, b: Mask) -> float:
-    """Return the overlap of two masks; 1 if both are empty."""
-    union = np.count_nonzero(a | b)
-    return 1.0 if union == 0 else np.count_nonzero(a & b) / union
 
 
 # ---------------------------------------------------------------- Physics-IQ (Motamed et al., 2025)
@@ -90,15 +90,44 @@ def motion_masks(frames: Frames) -> Mask:
     return np.stack(masks)
 
 
-def physics_iq(masks: Mask, truth: Mask, frames: Frames, truth_frames: Frames) -> tuple[float, float, float, float]:
+@dataclass(frozen=True)
+class Motion:
+    """Frames (n, h, w, 3) and the pixels (n, h, w) that move in them."""
+
+    frames: Frames
+    masks: Mask
+
+    @classmethod
+    def of(cls, frames: Frames) -> Motion:
+        """Return the motion of frames."""
+        return cls(frames, motion_masks(frames))
+
+    @cached_property
+    def each(self) -> Bits:
+        """The masks of all frames."""
+        return packed(self.masks)
+
+    @cached_property
+    def ever(self) -> Bits:
+        """The pixels that move in a frame."""
+        return np.asarray(np.bitwise_or.reduce(self.each, axis=0))
+
+    @cached_property
+    def often(self) -> NDArray[np.uint16]:
+        """In how many frames each pixel (h, w) moves."""
+        return np.asarray(self.masks.sum(axis=0, dtype=np.uint16))
+
+
+def physics_iq(clip: Motion, truth: Motion) -> tuple[float, float, float, float]:
     """Return spatial, spatiotemporal and weighted spatial overlap of motion, and the mean squared error of pixels."""
-    spatial = intersection_over_union(np.asarray(masks.any(axis=0)), np.asarray(truth.any(axis=0)))
-    each = [intersection_over_union(a, b) for a, b in zip(masks, truth, strict=True)]
-    a, b = np.count_nonzero(masks, axis=0), np.count_nonzero(truth, axis=0)
-    largest = int(np.maximum(a, b).sum())
-    weighted = 1.0 if largest == 0 else int(np.minimum(a, b).sum()) / largest
-    error = sum(squared_error(x, y) for x, y in zip(frames, truth_frames, strict=True)) / frames.size / 255**2
-    return spatial, float(np.mean(each)), weighted, error
+    spatial = float(overlaps(clip.ever, truth.ever))
+    each = overlaps(clip.each, truth.each)
+    # The smaller and the larger number of each pixel, summed.
+    total = int(count(clip.each).sum() + count(truth.each).sum())
+    smaller = int(np.minimum(clip.often, truth.often).sum(dtype=np.int64))
+    weighted = 1.0 if total == 0 else smaller / (total - smaller)
+    error = sum(squared_error(x, y) for x, y in zip(clip.frames, truth.frames, strict=True))
+    return spatial, float(np.mean(each)), weighted, error / clip.frames.size / 255**2
 
 
 def squared_error(a: NDArray[np.uint8], b: NDArray[np.uint8], mask: Mask | None = None) -> float:

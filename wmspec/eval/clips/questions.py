@@ -6,13 +6,10 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from wmspec.core.diagnostics import WmsError
-from wmspec.dataset.build.films import read_frames
+from wmspec.dataset.build.films import read_frames, read_ids
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.dataset.film.codec import Ids
-from wmspec.dataset.film.distances import shrunk_ids, working_size
+from wmspec.dataset.film.distances import working_size
 from wmspec.eval.clips.reference import Reference, WholeFilm
 from wmspec.eval.models.question import QuestionIdentity, Selection
 
@@ -159,11 +156,6 @@ def read_film(
     dataset: DatasetReader, path: str, size: tuple[int, int], context: int, count: int | None = None
 ) -> WholeFilm:
     """Return a film of the dataset in a size (px), or its first `count` frames: up to the answer."""
-    frames = read_frames(dataset.folder, path, size, count)
-    ids = shrunk_ids(_read_ids(dataset, f"{path.removesuffix('.mkv')}.ids.mkv", count), size)
-    return WholeFilm(frames, ids, context)
-
-
-def _read_ids(dataset: DatasetReader, path: str, count: int | None) -> Ids:
-    frames = read_frames(dataset.folder, path, count=count).astype(np.int16)
-    return frames[..., 0] + 256 * frames[..., 1] - np.int16(1)
+    return WholeFilm(
+        read_frames(dataset.folder, path, size, count), read_ids(dataset.folder, path, size, count), context
+    )

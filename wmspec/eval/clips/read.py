@@ -16,15 +16,16 @@ from numpy.typing import NDArray
 
 from wmspec.core.safe_io import is_within, regular_file
 from wmspec.core.signals import defer_signals
-from wmspec.dataset.film.codec import Frames, pyav
+from wmspec.dataset.film.codec import Frames, pyav, scaler
+from wmspec.dataset.film.distances import WORKING_AREA
 from wmspec.runtime.workers.pool import WorkerContext
 
 #: Largest file (bytes), side (px), length (s) and number of frames of a clip.
 MAX_BYTES, MAX_SIDE, MAX_SECONDS, MAX_FRAMES = 64 << 20, 4096, 60.0, 3600
 #: Time limit (s) of decoding one clip, and the address space (bytes) of the process.
 TIME_LIMIT, MEMORY = 60.0, 6 << 30
-#: Frames are scaled down to this area (px).
-DECODED_AREA = 640 * 480
+#: Frames are scaled down to this area (px); a picture with bars around it still has that of the comparison.
+DECODED_AREA = 2 * WORKING_AREA
 
 
 class BadClip(Exception):
@@ -111,7 +112,7 @@ def _decoded(container: Any, seconds: float) -> Clip:
         raise BadClip(f"its frames have {width} x {height} pixels; 8 to {MAX_SIDE} a side")
     scale = min(1.0, (DECODED_AREA / (width * height)) ** 0.5)
     size = max(8, round(width * scale)), max(8, round(height * scale))
-    frames, times = list[Any](), list[float]()
+    frames, times, scaled = list[Any](), list[float](), scaler(size)
     nominal = float(stream.average_rate or 24)
     for frame in container.decode(stream):
         time = float(frame.time) if frame.time is not None else len(frames) / nominal
@@ -122,8 +123,7 @@ def _decoded(container: Any, seconds: float) -> Clip:
         if times and time <= times[-1]:
             continue
         times.append(time)
-        picture = frame.reformat(width=size[0], height=size[1], format="rgb24", interpolation="AREA")
-        frames.append(picture.to_ndarray())
+        frames.append(scaled(frame))
     if len(frames) < 2:
         raise BadClip(f"it has {len(frames)} frame{'s' if len(frames) != 1 else ''}")
     return Clip(np.stack(frames), np.array(times) - times[0], (width, height))

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from wmspec.dataset.film.codec import Frames, Ids
 from wmspec.dataset.film.distances import END_FRAMES, Array, object_points, widths_of
+from wmspec.eval.clips.bits import Bits, count, packed
 from wmspec.eval.clips.packages import opencv
-from wmspec.eval.clips.pixels import gradients, motion_masks, thumbnails
+from wmspec.eval.clips.pixels import Motion, gradients, thumbnails
 from wmspec.eval.clips.segment import Palette, Segmenter, joined, palette, points_of
 
 Mask = NDArray[np.bool_]
@@ -66,18 +67,32 @@ class Reference:
     def moving(self) -> tuple[int, ...]:
         """The bodies that move in a film, by number."""
         every = [film.ids[:: max(1, len(film.ids) // PLATE_FRAMES)] for film in self.films]
-        ids = np.concatenate(every)
-        return tuple(body for body in range(int(ids.max()) + 1) if _moves(ids == body))
+        ids = np.concatenate(every) + 1
+        bodies, pixels = int(ids.max()) + 1, np.arange(ids[0].size)
+        areas = np.stack([np.bincount(frame.ravel(), minlength=bodies) for frame in ids])
+        ever = np.zeros((bodies, len(pixels)), bool)
+        for frame in ids:
+            ever[frame.ravel(), pixels] = True
+        unions = ever.sum(axis=1)
+        return tuple(body - 1 for body in range(1, bodies) if _moves(areas[:, body], int(unions[body])))
 
-    def moving_masks(self, option: int) -> Mask:
-        """Return where something that moves is seen in the future of an option: (n, h, w)."""
-        return np.isin(self._ids[option], self.moving)
+    @cached_property
+    def _moving_masks(self) -> tuple[Mask, ...]:
+        """Where something that moves is seen in each film (n, h, w)."""
+        largest = max(int(film.ids.max()) for film in self.films)
+        moves = np.isin(np.arange(-1, largest + 1), self.moving)
+        return tuple(moves[film.ids + 1] for film in self.films)
+
+    @cached_property
+    def moving_bits(self) -> Bits:
+        """Where something that moves is seen in the future of each option."""
+        films = zip(self.films, self._moving_masks, strict=True)
+        return np.stack([packed(masks[film.context :]) for film, masks in films])
 
     @cached_property
     def background(self) -> Mask:
         """Pixels (h, w) in which nothing that moves is ever seen."""
-        seen = [np.isin(film.ids, self.moving).any(axis=0) for film in self.films]
-        return np.asarray(~np.any(seen, axis=0))
+        return np.asarray(~np.any([masks.any(axis=0) for masks in self._moving_masks], axis=0))
 
     @cached_property
     def plate(self) -> NDArray[np.uint8]:
@@ -85,14 +100,17 @@ class Reference:
         cv2 = opencv()
         step = max(1, len(self.films) * len(self.films[0].frames) // PLATE_FRAMES)
         frames = np.concatenate([film.frames[::step] for film in self.films])
-        covered = np.concatenate([np.isin(film.ids[::step], self.moving) for film in self.films])
-        levels = frames.astype(np.int16)
-        levels[covered] = 999
-        ordered = np.sort(levels, axis=0)
-        seen = (~covered).sum(axis=0)
-        middle = np.take_along_axis(ordered, np.maximum(seen - 1, 0)[None, ..., None] // 2, axis=0)[0]
-        holes = (seen == 0).astype(np.uint8)
-        plate = np.where(holes[..., None], 0, middle).astype(np.uint8)
+        covered = np.concatenate([masks[::step] for masks in self._moving_masks])
+        plate = frames[0].copy()
+        # Most pixels have one colour in all frames.
+        varied = (frames.min(axis=0) != frames.max(axis=0)).any(axis=-1) | covered.any(axis=0)
+        levels = frames[:, varied].astype(np.int16)
+        levels[covered[:, varied]] = 999
+        seen = (~covered[:, varied]).sum(axis=0)
+        middle = np.take_along_axis(np.sort(levels, axis=0), np.maximum(seen - 1, 0)[None, :, None] // 2, axis=0)[0]
+        plate[varied] = np.where(seen[:, None] == 0, 0, middle)
+        holes = np.zeros(varied.shape, np.uint8)
+        holes[varied] = seen == 0
         return np.asarray(cv2.inpaint(plate, holes, 3, cv2.INPAINT_TELEA) if holes.any() else plate)
 
     # ------------------------------------------------------------ objects
@@ -160,9 +178,15 @@ class Reference:
         last = film.ids[film.context - 1 : film.context]
         return object_points(last, list(self.objects))[0][:, 0, 0]
 
-    def object_masks(self, option: int) -> Mask:
-        """Return the masks (objects, n, h, w) of the objects in a future."""
-        return np.stack([self._ids[option] == body for body in self.objects])
+    @cached_property
+    def object_bits(self) -> tuple[Bits, ...]:
+        """The true masks (objects, n) of the objects in each future."""
+        return tuple(np.stack([packed(ids == body) for body in self.objects]) for ids in self._ids)
+
+    @cached_property
+    def found_bits(self) -> tuple[Bits, ...]:
+        """The masks (objects, n) that are found in each future."""
+        return tuple(packed(masks) for masks in self.found_masks)
 
     # ------------------------------------------------------------ pixels
 
@@ -189,34 +213,34 @@ class Reference:
         return np.asarray(np.max(gaps, axis=0) > GRADIENT_GAP)
 
     @cached_property
-    def motion(self) -> list[Mask]:
-        """The motion masks of Physics-IQ for each future."""
-        return [motion_masks(frames) for frames in self.futures]
+    def motion(self) -> list[Motion]:
+        """The motion in each future, as Physics-IQ measures it."""
+        return [Motion.of(frames) for frames in self.futures]
 
     @cached_property
     def vacancies(self) -> Array:
         """Of the place of each future (column), the share that each future (row) leaves empty, over all frames."""
-        masks = [self.moving_masks(option) for option in range(len(self.films))]
-        return np.array([[_left_empty(there, ~here) for there in masks] for here in masks])
+        return np.array([_left_empty(self.moving_bits, here) for here in self.moving_bits])
 
     def left_empty(self, filled: Mask, background: Mask) -> Array:
         """Return, of the place of each future, the share that is not `filled` (n, h, w).
 
         As much as is filled by chance, in the `background` (h, w), does not count.
         """
-        chance = float(filled[:, background].mean()) if background.any() else 0.0
-        empty = [_left_empty(self.moving_masks(option), ~filled) for option in range(len(self.films))]
-        return np.minimum(np.array(empty) / max(1 - chance, 1e-6), 1.0)
+        bits, ground = packed(filled), packed(background)
+        chance = float(count(bits & ground).sum() / max(len(filled) * int(count(ground)), 1))
+        return np.minimum(_left_empty(self.moving_bits, bits) / max(1 - chance, 1e-6), 1.0)
 
 
-def _left_empty(place: Mask, empty: Mask) -> float:
-    return float((place & empty).sum() / max(1, place.sum()))
+def _left_empty(places: Bits, filled: Bits) -> Array:
+    """Return, of each place (k, n), the share that is not `filled` (n)."""
+    return np.asarray(count(places & ~filled).sum(axis=-1) / np.maximum(count(places).sum(axis=-1), 1))
 
 
-def _moves(masks: Mask) -> bool:
-    areas = masks.sum(axis=(1, 2))
+def _moves(areas: NDArray[np.intp], union: int) -> bool:
+    """Whether a body moves that has the given areas in frames, and their `union` in all of them (px)."""
     seen = areas[areas > 0]
-    return bool(len(seen)) and float(masks.any(axis=0).sum()) > GROWTH * float(np.median(seen)) + GROWTH_PIXELS
+    return bool(len(seen)) and union > GROWTH * float(np.median(seen)) + GROWTH_PIXELS
 
 
 def rivals(palettes: dict[int, Palette], objects: Sequence[int]) -> list[int]:

@@ -22,6 +22,7 @@ from wmspec.core.parquet_io import read_table
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
+from wmspec.dataset.build.films import read_ids
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.distances import object_points, working_size
 from wmspec.eval.clips import results as clip_results
@@ -30,7 +31,7 @@ from wmspec.eval.clips.decide import track_error
 from wmspec.eval.clips.measure import Measurement, align, measure
 from wmspec.eval.clips.normalise import Begins
 from wmspec.eval.clips.packages import opencv
-from wmspec.eval.clips.questions import FilmQuestion, read_film, reference_of, selected
+from wmspec.eval.clips.questions import FilmQuestion, reference_of, selected
 from wmspec.eval.clips.read import BadClip, clip_reader
 from wmspec.eval.clips.reference import Reference
 from wmspec.eval.models import results
@@ -190,8 +191,9 @@ class _References:
         if not question.engines or self._dataset.film is None:
             return None
         size = working_size(*self._dataset.film.size)
-        ids = read_film(self._dataset, question.film_of(option, question.engines[0]), size, 1).ids[1:]
-        points, _ = object_points(ids[: reference.count], list(reference.objects))
+        path = question.film_of(option, question.engines[0])
+        ids = read_ids(self._dataset.folder, path, size, reference.count + 1)[1:]
+        points, _ = object_points(ids, list(reference.objects))
         return track_error(points, reference.points[option], reference.widths)
 
 
