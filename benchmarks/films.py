@@ -1,31 +1,43 @@
 """Scoring of clips: damaged futures, clips that show none of the futures, and the time that a clip takes.
 
-    python -m benchmarks.films DATASET [--sets 1] [--page docs/benchmarks/films.md]
+    python -m benchmarks.films DATASET [--task NAME ...] [--sets 2] [--keep FOLDER] [--page docs/benchmarks/films.md]
 
 DATASET has films of several tasks. Every film of some closed sets is damaged in each way of `tests/films/corrupt.py`:
-after some damage it still shows its future, after other damage none. Baselines need no clip.
+after some damage it still shows its future, after other damage none. Baselines need no clip. Then `evaluate` scores
+two models with a known answer: one that ignores the state, and one with a constant bias for each future.
+
+The results of each task are kept in FOLDER (DATASET.films by default), and a task whose results are there is not
+repeated. The page has all tasks in FOLDER.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
+import json
 import platform
-import time
+import resource
+import tempfile
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from tests.films.corrupt import KEEPS, SPOILS, Original
 from wmspec import __version__
+from wmspec.core.parquet_io import read_table
+from wmspec.dataset.build.films import read_frames
 from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.film.codec import encode_mp4
 from wmspec.eval.clips.decide import Decision, decide
 from wmspec.eval.clips.measure import measure
 from wmspec.eval.clips.questions import FilmQuestion, closed_sets, film_questions, reference_of
 from wmspec.eval.clips.read import BadClip, Clip
 from wmspec.eval.clips.reference import Reference
 from wmspec.eval.clips.results import RULES_VERSION
+from wmspec.eval.clips.run import ClipRun, evaluate_clips
 from wmspec.eval.clips.sources import BASELINES, open_baseline
+from wmspec.eval.clips.surprise import SurpriseRun, evaluate_surprises
 from wmspec.eval.models.question import Selection
 
 #: What becomes of a clip.
@@ -34,87 +46,162 @@ RIGHT, WRONG, NONE = "right", "wrong", "none"
 
 @dataclass(frozen=True)
 class Scored:
-    """A clip: its task, its damage or baseline, the outcome, and the reasons for no answer."""
+    """A clip: its damage or baseline, the outcome, and the reasons for no answer."""
 
-    task: str
     damage: str
     outcome: str
     why: tuple[str, ...]
 
 
 @dataclass
-class Timer:
-    """The time (CPU s) of scoring, without that of making the clips, and the number of frames and clips."""
+class TaskScores:
+    """The outcomes of a task's clips, and what `evaluate` makes of models with a known answer.
 
+    `ignorant` counts the outcomes of a model that ignores the state, and how many of its answers are the future of the
+    other state. `latent` has the number of answers of a latent model with a bias, and of those right raw and centred.
+    `seconds` is the processor time of `evaluate` for `clips` clips with `frames` frames in all.
+    """
+
+    task: str
+    sets: int
+    rules: int = RULES_VERSION
+    scored: list[Scored] = field(default_factory=list)
+    ignorant: dict[str, int] = field(default_factory=dict)
+    latent: dict[str, int] = field(default_factory=dict)
     seconds: float = 0.0
-    frames: int = 0
     clips: int = 0
-
-    def decided(self, clip: Clip, reference: Reference, question: FilmQuestion, begins: object = None) -> Decision:
-        """Return the decision on a clip."""
-        start = time.process_time()
-        decision = decide(measure(clip, reference, question.own, begins), question.rate)  # type: ignore[arg-type]
-        self.seconds += time.process_time() - start
-        self.frames += reference.count
-        self.clips += 1
-        return decision
+    frames: int = 0
 
 
 def main() -> None:
     """Score clips, print what went wrong, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("dataset", type=Path)
-    parser.add_argument("--sets", type=int, default=1, help="closed sets of each task")
+    parser.add_argument("--task", action="append", help="only this task; may be repeated")
+    parser.add_argument("--sets", type=int, default=2, help="closed sets of each task")
+    parser.add_argument("--keep", type=Path, help="the folder of the results of tasks")
     parser.add_argument("--page", type=Path)
     chosen = parser.parse_args()
-    timer = Timer()
-    scored = list(scores(DatasetReader.open(chosen.dataset), chosen.sets, timer))
-    text = page(scored, timer)
+    folder = chosen.keep or chosen.dataset.with_name(f"{chosen.dataset.name}.films")
+    folder.mkdir(parents=True, exist_ok=True)
+    dataset = DatasetReader.open(chosen.dataset)
+    every = list(film_questions(dataset, Selection().ids(dataset)))
+    for task in chosen.task or dict.fromkeys(question.task for question in every):
+        path = folder / f"{task}.json"
+        if not path.exists():
+            path.write_text(json.dumps(asdict(scores(dataset, task, chosen.sets, every))), encoding="utf-8")
+    text = page([_read(path) for path in sorted(folder.glob("*.json"))])
     print(text)
     if chosen.page:
         chosen.page.write_text(text, encoding="utf-8")
 
 
-def scores(dataset: DatasetReader, sets: int, timer: Timer) -> Iterator[Scored]:
-    """Yield the outcomes of every damage and baseline on some closed sets of each task."""
-    every = list(film_questions(dataset, Selection().ids(dataset)))
-    for task in dict.fromkeys(question.task for question in every):
-        for questions in closed_sets([question for question in every if question.task == task], sets):
-            reference = reference_of(dataset, questions[0])
-            for question in questions:
-                yield from _of_question(question, reference, dataset, every, timer)
+def _read(path: Path) -> TaskScores:
+    known = json.loads(path.read_text(encoding="utf-8"))
+    return TaskScores(**{**known, "scored": [Scored(**{**one, "why": tuple(one["why"])}) for one in known["scored"]]})
+
+
+def scores(dataset: DatasetReader, task: str, sets: int, every: list[FilmQuestion]) -> TaskScores:
+    """Return the outcomes of every damage, baseline and known model on some closed sets of a task."""
+    chosen = closed_sets([question for question in every if question.task == task], sets)
+    made = TaskScores(task, len(chosen))
+    for questions in chosen:
+        reference = reference_of(dataset, questions[0])
+        for question in questions:
+            made.scored += _of_question(question, reference, dataset, every)
+            print(f"{task}: {len(made.scored)} clips", flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        _evaluate_ignorant(dataset, made, [q for questions in chosen for q in questions], Path(folder))
+        _evaluate_biased(dataset, made, Path(folder))
+    return made
 
 
 def _of_question(
-    question: FilmQuestion, reference: Reference, dataset: DatasetReader, every: list[FilmQuestion], timer: Timer
+    question: FilmQuestion, reference: Reference, dataset: DatasetReader, every: list[FilmQuestion]
 ) -> Iterator[Scored]:
     for name, damage in {**KEEPS, **SPOILS}.items():
         clip = damage(Original(reference, question.own))
-        yield _scored(question, name, timer.decided(clip, reference, question))
+        yield _scored(question, name, _decided(clip, reference, question))
     for name in BASELINES:
         try:
             clip, begins = open_baseline(name, dataset, every).clip(question, 0, reference)
         except BadClip:
             continue
-        yield _scored(question, f"@{name}", timer.decided(clip, reference, question, begins))
+        yield _scored(question, f"@{name}", _decided(clip, reference, question, begins))
+
+
+def _decided(clip: Clip, reference: Reference, question: FilmQuestion, begins: object = None) -> Decision:
+    return decide(measure(clip, reference, question.own, begins), question.rate)  # type: ignore[arg-type]
 
 
 def _scored(question: FilmQuestion, damage: str, decision: Decision) -> Scored:
     outcome = NONE if decision.choice is None else RIGHT if decision.choice == question.answer else WRONG
-    if outcome != RIGHT and damage in KEEPS:
+    expected = NONE if damage in SPOILS or damage in ("@frozen", "@blend", "@swap") else RIGHT
+    if outcome != expected and damage != "@linear":
         print(f"{question.id} {damage}: {outcome} {', '.join(decision.why)}", flush=True)
-    return Scored(question.task, damage, outcome, decision.why)
+    return Scored(damage, outcome, decision.why)
+
+
+# ---------------------------------------------------------------- models with a known answer
+
+
+def _evaluate_ignorant(dataset: DatasetReader, made: TaskScores, questions: list[FilmQuestion], folder: Path) -> None:
+    """Score a model that answers two questions that differ in the state alone with the same film."""
+    kinds = {row["id"]: row["option_kind"] for row in dataset.rows(made.task, ["id", "option_kind"])}
+    (folder / "clips").mkdir()
+    original = {question.id: question for question in film_questions(dataset, {q.id for q in questions})}
+    for question in original.values():
+        sibling = question.films[kinds[question.id].index("state")]
+        frames = read_frames(dataset.folder, min(question.film, sibling), count=question.answer_frame + 1)
+        content = encode_mp4(frames[question.context - 1 :], question.rate, 20)
+        (folder / "clips" / f"{question.file_name}.mp4").write_bytes(content)
+        made.frames += len(frames) - question.context
+    before = _processor_time()
+    run = ClipRun(dataset, str(folder / "clips"), Selection((made.task,)))
+    evaluate_clips(run, folder / "ignorant.parquet", lambda *_: None)
+    made.seconds = _processor_time() - before
+    rows = [row for row in read_table(folder / "ignorant.parquet").to_pylist() if row["id"] in original]
+    made.clips = len(rows)
+    outcomes = [NONE if row["parsed"] is None else RIGHT if row["right"] else WRONG for row in rows]
+    made.ignorant = dict(Counter(outcomes)) | {
+        "state": sum(row["parsed"] is not None and kinds[row["id"]][row["parsed"]] == "state" for row in rows)
+    }
+
+
+def _processor_time() -> float:
+    """Return the processor time (s) of this process and those that it has ended."""
+    parts = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(part.ru_utime + part.ru_stime for part in parts)
+
+
+def _evaluate_biased(dataset: DatasetReader, made: TaskScores, folder: Path) -> None:
+    """Score a latent model that a wrong future surprises by 1, and each future also by its own constant."""
+    with (folder / "surprises.csv").open("w", newline="", encoding="utf-8") as file:
+        out = csv.writer(file)
+        out.writerow(["id", "place", "frame", "surprise"])
+        for question in film_questions(dataset, Selection((made.task,)).ids(dataset)):
+            biases = {path: 10 * rank for rank, path in enumerate(sorted(question.films))}
+            for place, path in enumerate(question.films):
+                out.writerow([question.id, place, "", (place != question.answer) + biases[path]])
+    run = SurpriseRun(dataset, f"surprises:{folder / 'surprises.csv'}", Selection((made.task,)))
+    evaluate_surprises(run, folder / "biased.parquet", lambda *_: None)
+    rows = read_table(folder / "biased.parquet").to_pylist()
+    right = Counter(row["prompt"] for row in rows if row["right"])
+    made.latent = {"answers": len(rows) // 2, "raw": right["raw"], "centred": right["centred"]}
 
 
 # ---------------------------------------------------------------- page
 
 
-def page(scored: list[Scored], timer: Timer) -> str:
+def page(tasks: list[TaskScores]) -> str:
     """Return the page of results."""
-    tasks = list(dict.fromkeys(one.task for one in scored))
-    per_clip = timer.seconds / max(1, timer.clips)
-    kept = [one for one in scored if one.damage in KEEPS]
-    spoiled = [one for one in scored if one.damage in SPOILS]
+    scored = [one for task in tasks for one in task.scored]
+    seconds, clips, frames = (sum(getattr(task, name) for task in tasks) for name in ("seconds", "clips", "frames"))
+    ignorant, latent = (
+        sum((Counter(each) for each in counts), Counter[str]())
+        for counts in ([task.ignorant for task in tasks], [task.latent for task in tasks])
+    )
+    answers = max(1, latent["answers"])
     lines = [
         "# Scoring films",
         "",
@@ -128,25 +215,38 @@ def page(scored: list[Scored], timer: Timer) -> str:
         "",
         "| | clips | right | wrong | none |",
         "|---|---|---|---|---|",
-        _line("damaged futures", kept),
-        _line("clips without a future", spoiled),
+        _line("damaged futures", [one for one in scored if one.damage in KEEPS]),
+        _line("clips without a future", [one for one in scored if one.damage in SPOILS]),
         *(_line(f"`{name}`", [one for one in scored if one.damage == name]) for name in (f"@{b}" for b in BASELINES)),
         "",
         (
-            f"Scoring takes {per_clip:.2f} CPU s a clip of {timer.frames / max(1, timer.clips):.0f} frames: "
-            f"{1000 * per_clip / 60:.1f} minutes for 1,000 clips."
+            f"`evaluate` takes {seconds / max(1, clips):.2f} processor seconds a clip of "
+            f"{frames / max(1, clips):.0f} frames: {1000 * seconds / max(1, clips) / 60:.1f} minutes for 1,000 clips."
+        ),
+        "",
+        "| model with a known answer | answers | right | |",
+        "|---|---|---|---|",
+        (
+            f"| a video model that ignores the state | {clips} | {ignorant[RIGHT] / max(1, clips):.0%} "
+            f"| {ignorant['state']} of {ignorant[WRONG]} wrong ones are the future of the other state |"
+        ),
+        *(
+            f"| a latent model with a bias for each future, {name} | {answers} | {latent[name] / answers:.0%} | |"
+            for name in ("raw", "centred")
         ),
         "",
         "## Damage",
         "",
-        "Clips that are right, wrong and none, by task.",
+        "Clips that are right, wrong and none, by task; closed sets and processor seconds a clip below.",
         "",
-        "| | " + " | ".join(f"`{task}`" for task in tasks) + " |",
+        "| | " + " | ".join(f"`{task.task}`" for task in tasks) + " |",
         "|---" * (len(tasks) + 1) + "|",
     ]
     for name in (*KEEPS, *SPOILS, *(f"@{b}" for b in BASELINES)):
-        cells = [_cell([one for one in scored if (one.task, one.damage) == (task, name)]) for task in tasks]
+        cells = [_cell([one for one in task.scored if one.damage == name]) for task in tasks]
         lines.append(f"| {f'`{name}`' if name[0] == '@' else name} | " + " | ".join(cells) + " |")
+    lines.append("| closed sets | " + " | ".join(str(task.sets) for task in tasks) + " |")
+    lines.append("| seconds a clip | " + " | ".join(f"{t.seconds / max(1, t.clips):.2f}" for t in tasks) + " |")
     return "\n".join([*lines, ""])
 
 

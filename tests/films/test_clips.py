@@ -10,12 +10,15 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
+from hypothesis import given
+from hypothesis.extra.numpy import arrays
 
 from tests.films.corrupt import KEEPS, SPOILS, Original, clip
 from wmspec.cli import main
 from wmspec.dataset.build.films import read_frames
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import encode, encode_mp4
+from wmspec.eval.clips.bits import count, overlaps, packed
 from wmspec.eval.clips.decide import decide
 from wmspec.eval.clips.measure import measure
 from wmspec.eval.clips.questions import FilmQuestion, film_questions, reference_of
@@ -97,6 +100,13 @@ def test_short_clip_matches_no_future(reference: Reference) -> None:
     decision = decide(measure(clip(frames[: len(frames) // 2], reference.rate), reference, 0), reference.rate)
     assert decision.choice is None
     assert "short" in decision.why
+
+
+@given(arrays(bool, (2, 3, 7, 11)), arrays(bool, (2, 3, 7, 11)))
+def test_overlaps_of_packed_masks(a: Any, b: Any) -> None:
+    both, either = (a & b).sum(axis=(2, 3)), (a | b).sum(axis=(2, 3))
+    assert (count(packed(a)) == a.sum(axis=(2, 3))).all()
+    assert (overlaps(packed(a), packed(b)) == np.where(either == 0, 1, both / np.maximum(either, 1))).all()
 
 
 # ---------------------------------------------------------------- runs

@@ -17,9 +17,10 @@ from wmspec.api import generate, load
 from wmspec.api.verifying import verify
 from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.films import read_ids
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import decode, decode_ids, encode, encode_ids
-from wmspec.dataset.film.distances import film_distance, mask_points, object_points, pairwise
+from wmspec.dataset.film.distances import film_distance, mask_points, object_points, pairwise, shrunk_ids
 from wmspec.dataset.film.timing import FilmSettings, film_times
 
 
@@ -34,6 +35,13 @@ def test_films_and_ids_are_lossless() -> None:
     assert (decode(encode(frames, 24)) == frames).all()
     assert (decode_ids(encode_ids(ids, 24)) == ids).all()
     assert encode(frames, 24) == encode(frames, 24)
+
+
+def test_bodies_are_read_at_another_size_as_they_are_decoded(tmp_path: Path) -> None:
+    ids = np.random.default_rng(0).integers(-1, 700, (5, 48, 70)).astype(np.int16)
+    (tmp_path / "0.ids.mkv").write_bytes(encode_ids(ids, 24))
+    assert (read_ids(tmp_path, "0.mkv", (32, 20)) == shrunk_ids(ids, (32, 20))).all()
+    assert (read_ids(tmp_path, "0.mkv", (70, 48), 3) == ids[:3]).all()
 
 
 @given(st.sampled_from([8, 12, 16, 24, 30, 60]), st.floats(0, 2), st.floats(0, 2), st.floats(0.2, 3))

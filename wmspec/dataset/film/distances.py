@@ -45,9 +45,14 @@ def nearest_pixels(pictures: NDArray[Any], size: tuple[int, int]) -> NDArray[Any
 
 def mask_points(mask: Masks) -> Array:
     """Return the three points (3, 2) of a mask (h, w), x and y in px; NaN if it is absent."""
-    across, down = np.count_nonzero(mask, axis=0), np.count_nonzero(mask, axis=1)
+    rows = np.flatnonzero(mask.any(axis=1))
+    if not len(rows):
+        return np.full((3, 2), np.nan)
+    seen = slice(rows[0], rows[-1] + 1)  # a mask has few of the rows
+    across, down = np.count_nonzero(mask[seen], axis=0), np.zeros(len(mask), np.intp)
     if across.sum() < MIN_PIXELS:
         return np.full((3, 2), np.nan)
+    down[seen] = np.count_nonzero(mask[seen], axis=1)
     return np.stack([_spread(across), _spread(down)], axis=1)
 
 
@@ -85,19 +90,19 @@ def point_distance(a: Array, b: Array, widths: Array) -> Array:
     return np.asarray(np.where(gone[0] & gone[1], 0.0, np.where(gone[0] | gone[1], ABSENT, gaps)))
 
 
-def way_distance(a: Array, b: Array, widths: Array) -> float:
-    """Return the mean distance of two films over all objects and frames, in widths."""
-    return float(point_distance(a, b, widths).mean())
-
-
 def end_distance(a: Array, b: Array, widths: Array) -> float:
-    """Return the mean distance of two films over all objects and the last frames, in widths."""
-    return float(point_distance(a, b, widths)[:, -END_FRAMES:].mean())
+    """Return the mean distance of two films over the last frames, in widths: that of the object that differs most."""
+    return float(point_distance(a, b, widths)[:, -END_FRAMES:].mean(axis=1).max())
 
 
 def film_distance(a: Array, b: Array, widths: Array) -> float:
-    """Return the distance of two films: the mean of that over the whole way and that of the end, in widths."""
-    return (way_distance(a, b, widths) + end_distance(a, b, widths)) / 2
+    """Return the distance of two films, in widths: that of the object that differs most.
+
+    The distance of an object is the mean of that over the whole way and that over the last frames. In a mean over
+    objects, those that move alike in both films would hide one that does not.
+    """
+    gaps = point_distance(a, b, widths)
+    return float((gaps.mean(axis=1) + gaps[:, -END_FRAMES:].mean(axis=1)).max() / 2)
 
 
 def widths_of(areas: list[Array]) -> Array:

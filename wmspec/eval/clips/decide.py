@@ -95,7 +95,7 @@ def _best_tempo(measured: Measurement, rate: int) -> Decision | None:
 def _warped(measured: Measurement, tempo: float, delay: float, rate: int) -> _Warped:
     points, kept = _clip_points(measured, tempo, delay, rate)
     distances = [
-        film_distance(points, _futures(measured, o, tempo, delay, rate)[:, kept], measured.widths)
+        film_distance(points[o], _futures(measured, o, tempo, delay, rate)[:, kept], measured.widths)
         for o in _options(measured)
     ]
     return _Warped(np.array(distances), tempo, delay)
@@ -107,9 +107,9 @@ def _options(measured: Measurement) -> range:
 
 def _clip_points(measured: Measurement, tempo: float, delay: float, rate: int) -> tuple[Array, slice]:
     """Return the frames of the clip for which the futures are known at a tempo and delay."""
-    count = measured.points.shape[1]
+    count = measured.points.shape[2]
     last = int(min(count, np.floor(count / tempo + delay * rate + 1e-9)))
-    return measured.points[:, :last], slice(0, last)
+    return measured.points[:, :, :last], slice(0, last)
 
 
 def _futures(measured: Measurement, option: int, tempo: float, delay: float, rate: int) -> Array:
@@ -131,14 +131,15 @@ def _at_tempo(measured: Measurement, tempo: float, delay: float, rate: int) -> D
     whole = [_futures(measured, o, tempo, delay, rate) for o in _options(measured)]
     futures = [future[:, kept] for future in whole]
     widths = measured.widths
-    distances = np.array([film_distance(points, future, widths) for future in futures])
+    distances = np.array([film_distance(*pair, widths) for pair in zip(points, futures, strict=True)])
     nearest = int(np.argmin(distances))
-    rival = min(film_distance(futures[nearest], futures[o], widths) for o in _options(measured) if o != nearest)
-    ends = min(end_distance(futures[nearest], futures[o], widths) for o in _options(measured) if o != nearest)
+    rivals = [o for o in _options(measured) if o != nearest]
+    rival = min(min(film_distance(futures[nearest], futures[o], widths), measured.apart[0, nearest, o]) for o in rivals)
+    ends = min(min(end_distance(futures[nearest], futures[o], widths), measured.apart[1, nearest, o]) for o in rivals)
     ratio = float(distances[nearest]) / max(rival, 1e-9)
-    end_ratio = end_distance(points, futures[nearest], widths) / max(ends, 1e-9)
+    end_ratio = end_distance(points[nearest], futures[nearest], widths) / max(ends, 1e-9)
     ordered = np.sort(distances)
-    missing = _missing(measured.points, whole[nearest])
+    missing = _missing(measured.points[nearest], whole[nearest])
     why = [
         name
         for name, holds in (
@@ -191,6 +192,6 @@ def _ghost(measured: Measurement, option: int) -> bool:
 
 
 def track_error(points: Array, truth: Array, widths: Array) -> tuple[float, float]:
-    """Return the mean distance from the truth over the way and at the end, in widths."""
+    """Return the mean distance of all objects from the truth over the way and at the end, in widths."""
     gaps = point_distance(points, truth, widths)
-    return float(gaps.mean()), end_distance(points, truth, widths)
+    return float(gaps.mean()), float(gaps[:, -END_FRAMES:].mean())

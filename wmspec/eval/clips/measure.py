@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wmspec.dataset.film.codec import Frames
 from wmspec.dataset.film.distances import Array
 from wmspec.eval.clips import normalise
-from wmspec.eval.clips.bits import overlaps, packed
+from wmspec.eval.clips.bits import count, overlaps, packed
 from wmspec.eval.clips.normalise import Begins
 from wmspec.eval.clips.pixels import (
     THUMBNAIL,
@@ -38,16 +38,18 @@ _GRADIENT_CELLS = 16
 class Measurement:
     """What is measured of a clip, for k options and n objects in T frames after the context.
 
-    `points` (n, T, 3, 2) and `areas` (n, T) px are those of the clip, `futures` (k, n, T, 3, 2) those that are found
-    likewise in the future of each option, `widths` (n) px. `votes` (3, k) are the distances by gradients, thumbnails
-    and masks. `left_empty` (k) is the share of each option's place that the clip leaves empty, `vacancies` (k, k) the
-    share that option i leaves empty of the place of option j. `physics_iq` (k, 4) and `overlap` (k) compare with each
-    option. `short` is the share of frames after the end of the clip.
+    `points` (k, n, T, 3, 2) and `areas` (n, T) px are those of the clip, the points once for each future that it may be
+    taken for. `futures` (k, n, T, 3, 2) are found likewise in the future of each option, `apart` (2, k, k) are the
+    distances of the futures over the way and at the end, `widths` (n) are in px. `votes` (3, k) are the distances by
+    gradients, thumbnails and masks. `left_empty` (k) is the share of each option's place that the clip leaves empty,
+    `vacancies` (k, k) the share that option i leaves empty of the place of option j. `physics_iq` (k, 4) and `overlap`
+    (k) compare with each option. `short` is the share of frames after the end of the clip.
     """
 
     points: Array
     areas: Array
     futures: Array
+    apart: Array
     widths: Array
     votes: Array
     left_empty: Array
@@ -78,8 +80,9 @@ class Measurement:
     def _check(self) -> None:
         k, n, t = self.futures.shape[:3]
         shapes = {
-            "points": (n, t, 3, 2), "areas": (n, t), "futures": (k, n, t, 3, 2), "widths": (n,), "votes": (3, k),
-            "left_empty": (k,), "vacancies": (k, k), "physics_iq": (k, 4), "overlap": (k,),
+            "points": (k, n, t, 3, 2), "areas": (n, t), "futures": (k, n, t, 3, 2), "apart": (2, k, k),
+            "widths": (n,), "votes": (3, k), "left_empty": (k,), "vacancies": (k, k), "physics_iq": (k, 4),
+            "overlap": (k,),
         }  # fmt: skip
         for name, shape in shapes.items():
             if getattr(self, name).shape != shape:
@@ -123,16 +126,20 @@ def measure(clip: Clip, reference: Reference, truth: int, begins: Begins | None 
     frames = steadied.frames
     if frames is not coloured:
         frames = normalise.match_colours(frames, reference.plate, background)
-    masks, differs = reference.segmenter.masks(frames, aligned.valid, reference.background, reference.places(truth))
+    found, differs = reference.segmenter.masks(
+        frames, aligned.valid, reference.background, reference.places(truth), reference.expected
+    )
     options = range(len(reference.films))
-    motion, bits = Motion.of(frames), packed(masks)
+    repeated, motion = len(options) // len(found), Motion.of(frames)
+    points, bits = [points_of(masks) for masks in found] * repeated, [packed(masks) for masks in found] * repeated
     compared = [physics_iq(motion, reference.motion[o]) for o in options]
-    overlap = np.array([overlaps(bits, reference.object_bits[o]).mean() for o in options])
-    likeness = np.array([overlaps(bits, reference.found_bits[o]).mean() for o in options])
+    overlap = np.array([overlaps(bits[o], reference.object_bits[o]).mean() for o in options])
+    likeness = np.array([overlaps(bits[o], reference.found_bits[o]).mean() for o in options])
     return Measurement(
-        points=points_of(masks),
-        areas=masks.sum(axis=(2, 3)).astype(float),
-        futures=np.stack(reference.found_points),
+        points=np.stack(points),
+        areas=np.mean([count(each) for each in bits], axis=0),
+        futures=reference.found_points,
+        apart=reference.apart,
         widths=reference.widths,
         votes=np.stack([*_pixel_votes(frames, aligned.valid, reference), 1 - likeness]),
         left_empty=reference.left_empty(cleaned(differs), background),

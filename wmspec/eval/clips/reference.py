@@ -11,11 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.dataset.film.codec import Frames, Ids
-from wmspec.dataset.film.distances import END_FRAMES, Array, object_points, widths_of
+from wmspec.dataset.film.distances import (
+    END_FRAMES,
+    Array,
+    end_distance,
+    film_distance,
+    object_points,
+    widths_of,
+)
 from wmspec.eval.clips.bits import Bits, count, packed
 from wmspec.eval.clips.packages import opencv
 from wmspec.eval.clips.pixels import Motion, gradients, thumbnails
-from wmspec.eval.clips.segment import Palette, Segmenter, joined, palette, points_of
+from wmspec.eval.clips.segment import Palette, Segmenter, distances_from, joined, palette, points_of
 
 Mask = NDArray[np.bool_]
 
@@ -161,16 +168,40 @@ class Reference:
 
         Clips are compared with these, not with the true masks: what it mistakes in both makes no difference.
         """
+        return tuple(masks[min(option, len(masks) - 1)] for option, masks in enumerate(self._found))
+
+    @cached_property
+    def _found(self) -> tuple[list[Mask], ...]:
+        """Where the segmenter finds the objects in each future, for each future that it may be taken for, or once."""
         whole = np.ones(self.plate.shape[:2], bool)
         return tuple(
-            self.segmenter.masks(future, whole, self.background, self.places(option))[0]
+            self.segmenter.masks(future, whole, self.background, self.places(option), self.expected)[0]
             for option, future in enumerate(self.futures)
         )
 
+    def expected(self) -> tuple[NDArray[np.uint8], ...]:
+        """Return how far each object is from each pixel (objects, n, h, w) in each future."""
+        return self._distances
+
     @cached_property
-    def found_points(self) -> tuple[Array, ...]:
-        """The points (objects, n, 3, 2) where the segmenter finds the objects in each future."""
-        return tuple(points_of(masks) for masks in self.found_masks)
+    def _distances(self) -> tuple[NDArray[np.uint8], ...]:
+        return tuple(np.stack([distances_from(ids == body) for body in self.objects]) for ids in self._ids)
+
+    @cached_property
+    def found_points(self) -> Array:
+        """The points (k, objects, n, 3, 2) where the segmenter finds the objects in each future."""
+        return np.stack([points_of(masks) for masks in self.found_masks])
+
+    @cached_property
+    def apart(self) -> Array:
+        """How far (k, k) each future is from each other one, taken for that: whole distance and that of the end (2)."""
+        made = np.zeros((2, len(self.films), len(self.films)))
+        for i, found in enumerate(self._found):
+            points = [points_of(masks) for masks in found]
+            for j, future in enumerate(self.found_points):
+                pair = points[min(j, len(points) - 1)], future, self.widths
+                made[:, i, j] = film_distance(*pair), end_distance(*pair)
+        return np.minimum(made, made.transpose(0, 2, 1))
 
     def places(self, option: int) -> Array:
         """Return where each object (n, 2) is in the last frame of a context (px); NaN if it is not seen."""

@@ -24,7 +24,7 @@ from wmspec.eval.models import results
 Row = dict[str, Any]
 
 #: The version of the decision rules.
-RULES_VERSION = 2
+RULES_VERSION = 3
 
 #: The columns beyond those of all results: type and description.
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {
@@ -115,7 +115,7 @@ def _decided(decision: Decision, answer: int) -> Row:
 
 def _compared(measured: Measurement, answer: int, floor: tuple[float, float] | None) -> Row:
     """Return the columns that compare a clip with the true future."""
-    along, end = track_error(measured.points, measured.futures[answer], measured.widths)
+    along, end = track_error(measured.points[answer], measured.futures[answer], measured.widths)
     iq = measured.physics_iq
     overlaps = iq[:, :3].mean(axis=1)
     return {

@@ -1,12 +1,14 @@
 """Finds objects in a clip: what differs from the background and has the colours of the object, of all that moves.
 
 Without the colours of everything else that moves, a bystander would be taken for an object that is hidden. Lightness
-counts less than hue, because of shadows.
+counts less than hue, because of shadows. What may belong to several objects of one colour, which may touch, belongs to
+the one whose expected place is nearest: it is found for each future by itself, and compared with that future.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,8 +29,10 @@ PLATE_LIGHTNESS, PALETTE_LIGHTNESS = 0.5, 0.4
 MIN_FOREGROUND, MAX_COLOUR = 9.0, 32.0
 #: The palette must be nearer than this share of its distance from the background.
 NEARER = 0.6
-#: Colours (Lab) as near as this to two objects may belong to either.
-EQUAL_COLOUR = 5.0
+#: Colours (Lab) as near as this to two objects may belong to either; as many such pixels of a frame are divided.
+EQUAL_COLOUR, MIN_SHARED = 5.0, 12
+#: The distance (half px) from an object that is not seen.
+NOWHERE = 255
 #: Standard deviation (px) of the blur against noise.
 SMOOTH = 1.0
 #: Smallest mask, as a share of the object's area; reach of its parts (widths); and memory of its place (px).
@@ -91,6 +95,24 @@ def cleaned(masks: Mask) -> Mask:
     return np.stack([cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, kernel) > 0 for mask in masks])
 
 
+def distances_from(masks: Mask) -> NDArray[np.uint8]:
+    """Return how far (half px, at most `NOWHERE`) each pixel is from the mask of its frame (n, h, w)."""
+    cv2 = opencv()
+    made = np.full(masks.shape, NOWHERE, np.uint8)
+    for t, mask in enumerate(masks):
+        if mask.any():
+            made[t] = np.minimum(2 * cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, 3), NOWHERE)
+    return made
+
+
+@dataclass(frozen=True)
+class _Found:
+    """The masks (objects, n, h, w) that are found, and the last place of each object (px)."""
+
+    masks: Mask
+    last: dict[int, NDArray[np.float64]]
+
+
 class Segmenter:
     """Finds objects by their palettes, given the background. `widths` are those of the objects (px)."""
 
@@ -113,17 +135,26 @@ class Segmenter:
         own = [colour for body in self._objects if body in self._palettes for colour in self._palettes[body]]
         return all(float(_weighted((a - b)[None], PALETTE_LIGHTNESS)[0]) > MIN_FOREGROUND for a in colours for b in own)
 
-    def masks(self, frames: Frames, valid: Mask, background: Mask, places: Array) -> tuple[Mask, Mask]:
+    def masks(
+        self,
+        frames: Frames,
+        valid: Mask,
+        background: Mask,
+        places: Array,
+        expected: Callable[[], Sequence[NDArray[np.uint8]]],
+    ) -> tuple[list[Mask], Mask]:
         """Return the masks (objects, n, h, w) in frames, and the pixels (n, h, w) that differ from the background.
 
         `valid` (h, w) are the pixels that the frames show, `background` those in which nothing moves in any future.
-        `places` (objects, 2) px are where each object is before the first frame, NaN if that is unknown.
+        `places` (objects, 2) px are where each object is before the first frame, NaN if that is unknown. `expected`
+        returns how far each object is from each pixel (objects, n, h, w) in each future, see `distances_from`. There
+        are masks for each of these, or once if all are equal.
         """
         differs = np.zeros(frames.shape[:3], bool)
-        found = np.zeros((len(self._objects), *differs.shape), bool)
         ground = np.where(background[..., None], _median(frames), self._ground)
         threshold, quiet = MIN_FOREGROUND, background & valid
         last = {k: place for k, place in enumerate(places) if not np.isnan(place).any()}
+        found = [_Found(np.zeros((len(self._objects), *differs.shape), bool), last)]
         for t, frame in enumerate(frames):
             picture = lab(smooth(frame))
             away = _weighted(picture - ground, PLATE_LIGHTNESS)
@@ -133,14 +164,37 @@ class Segmenter:
             where = np.flatnonzero(differs[t])
             pixels = picture.reshape(-1, 3)[where]
             gaps = {body: self._gaps(pixels, where, body) for body in self._palettes}
-            for k, body in enumerate(self._objects):
-                if body in gaps:
-                    nearest = np.minimum.reduce(list(gaps.values()))
-                    own = (gaps[body] <= nearest + EQUAL_COLOUR) & (gaps[body] < np.inf)
+            nearest = np.minimum.reduce([np.full(len(where), np.inf, np.float32), *gaps.values()])
+            own = {
+                k: (gaps[body] <= nearest + EQUAL_COLOUR) & (gaps[body] < np.inf)
+                for k, body in enumerate(self._objects)
+                if body in gaps
+            }
+            shared = np.sum(list(own.values()), axis=0) > 1 if own else np.zeros(len(where), bool)
+            divided = np.count_nonzero(shared) >= MIN_SHARED
+            if divided and len(found) < len(expected()):
+                found = [_Found(found[0].masks.copy(), dict(found[0].last)) for _ in expected()]
+            for number, one in enumerate(found):
+                mine = self._divided(own, where, shared, expected()[number][:, t]) if divided else own
+                for k, which in mine.items():
                     mask = np.zeros(valid.shape, np.uint8)
-                    mask.ravel()[where[own]] = 1
-                    found[k, t] = self._component(mask, k, last)
-        return found, differs
+                    mask.ravel()[where[which]] = 1
+                    one.masks[k, t] = self._component(mask, k, one.last)
+        return [one.masks for one in found], differs
+
+    def _divided(
+        self, own: Mapping[int, Mask], where: NDArray[np.intp], shared: Mask, away: NDArray[np.uint8]
+    ) -> Mapping[int, Mask]:
+        """Leave each of the `shared` pixels `where` to the object of those that `own` it which is expected nearest.
+
+        `away` (objects, h, w) is how far each object is expected from each pixel.
+        """
+        gaps = {k: np.where(which[shared], away[k].ravel()[where[shared]], NOWHERE) for k, which in own.items()}
+        least = np.minimum.reduce(list(gaps.values()))
+        made = {k: which.copy() for k, which in own.items()}
+        for k, which in made.items():
+            which[shared] &= gaps[k] <= least
+        return made
 
     def _gaps(self, pixels: NDArray[np.float32], where: NDArray[np.intp], body: int) -> NDArray[np.float32]:
         """Return the distance of pixels (n, 3) at places `where` from a body's nearest colour that they may have.
