@@ -289,7 +289,7 @@ def films(home: Path) -> Rounds:
     arguments = ["evaluate", str(home / "dataset"), "-m", f"clips:{home / 'clips'}", "-o", str(out)]
 
     def progress() -> set[str]:
-        return {path.name for path in out.parent.glob("*") if not path.name.endswith(".new")}
+        return {path.name for path in out.parent.glob("*") if path.suffix != ".part"}
 
     def made() -> object:
         rows = pq.read_table(out).to_pylist()
