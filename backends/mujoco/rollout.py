@@ -27,6 +27,7 @@ from wmspec.sim.scene.physics.episode import (
     Recording,
     apply_events,
     event_steps,
+    path_steps,
     scripted_states,
     to_body_frames,
 )
@@ -74,8 +75,8 @@ def _steps(timeline: Episode) -> int:
 
 
 def _paths(timeline: Episode) -> Paths:
-    times = np.arange(_steps(timeline) + 1) * timeline.step
-    return {track.body: track.steps(times) for track in timeline.tracks if track.body not in timeline.untouchable}
+    tracks = (track for track in timeline.tracks if track.body not in timeline.untouchable)
+    return {track.body: path_steps(track, _steps(timeline), timeline.step) for track in tracks}
 
 
 def _is_at_rest(paths: Paths, steps: int) -> NDArray[np.bool_]:

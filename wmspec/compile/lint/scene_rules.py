@@ -11,6 +11,7 @@ from wmspec.compile.design.depend import Dependencies
 from wmspec.compile.design.describe import format_instance
 from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.layout.evaluator import Evaluator
+from wmspec.compile.layout.geometry import all_pieces, touchable
 from wmspec.compile.layout.view import camera_direction, common_direction
 from wmspec.compile.lint.overlap import overlaps
 from wmspec.compile.lint.question_rules import answer_picture_time, is_posed
@@ -26,6 +27,7 @@ from wmspec.lang.check.types import units
 
 #: Computing time (s) per pair of objects and second of episode, from 150 falling spheres; warning threshold (s).
 _PAIR_SECONDS, _MAX_SECONDS = 8e-4, 20.0
+_CONTACTS = ("contact", "contact_time")
 
 
 @dataclass(frozen=True)
@@ -157,6 +159,33 @@ def measure_outside_the_episode(scene: LintScene) -> Iterator[Breach]:
                     yield Breach(what, place, "let `to` be later than `from`")
 
 
+@rule("WMS506")
+def contact_of_the_untouchable(scene: LintScene) -> Iterator[Breach]:
+    """Find contacts with an object that nothing can touch: there are none."""
+    values = scene.values
+    for question in (question for question in values.spec.questions if is_posed(question, values)):
+        for expr, place in _measured_expressions(question):
+            calls = (part for part in subexpressions(expr) if isinstance(part, Call) and part.function in _CONTACTS)
+            for name in (name for call in calls for name in _objects(call, values) if not _is_touchable(values, name)):
+                what = f"nothing ever touches `{name}`, which is not solid {scene.where}"
+                note = Note(f"`{name}` is declared here", values.source_location(name, "solid"))
+                remedy = f"make `{name}` solid, or ask for a `distance` or `position`"
+                yield Breach(what, place, remedy, (note,))
+
+
+def _objects(call: Call, values: Evaluator) -> Iterator[str]:
+    """Yield the objects among a function's arguments that are known before the episode."""
+    for argument in (argument for argument in call.arguments if not is_measured(values.spec, argument)):
+        with suppress(NoValue):
+            named = evaluate(argument, values)
+            yield from named if isinstance(named, tuple) else (named,)
+
+
+def _is_touchable(values: Evaluator, name: str) -> bool:
+    """Whether an object, or a part of it, can be touched."""
+    return values.flag(name, "solid") and any(touchable(values, part) for part, _ in all_pieces(values, name))
+
+
 def _measured_expressions(question: Question) -> Iterator[tuple[Expr, Location]]:
     """Yield the expressions of a question that are measured on the episode."""
     yield question.answer, question.place
@@ -182,6 +211,7 @@ RULES = (
     too_many_contacts,
     picture_after_the_end,
     measure_outside_the_episode,
+    contact_of_the_untouchable,
 )
 
 

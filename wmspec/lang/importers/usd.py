@@ -42,7 +42,7 @@ from wmspec.sim.usd.filters import filtered_pairs
 from wmspec.sim.usd.frames import StageFrame, split_transform
 from wmspec.sim.usd.geoms import MaterialTable
 from wmspec.sim.usd.ignored_attributes import warn_ignored_attributes
-from wmspec.sim.usd.layer_metrics import warn_layer_metrics
+from wmspec.sim.usd.layer_metrics import warn_layer_metrics, warn_missing_unit
 from wmspec.sim.usd.masses import body_inertia
 from wmspec.sim.usd.prims import Names, applied_schemas, refuse
 from wmspec.sim.usd.shapes import PlacedShape, placed_shape
@@ -79,6 +79,7 @@ class _Usd:
     def asset(self) -> Asset:
         """Return the base, the rigid bodies and their joints, or one link for a stage without physics."""
         self._check_size()
+        warn_missing_unit(self.stage, self.notes)
         if not any(_physical(owner) for owner in self.owners):
             whole = Link("base", FilePlace(self.shown), tuple(self._shapes_without_physics()))
             self._report()

@@ -38,6 +38,7 @@ from wmspec.sim.scene.physics.episode import (
     broken_grips,
     event_steps,
     kinematic_recording,
+    path_steps,
     perform,
     play,
     play_together,
@@ -69,6 +70,7 @@ _COMMON: tuple[Callable[..., Any], ...] = (
     play,
     play_together,
     perform,
+    path_steps,
     kinematic_recording,
     scripted_states,
     apply_events,
@@ -89,6 +91,7 @@ bodies' frames; linear_velocity and angular_velocity (T, N, 3) of their centres 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import exp, inf, pi, sqrt
 from pathlib import Path
 from tempfile import TemporaryDirectory

@@ -1,4 +1,4 @@
-"""Warns about referenced layers whose unit or up axis differs from the stage's: USD does not convert them.
+"""Warns about a stage without a unit, and about layers with another unit or up axis: USD does not convert them.
 
 A reference that is scaled, or turned, is taken as converted by its author.
 """
@@ -14,6 +14,12 @@ from pxr import Sdf, Usd, UsdGeom
 from wmspec.sim.usd.substitutions import Substitutions
 
 _METRES, _UP = "metersPerUnit", "upAxis"
+
+
+def warn_missing_unit(stage: Usd.Stage, notes: Substitutions) -> None:
+    """Record that the stage has no unit."""
+    if not stage.HasAuthoredMetadata(_METRES):
+        notes.record(stage.GetPseudoRoot(), f"{_METRES} is not authored", "USD's fallback 0.01 is used", "author it")
 
 
 def warn_layer_metrics(stage: Usd.Stage, notes: Substitutions) -> None:

@@ -21,7 +21,7 @@ from wmspec.sim.usd.cameras import camera, daylight, overview
 from wmspec.sim.usd.filters import filtered_pairs
 from wmspec.sim.usd.frames import StageFrame
 from wmspec.sim.usd.ignored_attributes import warn_ignored_attributes, warn_up_axis
-from wmspec.sim.usd.layer_metrics import warn_layer_metrics
+from wmspec.sim.usd.layer_metrics import warn_layer_metrics, warn_missing_unit
 from wmspec.sim.usd.prims import Names, targets, value
 from wmspec.sim.usd.stage_index import StageIndex, StageWalk
 from wmspec.sim.usd.substitutions import Substitutions
@@ -33,8 +33,8 @@ def scene(stage: Usd.Stage, notes: Substitutions) -> Scene:
     problems = Report(StageError)
     report_missing_files(stage, problems)
     census, world = StageWalk(stage, problems, notes=notes).census, StageFrame(stage, problems)
-    if not notes.strict and not stage.HasAuthoredMetadata("metersPerUnit"):
-        notes.record(stage.GetPseudoRoot(), "metersPerUnit is not authored", "USD's fallback 0.01 is used", "author it")
+    if not notes.strict:
+        warn_missing_unit(stage, notes)
     everything = bodies(list(census.owners.values()), world, problems, notes)
     known = {body.path: body for body in everything}
     cameras = _cameras(census, known, world, problems, notes)

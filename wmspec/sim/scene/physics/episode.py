@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Protocol
 
 import numpy as np
@@ -294,8 +295,7 @@ def perform(world: World, episode: Episode) -> Generator[None, None, Recording]:
     steps, states = (episode.samples - 1) * episode.substeps, scripted_states(episode)
     needed = {track.body for track in episode.tracks}.difference(episode.untouchable)
     needed |= {grip.hand for grip in episode.grips}
-    times = np.arange(steps + 1) * episode.step
-    paths = {track.body: track.steps(times) for track in episode.tracks if track.body in needed}
+    paths = {track.body: path_steps(track, steps, episode.step) for track in episode.tracks if track.body in needed}
     begins, quiet = event_steps(episode), quiet_steps(episode)
     drive = world.driven({body: path for body, path in paths.items() if body not in episode.untouchable})
     held: dict[int, Any] = {}
@@ -321,6 +321,18 @@ def perform(world: World, episode: Episode) -> Generator[None, None, Recording]:
         touching.append(world.touching())
         i += 1
     return Recording(to_body_frames(states, episode), touching, broken_grips(episode, held, states))
+
+
+@lru_cache(24)
+def path_steps(path: KinematicPath, steps: int, step: float) -> tuple[Any, Any, Any]:
+    """Return `path.steps` of `steps` time steps of `step` (s) each, as arrays that cannot be written to.
+
+    Nudged episodes, and engines with the same time step, move kinematic bodies alike.
+    """
+    arrays = path.steps(np.arange(steps + 1) * step)
+    for array in arrays:
+        array.flags.writeable = False
+    return arrays
 
 
 def kinematic_recording(episode: Episode) -> Recording | None:
