@@ -7,7 +7,7 @@ after some damage it still shows its future, after other damage none. Baselines 
 two models with a known answer: one that ignores the state, and one with a constant bias for each future.
 
 The results of each task are kept in FOLDER (DATASET.films by default), and a task whose results are there is not
-repeated. The page has all tasks in FOLDER.
+repeated. The page has all tasks in FOLDER, also those of other datasets.
 """
 
 from __future__ import annotations
@@ -40,6 +40,8 @@ from wmspec.eval.clips.sources import BASELINES, open_baseline
 from wmspec.eval.clips.surprise import SurpriseRun, evaluate_surprises
 from wmspec.eval.models.question import Selection
 
+#: The end of the names of files with what `evaluate` makes of models.
+EVALUATED = ".evaluated.json"
 #: What becomes of a clip.
 RIGHT, WRONG, NONE = "right", "wrong", "none"
 
@@ -55,17 +57,23 @@ class Scored:
 
 @dataclass
 class TaskScores:
-    """The outcomes of a task's clips, and what `evaluate` makes of models with a known answer.
-
-    `ignorant` counts the outcomes of a model that ignores the state, and how many of its answers are the future of the
-    other state. `latent` has the number of answers of a latent model with a bias, and of those right raw and centred.
-    `seconds` is the processor time of `evaluate` for `clips` clips with `frames` frames in all.
-    """
+    """The outcomes of a task's clips."""
 
     task: str
     sets: int
     rules: int = RULES_VERSION
     scored: list[Scored] = field(default_factory=list)
+
+
+@dataclass
+class Evaluated:
+    """What `evaluate` makes of models with a known answer.
+
+    `ignorant` counts the outcomes of a model that ignores the state, and how many of its answers are the future of the
+    other state. `latent` has the number of answers of a latent model with a bias, and of those right raw and centred.
+    `seconds` is the processor time of the first, for `clips` clips with `frames` frames in all.
+    """
+
     ignorant: dict[str, int] = field(default_factory=dict)
     latent: dict[str, int] = field(default_factory=dict)
     seconds: float = 0.0
@@ -86,11 +94,19 @@ def main() -> None:
     folder.mkdir(parents=True, exist_ok=True)
     dataset = DatasetReader.open(chosen.dataset)
     every = list(film_questions(dataset, Selection().ids(dataset)))
-    for task in chosen.task or dict.fromkeys(question.task for question in every):
+    tasks = tuple(chosen.task or dict.fromkeys(question.task for question in every))
+    for task in tasks:
         path = folder / f"{task}.json"
         if not path.exists():
             path.write_text(json.dumps(asdict(scores(dataset, task, chosen.sets, every))), encoding="utf-8")
-    text = page([_read(path) for path in sorted(folder.glob("*.json"))])
+    path = folder / f"{chosen.dataset.name}{EVALUATED}"
+    if not path.exists():
+        path.write_text(json.dumps(asdict(evaluated(dataset, tasks))), encoding="utf-8")
+    kept = sorted(folder.glob("*.json"))
+    text = page(
+        [_read(path) for path in kept if not path.name.endswith(EVALUATED)],
+        [Evaluated(**json.loads(path.read_text(encoding="utf-8"))) for path in folder.glob(f"*{EVALUATED}")],
+    )
     print(text)
     if chosen.page:
         chosen.page.write_text(text, encoding="utf-8")
@@ -102,7 +118,7 @@ def _read(path: Path) -> TaskScores:
 
 
 def scores(dataset: DatasetReader, task: str, sets: int, every: list[FilmQuestion]) -> TaskScores:
-    """Return the outcomes of every damage, baseline and known model on some closed sets of a task."""
+    """Return the outcomes of every damage and baseline on some closed sets of a task."""
     chosen = closed_sets([question for question in every if question.task == task], sets)
     made = TaskScores(task, len(chosen))
     for questions in chosen:
@@ -110,9 +126,6 @@ def scores(dataset: DatasetReader, task: str, sets: int, every: list[FilmQuestio
         for question in questions:
             made.scored += _of_question(question, reference, dataset, every)
             print(f"{task}: {len(made.scored)} clips", flush=True)
-    with tempfile.TemporaryDirectory() as folder:
-        _evaluate_ignorant(dataset, made, [q for questions in chosen for q in questions], Path(folder))
-        _evaluate_biased(dataset, made, Path(folder))
     return made
 
 
@@ -145,22 +158,32 @@ def _scored(question: FilmQuestion, damage: str, decision: Decision) -> Scored:
 # ---------------------------------------------------------------- models with a known answer
 
 
-def _evaluate_ignorant(dataset: DatasetReader, made: TaskScores, questions: list[FilmQuestion], folder: Path) -> None:
+def evaluated(dataset: DatasetReader, tasks: tuple[str, ...]) -> Evaluated:
+    """Return what `evaluate` makes of models with a known answer, on all questions of some tasks."""
+    made = Evaluated()
+    questions = list(film_questions(dataset, Selection(tasks).ids(dataset)))
+    with tempfile.TemporaryDirectory() as folder:
+        _evaluate_ignorant(dataset, tasks, questions, Path(folder), made)
+        _evaluate_biased(dataset, tasks, questions, Path(folder), made)
+    return made
+
+
+def _evaluate_ignorant(
+    dataset: DatasetReader, tasks: tuple[str, ...], questions: list[FilmQuestion], folder: Path, made: Evaluated
+) -> None:
     """Score a model that answers two questions that differ in the state alone with the same film."""
-    kinds = {row["id"]: row["option_kind"] for row in dataset.rows(made.task, ["id", "option_kind"])}
+    kinds = {row["id"]: row["option_kind"] for task in tasks for row in dataset.rows(task, ["id", "option_kind"])}
     (folder / "clips").mkdir()
-    original = {question.id: question for question in film_questions(dataset, {q.id for q in questions})}
-    for question in original.values():
+    for question in questions:
         sibling = question.films[kinds[question.id].index("state")]
         frames = read_frames(dataset.folder, min(question.film, sibling), count=question.answer_frame + 1)
         content = encode_mp4(frames[question.context - 1 :], question.rate, 20)
         (folder / "clips" / f"{question.file_name}.mp4").write_bytes(content)
         made.frames += len(frames) - question.context
     before = _processor_time()
-    run = ClipRun(dataset, str(folder / "clips"), Selection((made.task,)))
-    evaluate_clips(run, folder / "ignorant.parquet", lambda *_: None)
+    evaluate_clips(ClipRun(dataset, str(folder / "clips"), Selection(tasks)), folder / "i.parquet", lambda *_: None)
     made.seconds = _processor_time() - before
-    rows = [row for row in read_table(folder / "ignorant.parquet").to_pylist() if row["id"] in original]
+    rows = read_table(folder / "i.parquet").to_pylist()
     made.clips = len(rows)
     outcomes = [NONE if row["parsed"] is None else RIGHT if row["right"] else WRONG for row in rows]
     made.ignorant = dict(Counter(outcomes)) | {
@@ -174,18 +197,20 @@ def _processor_time() -> float:
     return sum(part.ru_utime + part.ru_stime for part in parts)
 
 
-def _evaluate_biased(dataset: DatasetReader, made: TaskScores, folder: Path) -> None:
+def _evaluate_biased(
+    dataset: DatasetReader, tasks: tuple[str, ...], questions: list[FilmQuestion], folder: Path, made: Evaluated
+) -> None:
     """Score a latent model that a wrong future surprises by 1, and each future also by its own constant."""
     with (folder / "surprises.csv").open("w", newline="", encoding="utf-8") as file:
         out = csv.writer(file)
         out.writerow(["id", "place", "frame", "surprise"])
-        for question in film_questions(dataset, Selection((made.task,)).ids(dataset)):
+        for question in questions:
             biases = {path: 10 * rank for rank, path in enumerate(sorted(question.films))}
             for place, path in enumerate(question.films):
                 out.writerow([question.id, place, "", (place != question.answer) + biases[path]])
-    run = SurpriseRun(dataset, f"surprises:{folder / 'surprises.csv'}", Selection((made.task,)))
-    evaluate_surprises(run, folder / "biased.parquet", lambda *_: None)
-    rows = read_table(folder / "biased.parquet").to_pylist()
+    run = SurpriseRun(dataset, f"surprises:{folder / 'surprises.csv'}", Selection(tasks))
+    evaluate_surprises(run, folder / "b.parquet", lambda *_: None)
+    rows = read_table(folder / "b.parquet").to_pylist()
     right = Counter(row["prompt"] for row in rows if row["right"])
     made.latent = {"answers": len(rows) // 2, "raw": right["raw"], "centred": right["centred"]}
 
@@ -193,13 +218,13 @@ def _evaluate_biased(dataset: DatasetReader, made: TaskScores, folder: Path) -> 
 # ---------------------------------------------------------------- page
 
 
-def page(tasks: list[TaskScores]) -> str:
+def page(tasks: list[TaskScores], models: list[Evaluated]) -> str:
     """Return the page of results."""
     scored = [one for task in tasks for one in task.scored]
-    seconds, clips, frames = (sum(getattr(task, name) for task in tasks) for name in ("seconds", "clips", "frames"))
+    seconds, clips, frames = (sum(getattr(one, name) for one in models) for name in ("seconds", "clips", "frames"))
     ignorant, latent = (
         sum((Counter(each) for each in counts), Counter[str]())
-        for counts in ([task.ignorant for task in tasks], [task.latent for task in tasks])
+        for counts in ([one.ignorant for one in models], [one.latent for one in models])
     )
     answers = max(1, latent["answers"])
     lines = [
@@ -237,7 +262,7 @@ def page(tasks: list[TaskScores]) -> str:
         "",
         "## Damage",
         "",
-        "Clips that are right, wrong and none, by task; closed sets and processor seconds a clip below.",
+        "Clips that are right, wrong and none, by task.",
         "",
         "| | " + " | ".join(f"`{task.task}`" for task in tasks) + " |",
         "|---" * (len(tasks) + 1) + "|",
@@ -246,7 +271,6 @@ def page(tasks: list[TaskScores]) -> str:
         cells = [_cell([one for one in task.scored if one.damage == name]) for task in tasks]
         lines.append(f"| {f'`{name}`' if name[0] == '@' else name} | " + " | ".join(cells) + " |")
     lines.append("| closed sets | " + " | ".join(str(task.sets) for task in tasks) + " |")
-    lines.append("| seconds a clip | " + " | ".join(f"{t.seconds / max(1, t.clips):.2f}" for t in tasks) + " |")
     return "\n".join([*lines, ""])
 
 

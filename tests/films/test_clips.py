@@ -218,7 +218,8 @@ def test_from_the_exported_folder_to_a_report(films: Path, dataset: DatasetReade
     scored = CliRunner().invoke(main, ["evaluate", str(films), "-m", f"clips:{clips}", "-o", str(results)])
     assert scored.exit_code == 0, scored.output
     assert "8 unparsed" in scored.output
-    assert {row["model_version"] for row in pq.read_table(results).to_pylist()} == {"still 1"}
+    rows = pq.read_table(results).to_pylist()
+    assert {(row["model"], row["model_version"]) for row in rows} == {("clips:still", "still 1")}
 
 
 def test_the_exported_folder_does_not_hold_the_future(films: Path, dataset: DatasetReader, tmp_path: Path) -> None:

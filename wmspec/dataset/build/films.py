@@ -38,7 +38,11 @@ def read_ids(folder: Path, path: str, size: tuple[int, int], count: int | None =
     def shrunk(frame: Any) -> Frames:
         # In the order green, blue, red. Rows of a plane are padded.
         low, high = (_plane(frame.planes[k], frame.width, frame.height) for k in (2, 0))
-        return np.stack([nearest_pixels(plane, size) for plane in (low, high)], axis=-1)
+        made = np.zeros((size[1], size[0], 2), np.uint8)
+        made[..., 0] = nearest_pixels(low, size)
+        if high.any():  # from 255 bodies on
+            made[..., 1] = nearest_pixels(high, size)
+        return made
 
     return ids_of(_decoded(folder, f"{path.removesuffix('.mkv')}.ids.mkv", shrunk, count))
 

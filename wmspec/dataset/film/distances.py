@@ -40,7 +40,7 @@ def nearest_pixels(pictures: NDArray[Any], size: tuple[int, int]) -> NDArray[Any
     height, width = pictures.shape[-2:]
     rows = ((np.arange(size[1]) + 0.5) * height / size[1]).astype(int)
     columns = ((np.arange(size[0]) + 0.5) * width / size[0]).astype(int)
-    return pictures[..., rows[:, None], columns]
+    return pictures[..., rows, :][..., columns]
 
 
 def mask_points(mask: Masks) -> Array:

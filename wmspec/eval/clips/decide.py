@@ -22,8 +22,9 @@ MAX_MISSING = 1 / 3
 MAX_SHORT = 0.1
 #: A clip moves nowhere if this share of the weighted motion of every future is missing.
 FROZEN = 0.95
-#: Of three comparisons by pixels, as many must choose the same future.
-MIN_VOTES = 2
+#: Of three comparisons by pixels, as many must choose the same future, each by being nearer than this share of its
+#: distance to the next; a mixture of two futures is as near to both. At another tempo, one must choose it, if barely.
+MIN_VOTES, VOTE_MARGIN = 2, 0.85
 #: A rival counts as elsewhere if the chosen future leaves this share of its place empty; it is a ghost if the clip
 #: leaves less than half of that empty.
 VACANT = 0.2
@@ -149,7 +150,7 @@ def _at_tempo(measured: Measurement, tempo: float, delay: float, rate: int) -> D
             ("distance", ratio > MAX_RATIO),
             ("end", end_ratio > MAX_RATIO),
             ("missing", missing > MAX_MISSING),
-            ("vote", tempo == 1.0 and delay == 0.0 and _votes(measured, nearest) < MIN_VOTES),
+            ("vote", not _confirmed(measured, nearest, real_time=tempo == 1.0 and delay == 0.0)),
             ("ghost", _ghost(measured, nearest)),
         )
         if holds
@@ -179,9 +180,12 @@ def _missing(points: Array, future: Array) -> float:
     return float(gone.mean(axis=1).max())
 
 
-def _votes(measured: Measurement, option: int) -> int:
-    """Return how many comparisons by pixels choose an option."""
-    return int((measured.votes.argmin(axis=1) == option).sum())
+def _confirmed(measured: Measurement, option: int, *, real_time: bool) -> bool:
+    """Whether enough comparisons by pixels, which are made in real time, choose an option."""
+    others = np.delete(measured.votes, option, axis=1).min(axis=1)
+    if real_time:
+        return int((measured.votes[:, option] <= VOTE_MARGIN * others).sum()) >= MIN_VOTES
+    return bool((measured.votes[:, option] < others).any())
 
 
 def _ghost(measured: Measurement, option: int) -> bool:

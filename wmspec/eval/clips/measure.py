@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wmspec.dataset.film.codec import Frames
 from wmspec.dataset.film.distances import Array
 from wmspec.eval.clips import normalise
-from wmspec.eval.clips.bits import count, overlaps, packed
+from wmspec.eval.clips.bits import count, overlaps
 from wmspec.eval.clips.normalise import Begins
 from wmspec.eval.clips.pixels import (
     THUMBNAIL,
@@ -27,7 +27,7 @@ from wmspec.eval.clips.pixels import (
 )
 from wmspec.eval.clips.read import Clip
 from wmspec.eval.clips.reference import Reference
-from wmspec.eval.clips.segment import cleaned, points_of
+from wmspec.eval.clips.segment import cleaned
 
 Mask = NDArray[np.bool_]
 #: Side (cells) of the pictures of gradient histograms.
@@ -122,6 +122,9 @@ def measure(clip: Clip, reference: Reference, truth: int, begins: Begins | None 
     aligned = align(clip, reference, truth, begins)
     background = reference.background & aligned.valid
     coloured = normalise.match_colours(aligned.frames, reference.plate, background)
+    if not aligned.valid.all():
+        # The camera is followed by what surrounds each point, and what a clip does not show is no motion.
+        coloured = np.where(aligned.valid[..., None], coloured, reference.plate)
     steadied = normalise.steady(coloured, reference.plate, background)
     frames = steadied.frames
     if frames is not coloured:
@@ -130,15 +133,15 @@ def measure(clip: Clip, reference: Reference, truth: int, begins: Begins | None 
         frames, aligned.valid, reference.background, reference.places(truth), reference.expected
     )
     options = range(len(reference.films))
-    repeated, motion = len(options) // len(found), Motion.of(frames)
-    points, bits = [points_of(masks) for masks in found] * repeated, [packed(masks) for masks in found] * repeated
+    found *= len(options) // len(found)
+    motion = Motion.of(frames)
     compared = [physics_iq(motion, reference.motion[o]) for o in options]
-    overlap = np.array([overlaps(bits[o], reference.object_bits[o]).mean() for o in options])
-    likeness = np.array([overlaps(bits[o], reference.found_bits[o]).mean() for o in options])
+    overlap = np.array([overlaps(found[o].bits, reference.object_bits[o]).mean() for o in options])
+    likeness = np.array([overlaps(found[o].bits, reference.found[o].bits).mean() for o in options])
     return Measurement(
-        points=np.stack(points),
-        areas=np.mean([count(each) for each in bits], axis=0),
-        futures=reference.found_points,
+        points=np.stack([one.points for one in found]),
+        areas=np.mean([count(one.bits) for one in found], axis=0),
+        futures=np.stack([one.points for one in reference.found]),
         apart=reference.apart,
         widths=reference.widths,
         votes=np.stack([*_pixel_votes(frames, aligned.valid, reference), 1 - likeness]),

@@ -50,6 +50,11 @@ def fit_size(frames: Frames, picture: NDArray[np.uint8]) -> Fitted:
     return Fitted(np.stack([frame for frame, _ in fitted]), fitted[0][1], best)
 
 
+def same_aspect(a: tuple[int, int], b: tuple[int, int]) -> bool:
+    """Whether two sizes (px) have about the same aspect."""
+    return 1 / SAME_ASPECT < a[0] * b[1] / (a[1] * b[0]) < SAME_ASPECT
+
+
 def _fits(
     width: int, height: int, w: int, h: int
 ) -> dict[Fit, Callable[[NDArray[np.uint8]], tuple[NDArray[np.uint8], Mask]]]:
@@ -60,8 +65,7 @@ def _fits(
     def stretch(frame: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], Mask]:
         return cv2.resize(frame, (w, h), interpolation=cv2.INTER_AREA), whole
 
-    ratio = (width / height) / (w / h)
-    if 1 / SAME_ASPECT < ratio < SAME_ASPECT:
+    if same_aspect((width, height), (w, h)):
         return {"stretch": stretch}
 
     def bars(frame: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], Mask]:

@@ -25,20 +25,20 @@ MAX_GAP = 120.0
 MOTION, RUNNING, KERNEL = 10, 0.3, 5
 
 
-def thumbnails(frames: Frames) -> Array:
+def thumbnails(frames: Frames) -> NDArray[np.int16]:
     """Return frames as thumbnails (n, 64, 64, 3)."""
     cv2 = opencv()
     side = THUMBNAIL, THUMBNAIL
-    return np.stack([cv2.resize(f, side, interpolation=cv2.INTER_AREA) for f in frames]).astype(np.float64)
+    return np.stack([cv2.resize(f, side, interpolation=cv2.INTER_AREA) for f in frames]).astype(np.int16)
 
 
-def gradients(frames: Frames) -> Array:
+def gradients(frames: Frames) -> NDArray[np.float32]:
     """Return the histograms of gradient orientations of frames (n, 16, 16, 8), each normalized (Dalal, Triggs 2005)."""
     cells = GRADIENT_SIDE // CELL
     across = np.arange(GRADIENT_SIDE) // CELL
     first = (across[:, None] * cells + across) * BINS
     histograms = np.stack([_gradient_histogram(frame, first) for frame in frames])
-    return np.asarray(histograms / (np.linalg.norm(histograms, axis=-1, keepdims=True) + QUIET))
+    return np.asarray(histograms / (np.linalg.norm(histograms, axis=-1, keepdims=True) + QUIET), np.float32)
 
 
 def _gradient_histogram(frame: NDArray[np.uint8], first: NDArray[np.intp]) -> Array:
@@ -54,13 +54,19 @@ def _gradient_histogram(frame: NDArray[np.uint8], first: NDArray[np.intp]) -> Ar
     return np.asarray(counts.reshape(cells, cells, BINS), np.float64)
 
 
-def thumbnail_gap(a: Array, b: Array, where: Mask) -> float:
+def thumbnail_gap(a: NDArray[np.int16], b: NDArray[np.int16], where: Mask) -> float:
     """Return the mean difference of thumbnails in the given cells; 0 without cells."""
-    gaps = np.minimum(np.abs(a[where] - b[where]).sum(axis=-1), MAX_GAP)
+    gaps = np.minimum(difference(a[where], b[where]), MAX_GAP)
     return float(gaps.mean()) if gaps.size else 0.0
 
 
-def gradient_gap(a: Array, b: Array, where: Mask) -> float:
+def difference(a: NDArray[np.int16], b: NDArray[np.int16]) -> NDArray[np.int16]:
+    """Return the difference of colours (..., 3), summed over the channels."""
+    gaps = np.abs(a - b)
+    return np.asarray(gaps[..., 0] + gaps[..., 1] + gaps[..., 2])
+
+
+def gradient_gap(a: NDArray[np.float32], b: NDArray[np.float32], where: Mask) -> float:
     """Return the mean difference of gradient histograms in the given cells; 0 without cells."""
     gaps = np.linalg.norm(a[where] - b[where], axis=-1)
     return float(gaps.mean()) if gaps.size else 0.0

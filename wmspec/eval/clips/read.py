@@ -18,6 +18,7 @@ from wmspec.core.safe_io import is_within, regular_file
 from wmspec.core.signals import defer_signals
 from wmspec.dataset.film.codec import Frames, pyav, scaler
 from wmspec.dataset.film.distances import WORKING_AREA
+from wmspec.eval.clips.normalise import same_aspect
 from wmspec.runtime.workers.pool import WorkerContext
 
 #: Largest file (bytes), side (px), length (s) and number of frames of a clip.
@@ -47,16 +48,19 @@ class ClipReader:
     def __init__(self, pool: Any) -> None:
         self._pool = pool
 
-    def read(self, folder: Path, path: Path, seconds: float) -> Clip:
-        """Return the first `seconds` of a clip. Raises BadClip for a file that is missing, foreign or damaged."""
+    def read(self, folder: Path, path: Path, seconds: float, size: tuple[int, int]) -> Clip:
+        """Return the first `seconds` of a clip, of which the frames are compared in a size (px).
+
+        Raises BadClip for a file that is missing, foreign or damaged.
+        """
         from pebble import ProcessExpired
 
         if not is_within(folder, path):
             raise BadClip("there is no such file" if not path.is_symlink() else "it is a link that leads elsewhere")
-        if (size := path.stat().st_size) > MAX_BYTES:
-            raise BadClip(f"it has {size:,} bytes; at most {MAX_BYTES:,}")
+        if (length := path.stat().st_size) > MAX_BYTES:
+            raise BadClip(f"it has {length:,} bytes; at most {MAX_BYTES:,}")
         with defer_signals():
-            future = self._pool.schedule(decode, args=[str(path), seconds], timeout=TIME_LIMIT)
+            future = self._pool.schedule(decode, args=[str(path), seconds, size], timeout=TIME_LIMIT)
         try:
             clip: Clip = future.result()
         except Late:
@@ -87,22 +91,25 @@ def _limit_memory() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
 
-def decode(path: str, seconds: float) -> Clip:
-    """Return the first `seconds` of a clip, with the times of its packets. Raises BadClip with the reason."""
+def decode(path: str, seconds: float, compared: tuple[int, int]) -> Clip:
+    """Return the first `seconds` of a clip, with the times of its packets, to be `compared` in a size (px).
+
+    Raises BadClip with the reason.
+    """
     av = pyav()
     try:
         with (
             regular_file(Path(path)).open("rb") as file,
             av.open(file, options={"protocol_whitelist": "file"}) as container,
         ):
-            return _decoded(container, seconds)
+            return _decoded(container, seconds, compared)
     except BadClip:
         raise
     except (av.FFmpegError, OSError, ValueError, ArithmeticError, LookupError, TypeError) as error:
         raise BadClip(f"it cannot be decoded ({str(error)[:200]})".replace(os.fspath(path), "file")) from None
 
 
-def _decoded(container: Any, seconds: float) -> Clip:
+def _decoded(container: Any, seconds: float, compared: tuple[int, int]) -> Clip:
     if not container.streams.video:
         raise BadClip("it has no video")
     stream = container.streams.video[0]
@@ -112,6 +119,8 @@ def _decoded(container: Any, seconds: float) -> Clip:
         raise BadClip(f"its frames have {width} x {height} pixels; 8 to {MAX_SIDE} a side")
     scale = min(1.0, (DECODED_AREA / (width * height)) ** 0.5)
     size = max(8, round(width * scale)), max(8, round(height * scale))
+    if same_aspect((width, height), compared):
+        size = compared
     frames, times, scaled = list[Any](), list[float](), scaler(size)
     nominal = float(stream.average_rate or 24)
     for frame in container.decode(stream):

@@ -21,8 +21,8 @@ from wmspec.dataset.film.distances import (
 )
 from wmspec.eval.clips.bits import Bits, count, packed
 from wmspec.eval.clips.packages import opencv
-from wmspec.eval.clips.pixels import Motion, gradients, thumbnails
-from wmspec.eval.clips.segment import Palette, Segmenter, distances_from, joined, palette, points_of
+from wmspec.eval.clips.pixels import Motion, difference, gradients, thumbnails
+from wmspec.eval.clips.segment import Found, Palette, Segmenter, distances_from, joined, palette
 
 Mask = NDArray[np.bool_]
 
@@ -163,21 +163,21 @@ class Reference:
         return Segmenter(self.plate, self.palettes, self.objects, self.widths)
 
     @cached_property
-    def found_masks(self) -> tuple[Mask, ...]:
-        """Where the segmenter finds the objects (objects, n, h, w) in each future.
-
-        Clips are compared with these, not with the true masks: what it mistakes in both makes no difference.
-        """
-        return tuple(masks[min(option, len(masks) - 1)] for option, masks in enumerate(self._found))
-
-    @cached_property
-    def _found(self) -> tuple[list[Mask], ...]:
-        """Where the segmenter finds the objects in each future, for each future that it may be taken for, or once."""
+    def _found(self) -> tuple[list[Found], ...]:
+        """What the segmenter finds in each future, for each future that it may be taken for, or once."""
         whole = np.ones(self.plate.shape[:2], bool)
         return tuple(
             self.segmenter.masks(future, whole, self.background, self.places(option), self.expected)[0]
             for option, future in enumerate(self.futures)
         )
+
+    @cached_property
+    def found(self) -> tuple[Found, ...]:
+        """What the segmenter finds in each future.
+
+        Clips are compared with this, not with the true masks: what it mistakes in both makes no difference.
+        """
+        return tuple(found[min(option, len(found) - 1)] for option, found in enumerate(self._found))
 
     def expected(self) -> tuple[NDArray[np.uint8], ...]:
         """Return how far each object is from each pixel (objects, n, h, w) in each future."""
@@ -188,18 +188,12 @@ class Reference:
         return tuple(np.stack([distances_from(ids == body) for body in self.objects]) for ids in self._ids)
 
     @cached_property
-    def found_points(self) -> Array:
-        """The points (k, objects, n, 3, 2) where the segmenter finds the objects in each future."""
-        return np.stack([points_of(masks) for masks in self.found_masks])
-
-    @cached_property
     def apart(self) -> Array:
         """How far (k, k) each future is from each other one, taken for that: whole distance and that of the end (2)."""
         made = np.zeros((2, len(self.films), len(self.films)))
         for i, found in enumerate(self._found):
-            points = [points_of(masks) for masks in found]
-            for j, future in enumerate(self.found_points):
-                pair = points[min(j, len(points) - 1)], future, self.widths
+            for j, future in enumerate(self.found):
+                pair = found[min(j, len(found) - 1)].points, future.points, self.widths
                 made[:, i, j] = film_distance(*pair), end_distance(*pair)
         return np.minimum(made, made.transpose(0, 2, 1))
 
@@ -214,27 +208,22 @@ class Reference:
         """The true masks (objects, n) of the objects in each future."""
         return tuple(np.stack([packed(ids == body) for body in self.objects]) for ids in self._ids)
 
-    @cached_property
-    def found_bits(self) -> tuple[Bits, ...]:
-        """The masks (objects, n) that are found in each future."""
-        return tuple(packed(masks) for masks in self.found_masks)
-
     # ------------------------------------------------------------ pixels
 
     @cached_property
-    def thumbnails(self) -> list[Array]:
+    def thumbnails(self) -> list[NDArray[np.int16]]:
         """Each future as thumbnails."""
         return [thumbnails(frames) for frames in self.futures]
 
     @cached_property
-    def gradients(self) -> list[Array]:
+    def gradients(self) -> list[NDArray[np.float32]]:
         """Each future as gradient histograms."""
         return [gradients(frames) for frames in self.futures]
 
     @cached_property
     def thumbnails_differ(self) -> Mask:
         """Cells of thumbnails in which two futures differ."""
-        gaps = [np.abs(a - b).sum(axis=-1) for a, b in combinations(self.thumbnails, 2)]
+        gaps = [difference(a, b) for a, b in combinations(self.thumbnails, 2)]
         return np.asarray(np.max(gaps, axis=0) > THUMBNAIL_GAP)
 
     @cached_property

@@ -9,7 +9,7 @@ import platform
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -59,12 +59,12 @@ class ClipRun:
     begins: Begins | None = None
     model: str = ""
 
-    @property
+    @cached_property
     def name(self) -> str:
-        """The name of the model: that of the folder or baseline."""
-        return self.model or (
-            f"{PREFIX}{self.place}" if self.is_baseline else f"{PREFIX}{Path(self.place).resolve().name}"
-        )
+        """The name of the model: that in its `model.json`, or of the folder or baseline."""
+        folder = Path(self.place)
+        own = self.place if self.is_baseline else sources.described(folder, "name") or folder.resolve().name
+        return self.model or f"{PREFIX}{own}"
 
     @property
     def is_baseline(self) -> bool:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from wmspec.dataset.film.codec import Frames
 from wmspec.dataset.film.distances import Array, mask_points
+from wmspec.eval.clips.bits import Bits, packed
 from wmspec.eval.clips.packages import opencv
 
 Mask = NDArray[np.bool_]
@@ -106,11 +107,26 @@ def distances_from(masks: Mask) -> NDArray[np.uint8]:
 
 
 @dataclass(frozen=True)
-class _Found:
-    """The masks (objects, n, h, w) that are found, and the last place of each object (px)."""
+class Found:
+    """What is found in frames: the masks (objects, n) and the points (objects, n, 3, 2) of objects.
 
-    masks: Mask
+    `last` is where each object was last (px).
+    """
+
+    bits: Bits
+    points: Array
     last: dict[int, NDArray[np.float64]]
+
+    def copy(self) -> Found:
+        """Return a copy that can change."""
+        return Found(self.bits.copy(), self.points.copy(), dict(self.last))
+
+    def add(self, k: int, t: int, mask: Mask, box: tuple[slice, slice], shape: tuple[int, ...]) -> None:
+        """Add the mask of an object in a `box` of a frame (h, w)."""
+        whole = np.zeros(shape, bool)
+        whole[box] = mask
+        self.bits[k, t] = packed(whole)
+        self.points[k, t] = mask_points(mask) + np.array([box[1].start, box[0].start])
 
 
 class Segmenter:
@@ -142,19 +158,20 @@ class Segmenter:
         background: Mask,
         places: Array,
         expected: Callable[[], Sequence[NDArray[np.uint8]]],
-    ) -> tuple[list[Mask], Mask]:
-        """Return the masks (objects, n, h, w) in frames, and the pixels (n, h, w) that differ from the background.
+    ) -> tuple[list[Found], Mask]:
+        """Return the objects in frames, and the pixels (n, h, w) that differ from the background.
 
         `valid` (h, w) are the pixels that the frames show, `background` those in which nothing moves in any future.
         `places` (objects, 2) px are where each object is before the first frame, NaN if that is unknown. `expected`
-        returns how far each object is from each pixel (objects, n, h, w) in each future, see `distances_from`. There
-        are masks for each of these, or once if all are equal.
+        returns how far each object is from each pixel (objects, n, h, w) in each future, see `distances_from`. The
+        objects are found for each of these, or once if all are equal.
         """
         differs = np.zeros(frames.shape[:3], bool)
         ground = np.where(background[..., None], _median(frames), self._ground)
         threshold, quiet = MIN_FOREGROUND, background & valid
         last = {k: place for k, place in enumerate(places) if not np.isnan(place).any()}
-        found = [_Found(np.zeros((len(self._objects), *differs.shape), bool), last)]
+        count = len(self._objects), len(frames)
+        found = [Found(np.stack([packed(differs)] * count[0]), np.full((*count, 3, 2), np.nan), last)]
         for t, frame in enumerate(frames):
             picture = lab(smooth(frame))
             away = _weighted(picture - ground, PLATE_LIGHTNESS)
@@ -173,14 +190,16 @@ class Segmenter:
             shared = np.sum(list(own.values()), axis=0) > 1 if own else np.zeros(len(where), bool)
             divided = np.count_nonzero(shared) >= MIN_SHARED
             if divided and len(found) < len(expected()):
-                found = [_Found(found[0].masks.copy(), dict(found[0].last)) for _ in expected()]
+                found = [found[0].copy() for _ in expected()]
             for number, one in enumerate(found):
                 mine = self._divided(own, where, shared, expected()[number][:, t]) if divided else own
                 for k, which in mine.items():
                     mask = np.zeros(valid.shape, np.uint8)
                     mask.ravel()[where[which]] = 1
-                    one.masks[k, t] = self._component(mask, k, one.last)
-        return [one.masks for one in found], differs
+                    part = self._component(mask, k, one.last)
+                    if part is not None:
+                        one.add(k, t, *part, mask.shape)
+        return found, differs
 
     def _divided(
         self, own: Mapping[int, Mask], where: NDArray[np.intp], shared: Mask, away: NDArray[np.uint8]
@@ -205,30 +224,33 @@ class Segmenter:
         gaps[gaps >= self._near[body][:, where]] = np.inf
         return np.asarray(gaps.min(axis=0))
 
-    def _component(self, mask: NDArray[np.uint8], k: int, last: dict[int, NDArray[np.float64]]) -> Mask:
-        """Return the largest part of a mask, rather one near the object's last place, with what lies around it."""
+    def _component(
+        self, mask: NDArray[np.uint8], k: int, last: dict[int, NDArray[np.float64]]
+    ) -> tuple[Mask, tuple[slice, slice]] | None:
+        """Return the largest part of a mask, rather one near the object's last place, with what lies around it.
+
+        The result is a mask in a box; None if there is no such part.
+        """
         cv2 = opencv()
-        made = np.zeros(mask.shape, bool)
         left, top, across, down = cv2.boundingRect(mask)
         if not across:
-            return made
+            return None
         box = slice(max(top - 1, 0), top + down + 1), slice(max(left - 1, 0), left + across + 1)
         opened = cv2.morphologyEx(mask[box], cv2.MORPH_OPEN, np.ones((2, 2), np.uint8))
         count, labels, stats, centres = cv2.connectedComponentsWithStats(opened, connectivity=8)
         width = self._widths[k]
         if count < 2:
-            return made
+            return None
         areas, centres = stats[1:, 4].astype(float), centres[1:] + np.array([box[1].start, box[0].start])
         weights = areas
         if k in last:
             weights = areas * np.exp(-np.hypot(*(centres - last[k]).T) / MEMORY)
         best = int(np.argmax(weights))
         if areas[best] < max(8.0, MIN_AREA * width**2):
-            return made
+            return None
         last[k] = centres[best]
         near = (np.hypot(*(centres - centres[best]).T) < REACH * width) & (areas >= 6)
-        made[box] = np.concatenate(([False], near))[labels]
-        return made
+        return np.concatenate(([False], near))[labels], box
 
 
 def _median(frames: Frames) -> NDArray[np.float32]:
@@ -248,8 +270,3 @@ def _median(frames: Frames) -> NDArray[np.float32]:
 
 #: Frames of which the median is taken; share of the background that may differ from it by noise.
 _MEDIAN_OF, _QUIET = 7, 0.98
-
-
-def points_of(masks: Mask) -> Array:
-    """Return the points (objects, n, 3, 2) of masks."""
-    return np.array([[mask_points(mask) for mask in of_object] for of_object in masks])

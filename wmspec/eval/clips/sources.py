@@ -54,16 +54,7 @@ class ClipFolder:
     @property
     def version(self) -> str:
         """The name and version in `model.json`; empty without one. Raises WmsError if it is no JSON object."""
-        path = self.folder / MODEL_FILE
-        try:
-            about = json.loads(read_bytes(path))
-            return " ".join(str(about[key])[:100] for key in ("name", "version") if about.get(key))
-        except FileNotFoundError:
-            return ""
-        except (OSError, ValueError, TypeError, AttributeError, RecursionError):
-            raise WmsError(
-                "not a JSON object", FilePlace(str(path)), 'write {"name": "...", "version": "..."}'
-            ) from None
+        return " ".join(described(self.folder, key) for key in ("name", "version")).strip()
 
     def samples(self, question: FilmQuestion) -> list[int]:
         """Return the numbers of the samples of a question; one for a question without files."""
@@ -78,7 +69,8 @@ class ClipFolder:
         if not name:
             raise BadClip("there is no clip of this question")
         seconds = (reference.films[0].context + reference.count) / reference.rate + 1.0
-        return self.reader.read(self.folder, self.folder / name, seconds), self.begins
+        height, width = reference.plate.shape[:2]
+        return self.reader.read(self.folder, self.folder / name, seconds, (width, height)), self.begins
 
     def unknown(self, questions: list[FilmQuestion]) -> list[str]:
         """Return the clips that belong to none of the questions."""
@@ -99,6 +91,17 @@ class ClipFolder:
     def _existing(self, stem: str) -> str:
         names = (f"{stem}{suffix}" for suffix in SUFFIXES)
         return next((n for n in names if (self.folder / n).is_symlink() or (self.folder / n).exists()), "")
+
+
+def described(folder: Path, key: str) -> str:
+    """Return what `model.json` has under a key; empty without it. Raises WmsError if it is no JSON object."""
+    path = folder / MODEL_FILE
+    try:
+        return str(json.loads(read_bytes(path)).get(key) or "")[:100].strip()
+    except FileNotFoundError:
+        return ""
+    except (OSError, ValueError, TypeError, AttributeError, RecursionError):
+        raise WmsError("not a JSON object", FilePlace(str(path)), 'write {"name": "...", "version": "..."}') from None
 
 
 def open_folder(folder: Path, reader: ClipReader, begins: Begins | None) -> ClipFolder:
