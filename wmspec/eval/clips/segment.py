@@ -32,7 +32,7 @@ MIN_FOREGROUND, MAX_COLOUR = 9.0, 32.0
 NEARER = 0.6
 #: Colours (Lab) as near as this to two objects may belong to either; as many such pixels of a frame are divided.
 EQUAL_COLOUR, MIN_SHARED = 5.0, 12
-#: The distance (half px) from an object that is not seen.
+#: The distance (px) from an object that is not seen.
 NOWHERE = 255
 #: Standard deviation (px) of the blur against noise.
 SMOOTH = 1.0
@@ -97,12 +97,12 @@ def cleaned(masks: Mask) -> Mask:
 
 
 def distances_from(masks: Mask) -> NDArray[np.uint8]:
-    """Return how far (half px, at most `NOWHERE`) each pixel is from the mask of its frame (n, h, w)."""
+    """Return how far (px across and down, at most `NOWHERE`) each pixel is from the mask of its frame (n, h, w)."""
     cv2 = opencv()
     made = np.full(masks.shape, NOWHERE, np.uint8)
     for t, mask in enumerate(masks):
         if mask.any():
-            made[t] = np.minimum(2 * cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, 3), NOWHERE)
+            cv2.distanceTransform((~mask).view(np.uint8), cv2.DIST_L1, 3, dst=made[t], dstType=cv2.CV_8U)
     return made
 
 
@@ -127,6 +127,12 @@ class Found:
         whole[box] = mask
         self.bits[k, t] = packed(whole)
         self.points[k, t] = mask_points(mask) + np.array([box[1].start, box[0].start])
+
+    def take(self, other: Found, k: int, t: int) -> None:
+        """Take an object of a frame from what is found for another future."""
+        self.bits[k, t], self.points[k, t] = other.bits[k, t], other.points[k, t]
+        if k in other.last:
+            self.last[k] = other.last[k]
 
 
 class Segmenter:
@@ -191,14 +197,21 @@ class Segmenter:
             divided = np.count_nonzero(shared) >= MIN_SHARED
             if divided and len(found) < len(expected()):
                 found = [found[0].copy() for _ in expected()]
+            known: dict[tuple[int, bytes, bytes], Found] = {}
             for number, one in enumerate(found):
                 mine = self._divided(own, where, shared, expected()[number][:, t]) if divided else own
                 for k, which in mine.items():
+                    # Most futures expect the same, and what is found for one is found for another.
+                    key = k, which.tobytes(), one.last[k].tobytes() if k in one.last else b""
+                    if key in known:
+                        one.take(known[key], k, t)
+                        continue
                     mask = np.zeros(valid.shape, np.uint8)
                     mask.ravel()[where[which]] = 1
                     part = self._component(mask, k, one.last)
                     if part is not None:
                         one.add(k, t, *part, mask.shape)
+                    known[key] = one
         return found, differs
 
     def _divided(
