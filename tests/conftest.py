@@ -10,6 +10,10 @@ from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
 
+# Before NumPy is imported. Several processes test at once, and the threads of each would wait for a core by computing:
+# on two cores, products of small matrices took four times as long. `wmspec audit` and `report` have one thread, too.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 from hypothesis import settings
 
@@ -34,6 +38,10 @@ os.environ.setdefault("SOURCE_DATE_EPOCH", "1767225600")
 if "WMSPEC_CACHE_DIR" not in os.environ:
     _cache = tempfile.TemporaryDirectory(prefix="wmspec-cache-")
     os.environ["WMSPEC_CACHE_DIR"] = _cache.name
+
+#: Memory (bytes) by which a process may grow before renderers are closed after a file; what was in use after the last.
+GROWTH = 200_000_000
+_kept_memory = 0
 
 HERE = Path(__file__).parent
 NEEDS = {
@@ -98,17 +106,31 @@ def pytest_collection_finish(session: pytest.Session) -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> None:
-    """After each file, close the renderers that are kept for further pictures, and give their memory back.
+    """After a file, close the renderers that are kept for further pictures, and give their memory back.
 
-    They open again when they are needed. Otherwise a process that runs many files grows by gigabytes.
+    They open again when they are needed. Otherwise a process that runs many files grows by gigabytes. A process that
+    has hardly grown does not look for them: with all that tests import, that takes longer than many files.
     """
-    if nextitem is None or nextitem.path != item.path:
+    global _kept_memory  # noqa: PLW0603  one session per process
+    if nextitem is not None and nextitem.path == item.path:
+        return
+    memory = _resident_memory()
+    if memory is None or memory > _kept_memory + GROWTH:
         for kept in gc.get_objects():
             if type(kept) is RenderCache:
                 kept.close()
         gc.collect()
         if trim := getattr(ctypes.CDLL(None), "malloc_trim", None):  # of glibc
             trim(0)
+        _kept_memory = _resident_memory() or 0
+
+
+def _resident_memory() -> int | None:
+    """The memory (bytes) of this process that is in RAM; None where the system does not say."""
+    try:
+        return int(Path("/proc/self/statm").read_bytes().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    except OSError:
+        return None
 
 
 def _sharing(item: pytest.Item) -> str:

@@ -29,8 +29,8 @@ def probed(made: Unit) -> dict[str, Probe]:
     return {probe.sees: probe for probe in found}
 
 
-def verdicts(made: Unit) -> dict[str, str]:
-    return {sees: probes.verdict(probe) for sees, probe in probed(made).items() if probe.judged}
+def verdicts(found: dict[str, Probe]) -> dict[str, str]:
+    return {sees: probes.verdict(probe) for sees, probe in found.items() if probe.judged}
 
 
 def test_the_closed_set_is_read_from_the_row(tmp_path: Path) -> None:
@@ -51,7 +51,7 @@ def test_the_closed_set_is_read_from_the_row(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_nothing_is_found_where_nothing_is_planted(seed: int, tmp_path: Path) -> None:
-    found = verdicts(unit(make(tmp_path / "made", "slide", slide(), 200, seed=seed)))
+    found = verdicts(probed(unit(make(tmp_path / "made", "slide", slide(), 200, seed=seed))))
     assert set(found.values()) == {"holds"}
     assert {"`weight`", "`way`"} < found.keys()
     assert sum(sees.endswith("(the best rule)") for sees in found) == 2
@@ -60,11 +60,10 @@ def test_nothing_is_found_where_nothing_is_planted(seed: int, tmp_path: Path) ->
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_nearest_option_with_the_weight_in_words_is_found(seed: int, tmp_path: Path) -> None:
     """The nearest option alone is true in half of the questions: where the ball is heavy."""
-    made = unit(make(tmp_path / "made", "slide", slide(revealing=True), 120, seed=seed))
-    found = probed(made)
+    found = probed(unit(make(tmp_path / "made", "slide", slide(revealing=True), 120, seed=seed)))
     assert found["`weight`"].accuracy == pytest.approx(0.5, abs=0.1)
     assert found["`weight` and likeness to the last picture"].accuracy > 0.9
-    (failing,) = (sees for sees, verdict in verdicts(made).items() if verdict == "fails")
+    (failing,) = (sees for sees, verdict in verdicts(found).items() if verdict == "fails")
     assert failing.startswith("`weight` and ")
 
 
@@ -83,6 +82,6 @@ def test_revealing_state_is_found(tmp_path: Path) -> None:
         for case in made.cases
         if (case.row["level.weight"] == "light") == (case.row["level.way"] == "right") or case.row["block"] % 4 == 0
     )
-    found = verdicts(replace(made, cases=kept))
+    found = verdicts(probed(replace(made, cases=kept)))
     assert found["`weight`"] == "fails"
     assert found["`way`"] == "fails"

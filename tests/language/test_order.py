@@ -30,14 +30,28 @@ TASKS = [path for path in SPECS if path.stem in NAMES]
 Guess = Callable[[str, Instance], object]
 
 
-def one_of_each_group(design: Design, blocks: range) -> Iterator[Instance]:
+class Remembered:
+    """A design that computes each instance once: many guesses look at the same instances."""
+
+    def __init__(self, design: Design) -> None:
+        self.blocks = design.blocks
+        self._design = design
+        self._instances: dict[int, Instance] = {}
+
+    def __getitem__(self, index: int) -> Instance:
+        if index not in self._instances:
+            self._instances[index] = self._design[index]
+        return self._instances[index]
+
+
+def one_of_each_group(design: Remembered, blocks: range) -> Iterator[Instance]:
     """An instance of every group, at random: these are independent of one another."""
     for block in blocks:
         members = design.blocks.members(block)
         yield design[members[bits("pick", block) % len(members)]]
 
 
-def hits(design: Design, guess: Guess, blocks: range) -> dict[str, tuple[int, int, float]]:
+def hits(design: Remembered, guess: Guess, blocks: range) -> dict[str, tuple[int, int, float]]:
     """Of each factor crossed in these groups: right guesses, guesses, and the probability of being right by chance."""
     found: defaultdict[str, list[bool]] = defaultdict(list)
     levels: dict[str, Counter[object]] = {}
@@ -51,14 +65,14 @@ def hits(design: Design, guess: Guess, blocks: range) -> dict[str, tuple[int, in
     return {name: (sum(found[name]), len(found[name]), 1 / len(count)) for name, count in even.items()}
 
 
-def at_chance(design: Design, guess: Guess, blocks: range, tests: int) -> bool:
+def at_chance(design: Remembered, guess: Guess, blocks: range, tests: int) -> bool:
     """Whether every crossed factor is guessed at chance, by the exact binomial test, with Bonferroni correction."""
     counted = hits(design, guess, blocks)
     assert counted
     return all(binomtest(*each).pvalue > ALPHA / (len(counted) * tests * len(TASKS)) for each in counted.values())
 
 
-def majority(design: Design, key: Callable[[Instance], object], blocks: range) -> Guess:
+def majority(design: Remembered, key: Callable[[Instance], object], blocks: range) -> Guess:
     """Guess the level that is most frequent for a key, as learnt from some groups, all of whose levels are known."""
     known: defaultdict[tuple[str, object], Counter[object]] = defaultdict(Counter)
     for block in blocks:
@@ -80,10 +94,10 @@ def test_the_tasks_are_there() -> None:
 @pytest.mark.parametrize("path", TASKS, ids=lambda p: p.stem)
 def test_another_seed_recomputes_the_factors_at_chance(path: Path) -> None:
     spec = task_of(path)
-    secret = Design(spec, bits("secret", spec.name))
+    secret = Remembered(Design(spec, bits("secret", spec.name)))
     whole = range(secret.blocks.count)
     for seed in (0, 7, 11):
-        other = Design(spec, seed)
+        other = Remembered(Design(spec, seed))
         assert at_chance(secret, lambda name, i, other=other: other[i.index].factors[name], whole, 3)  # type: ignore[misc]
     assert not at_chance(secret, lambda name, i: secret[i.index].factors[name], whole, 1)
 
@@ -92,7 +106,7 @@ def test_another_seed_recomputes_the_factors_at_chance(path: Path) -> None:
 def test_levels_do_not_follow_from_remainders_of_the_index(path: Path) -> None:
     """Who knows the levels of half of the groups learns nothing from indices about those of the other half."""
     spec = task_of(path)
-    secret = Design(spec, bits("secret", spec.name))
+    secret = Remembered(Design(spec, bits("secret", spec.name)))
     count = secret.blocks.count
     first, second = range(count // 2), range(count // 2, count)
     for period in PERIODS:

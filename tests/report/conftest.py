@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +10,6 @@ import pandas as pd
 import pytest
 from scipy.special import expit
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 pytest.importorskip("statsmodels")
 pytest.importorskip("matplotlib")
 

@@ -95,7 +95,7 @@ def _strongest(unit: Unit, what: str, numbers: Sequence[tuple[str, tuple[str, ..
     cases = unit.per_instance
     levels, level = codes([value_of(case, what) for case in cases])
     orders = _orders(np.unique([case.row["block"] for case in cases], return_inverse=True)[1])
-    drawn = np.stack([(level == one)[orders].astype(np.float32) for one in range(len(levels))], axis=-1)
+    drawn = np.stack([(level == one)[orders].astype(np.float32) for one in range(len(levels))], axis=1)
     made = [_surprise(drawn, code) for _, _, code in numbers]  # the first order is the observed one
     smallest = np.min(made, axis=0)
     p = float((smallest <= smallest[0] * (1 + 1e-9)).mean())
@@ -109,9 +109,9 @@ def _strongest(unit: Unit, what: str, numbers: Sequence[tuple[str, tuple[str, ..
 
 
 def _surprise(drawn: NDArray[np.float32], code: Codes) -> NDArray[np.float64]:
-    """Return the chi-square p-value of the table of each permutation (permutations, cases, levels) with a number."""
+    """Return the chi-square p-value of the table of each permutation (permutations, levels, cases) with a number."""
     shown = np.eye(code.max() + 1, dtype=np.float32)[code]
-    tables = np.einsum("pcl,cn->pln", drawn, shown, optimize=True).astype(np.float64)
+    tables = (drawn.reshape(-1, len(code)) @ shown).reshape(*drawn.shape[:2], -1).astype(np.float64)
     rows, columns = tables.sum(-1, keepdims=True), tables.sum(-2, keepdims=True)
     expected = rows * columns / len(code)
     seen = ((tables - expected) ** 2 / np.where(expected, expected, 1.0)).sum((-2, -1))
