@@ -58,12 +58,16 @@ def main() -> None:
     """Generate what is not recorded, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="for datasets")
-    parser.add_argument("--specs", nargs="*", metavar="NAME", help="names of spec files without suffix")
+    parser.add_argument("--specs", nargs="*", metavar="NAME", help="such as perception/vision/color")
     parser.add_argument("--size", type=int, default=256, help="pixels on a side")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--minutes", type=float, default=60.0)
     options = parser.parse_args()
-    paths = {path.stem: path for folder in catalogue_folders() for path in sorted(folder.rglob("*.wms"))}
+    paths = {
+        str(path.relative_to(folder.parent).with_suffix("")): path
+        for folder in catalogue_folders()
+        for path in sorted(folder.rglob("*.wms"))
+    }
     if unknown := set(options.specs or ()) - set(paths):
         sys.exit(f"there is no spec {', '.join(sorted(unknown))}")
     until = time.monotonic() + 60 * options.minutes
@@ -73,7 +77,9 @@ def main() -> None:
             continue
         if time.monotonic() > until:
             break
-        pieces.append(generated(paths[name], options.folder / name, options.size, options.workers))
+        pieces.append(
+            generated(name, paths[name], options.folder / name.replace("/", "-"), options.size, options.workers)
+        )
         pieces.sort(key=lambda piece: list(paths).index(piece.spec))
         RECORD.write_text(json.dumps([asdict(piece) for piece in pieces], indent=1, ensure_ascii=False) + "\n")
         PAGE.write_text(HEAD + page(pieces, len(paths)))
@@ -85,7 +91,7 @@ def recorded() -> list[Piece]:
     return [Piece(**piece) for piece in json.loads(RECORD.read_text())] if RECORD.exists() else []
 
 
-def generated(spec: Path, out: Path, size: int, workers: int) -> Piece:
+def generated(name: str, spec: Path, out: Path, size: int, workers: int) -> Piece:
     """Generate all instances of a spec in three engines, verify the dataset, and delete it."""
     resumed = out.exists()
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -98,7 +104,7 @@ def generated(spec: Path, out: Path, size: int, workers: int) -> Piece:
     for task in tasks:
         reasons.update(task["rejected"])
     piece = Piece(
-        spec.stem,
+        name,
         len(tasks),
         sum(task["instances"] for task in tasks),
         sum(task["rows"].get("questions", 0) for task in tasks),
