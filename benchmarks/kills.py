@@ -288,8 +288,12 @@ def films(home: Path) -> Rounds:
     out = home / "results" / "r.parquet"
     arguments = ["evaluate", str(home / "dataset"), "-m", f"clips:{home / 'clips'}", "-o", str(out)]
 
+    seen: set[str] = set()
+
     def progress() -> set[str]:
-        return {path.name for path in out.parent.glob("*") if path.suffix != ".part"}
+        kept = {path.name for path in out.with_suffix(".clips").glob("*") if path.suffix != ".part"}
+        seen.update(kept)
+        return seen.copy() if out.exists() else kept  # results take the place of what was kept for them
 
     def made() -> object:
         rows = pq.read_table(out).to_pylist()

@@ -18,6 +18,7 @@ from wmspec.cli import main
 from wmspec.dataset.build.films import read_frames
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import encode, encode_mp4
+from wmspec.eval.clips import run as run_module
 from wmspec.eval.clips.bits import count, overlaps, packed
 from wmspec.eval.clips.decide import decide
 from wmspec.eval.clips.measure import measure
@@ -191,6 +192,31 @@ def test_scores_come_again_from_the_measurements(
     assert counts is not None
     assert counts[1] == 0
     assert pq.read_table(output).to_pylist() == before
+
+
+def test_a_run_that_was_cut_off_goes_on(
+    dataset: DatasetReader, questions: list[FilmQuestion], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The second run measures what the first has not, and a clip that changed between them; the results are equal."""
+    place = folder_of(dataset, questions, tmp_path / "clips", lambda question: question.own)
+    changed, whole, output = run_module.by_set(questions)[0], tmp_path / "whole" / "r.parquet", tmp_path / "r.parquet"
+    begun: list[str] = []
+    real = run_module.measure
+    monkeypatch.setattr(run_module, "measure", lambda *given: begun.append("") or real(*given))
+
+    def stop(right: int, count: int) -> None:
+        if count == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        evaluate_clips(ClipRun(dataset, str(place), Selection()), output, stop)
+    begun.clear()
+    shutil.copy(place / f"{questions[-1].file_name}.mp4", place / f"{changed.file_name}.mp4")
+    rows = run(dataset, str(place), output)
+    assert len(begun) == len(questions) - 2
+    assert [path.name for path in tmp_path.iterdir() if path.name.endswith(".clips")] == []
+    whole.parent.mkdir()
+    assert run(dataset, str(place), whole) == rows
 
 
 # ---------------------------------------------------------------- the whole way of a user

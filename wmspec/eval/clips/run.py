@@ -9,7 +9,7 @@ import platform
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,7 @@ from wmspec.dataset.film.distances import object_points, working_size
 from wmspec.eval.clips import results as clip_results
 from wmspec.eval.clips import sources, strips
 from wmspec.eval.clips.decide import track_error
+from wmspec.eval.clips.kept import KeptMeasurements
 from wmspec.eval.clips.measure import Measurement, align, measure
 from wmspec.eval.clips.normalise import Begins
 from wmspec.eval.clips.packages import opencv
@@ -84,23 +85,27 @@ class ClipResult:
 def evaluate_clips(run: ClipRun, output: Path, progress: Progress) -> ClipResult:
     """Score every clip and write results and measurements. A clip that cannot be read costs its own row alone.
 
+    A run that was cut off goes on with the same command: clips that it has measured are not measured again.
     Raises WmsError if the dataset has no films, if there are no clips, or if results cannot be written.
     """
     results.check_free(output)
     opencv()
     questions = selected(run.dataset, run.selection)
     rows, measured = list[Row](), dict[tuple[str, int], Measurement]()
+    kept = KeptMeasurements(output, run.dataset)
     with _source(run, questions) as source:
         prompt, prompt_hash = _prompts(run)
         model_version = source.version
         references = lru_cache(OPEN_SETS)(_References(run.dataset).of)
-        for question in _by_set(questions):
+        for question in by_set(questions):
             for sample in source.samples(question):
                 row = clip_results.common(question, sample, run.name, model_version, prompt, prompt_hash)
                 try:
                     reference, floors = references(_SetKey(question))
-                    clip, begins = source.clip(question, sample, reference)
-                    one = measure(clip, reference, question.own, begins)
+                    digest = source.digest(question, sample)
+                    about = question.id, sample, run.begins, digest
+                    fresh = partial(_measured, source, question, sample, reference)
+                    one = kept.get(about, fresh) if digest else fresh()
                 except BadClip as reason:
                     rows.append(clip_results.failed(row, str(reason)))
                 else:
@@ -113,8 +118,14 @@ def evaluate_clips(run: ClipRun, output: Path, progress: Progress) -> ClipResult
     rows.sort(key=lambda row: (order[row["id"]], row["sample"]))
     clip_results.write_tracks(output, measured)
     results.write(output, rows, _about(run, rows, model_version, prompt_hash), clip_results.SCHEMA)
+    kept.clear()
     error = next((row["error"] for row in rows if row["status"] == "error"), "")
     return ClipResult(results.counts(rows), error, unknown)
+
+
+def _measured(source: sources.Source, question: FilmQuestion, sample: int, reference: Reference) -> Measurement:
+    clip, begins = source.clip(question, sample, reference)
+    return measure(clip, reference, question.own, begins)
 
 
 @contextmanager
@@ -130,7 +141,7 @@ def _source(run: ClipRun, questions: list[FilmQuestion]) -> Iterator[sources.Sou
         yield source
 
 
-def _by_set(questions: list[FilmQuestion]) -> list[FilmQuestion]:
+def by_set(questions: list[FilmQuestion]) -> list[FilmQuestion]:
     """Return the questions ordered by closed set, so that its films are decoded once."""
     return sorted(questions, key=lambda q: (q.task, q.block, q.engine, sorted(q.films), q.index))
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -13,13 +15,13 @@ import numpy as np
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import is_within, read_bytes
+from wmspec.core.safe_io import is_within, read_bytes, regular_file
 from wmspec.dataset.build.films import read_frames
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import Frames
 from wmspec.eval.clips.normalise import Begins
 from wmspec.eval.clips.questions import FilmQuestion
-from wmspec.eval.clips.read import BadClip, Clip, ClipReader
+from wmspec.eval.clips.read import MAX_BYTES, BadClip, Clip, ClipReader
 from wmspec.eval.clips.reference import Reference
 
 #: Suffixes of clips, in the order in which they are searched.
@@ -38,6 +40,9 @@ class Source(Protocol):
 
     def samples(self, question: FilmQuestion) -> list[int]:
         """Return the numbers of the samples of a question."""
+
+    def digest(self, question: FilmQuestion, sample: int) -> str:
+        """Return a digest of the content of a clip; empty for one that cannot be read."""
 
     def clip(self, question: FilmQuestion, sample: int, reference: Reference) -> tuple[Clip, Begins | None]:
         """Return a clip, and what it begins with, if that is known. Raises BadClip."""
@@ -63,9 +68,18 @@ class ClipFolder:
         numbers = sorted({int(match[1]) for match in numbered if match and int(match[1]) < _MOST_SAMPLES})
         return [0] if self._plain(question) or not numbers else numbers
 
+    def digest(self, question: FilmQuestion, sample: int) -> str:
+        """Return the SHA-256 of the file of a clip; empty for one that is no file of the folder."""
+        name = self._name(question, sample)
+        path = self.folder / name
+        with suppress(OSError):
+            if inside(self.folder, name) and regular_file(path).stat().st_size <= MAX_BYTES:
+                return hashlib.sha256(path.read_bytes()).hexdigest()
+        return ""
+
     def clip(self, question: FilmQuestion, sample: int, reference: Reference) -> tuple[Clip, Begins | None]:
         """Return a clip. Raises BadClip if there is none, or if it cannot be read."""
-        name = self._plain(question) or self._numbered(question, sample)
+        name = self._name(question, sample)
         if not name:
             raise BadClip("there is no clip of this question")
         seconds = (reference.films[0].context + reference.count) / reference.rate + 1.0
@@ -81,6 +95,9 @@ class ClipFolder:
     @property
     def _names(self) -> list[str]:
         return sorted(path.name for path in self.folder.iterdir())
+
+    def _name(self, question: FilmQuestion, sample: int) -> str:
+        return self._plain(question) or self._numbered(question, sample)
 
     def _plain(self, question: FilmQuestion) -> str:
         return self._existing(question.file_name)
@@ -126,6 +143,10 @@ class Baseline:
     def samples(self, question: FilmQuestion) -> list[int]:  # noqa: ARG002
         """Return the only sample."""
         return [0]
+
+    def digest(self, question: FilmQuestion, sample: int) -> str:  # noqa: ARG002
+        """Return the name and version of the baseline, which computes the clip from the dataset."""
+        return f"{self.name} {self.version}"
 
     def clip(self, question: FilmQuestion, sample: int, reference: Reference) -> tuple[Clip, Begins | None]:  # noqa: ARG002
         """Return the clip of a baseline, which begins after the last picture. Raises BadClip if it has none."""
