@@ -4,7 +4,7 @@
 
 Every spec is generated into FOLDER with all of its instances, verified, recorded in `catalogue.json` beside this file,
 and deleted. Specs that are recorded are not repeated, and a run that was cut off resumes with the same command. No spec
-is begun after the given number of minutes. The page docs/benchmarks/catalogue.md is written anew after each spec.
+is begun after the given number of minutes. The page docs/benchmarks/catalogue.md is rewritten after each spec.
 """
 
 from __future__ import annotations

@@ -201,8 +201,7 @@ def test_a_run_that_was_cut_off_goes_on(
     place = folder_of(dataset, questions, tmp_path / "clips", lambda question: question.own)
     changed, whole, output = run_module.by_set(questions)[0], tmp_path / "whole" / "r.parquet", tmp_path / "r.parquet"
     begun: list[str] = []
-    real = run_module.measure
-    monkeypatch.setattr(run_module, "measure", lambda *given: begun.append("") or real(*given))
+    monkeypatch.setattr(run_module, "measure", lambda *given: begun.append("") or measure(*given))
 
     def stop(right: int, count: int) -> None:
         if count == 3:
