@@ -42,7 +42,7 @@ inspect: build/inspect/bin/inspect
 
 build/inspect/bin/inspect: | setup
 	$(BIN)/python -m venv build/inspect
-	build/inspect/bin/pip install --quiet inspect-ai openai pyarrow
+	build/inspect/bin/pip install --quiet inspect-ai openai mistralai pyarrow
 
 lmms-eval: build/lmms-eval/bin/python
 

@@ -21,13 +21,16 @@ Response = tuple[int, dict[str, Any] | bytes]
 
 @dataclass(frozen=True)
 class Manner:
-    """A manner: the response to the request with a body at a try (from 1), for a model that takes the label."""
+    """A manner: the response to the request with a body at a try (from 1), for a model that takes the label.
+
+    `in_inspect` is the provider of Inspect that reads it, with options.
+    """
 
     respond: Callable[[str, dict[str, Any], int], Response]
     outcome: str = "answered"
     cause: str = ""
     note: str = ""
-    in_inspect: bool = True
+    in_inspect: tuple[str, ...] = ("openai-api/loopback",)
 
 
 def chat(content: Any, finish: str = "stop", **message: Any) -> Response:
@@ -86,6 +89,9 @@ EMPTY = "the reply is empty"
 CUT = "cut off by the limit of tokens"
 FILTERED = "withheld by a filter (content_filter)"
 
+MISTRAL = ("mistral", "-M", "conversation_api=false")
+NO_DEFAULTS = ("openai-api/loopback", "-T", "defaults=false")
+
 MANNERS: dict[str, Manner] = {
     # right, in several forms
     "right": text("{x}"),
@@ -104,14 +110,14 @@ MANNERS: dict[str, Manner] = {
     "reasoning field": Manner(lambda label, *_: chat(label, reasoning_content="The answer is A. No, B. No, A.")),
     "parts": Manner(
         lambda label, *_: chat([{"type": "text", "text": "The answer:"}, {"type": "text", "text": label}]),
-        in_inspect=False,
+        in_inspect=MISTRAL,
     ),
     "thinking parts": Manner(
         lambda label, *_: chat([
             {"type": "thinking", "thinking": [{"type": "text", "text": "A or B"}]},
             {"type": "text", "text": label},
         ]),
-        in_inspect=False,
+        in_inspect=MISTRAL,
     ),
     "Chinese": text("球继续滚动，{y}不对，因此答案是{x}。"),
     "Japanese": text("{y}は間違いです。したがって、答えは{x}です。"),
@@ -123,7 +129,7 @@ MANNERS: dict[str, Manner] = {
     "busy at first": at_last(error(429, "slow down"), error(429, "slow down")),
     "broken at first": at_last(error(500, "broken")),
     "dropped at first": at_last((0, b"")),
-    "new names": Manner(_rejects_old_names, note="max_completion_tokens=16384", in_inspect=False),
+    "new names": Manner(_rejects_old_names, note="max_completion_tokens=16384", in_inspect=NO_DEFAULTS),
     # without an answer
     "two labels": text("{x}, {y}", outcome="unparsed", cause=UNREAD),
     "either": text("It could be {x} or {y}.", outcome="unparsed", cause=UNREAD),
@@ -146,30 +152,29 @@ MANNERS: dict[str, Manner] = {
     "filtered": Manner(lambda label, *_: chat(label, "content_filter"), outcome="refused", cause=FILTERED),
     "refusal field": always(
         chat(None, refusal="I can't help with that."), outcome="refused", cause="withheld by a filter (refusal)",
-        in_inspect=False,
     ),
     "filter status": always(
         error(400, "The response was filtered due to the content management policy.", "content_filter"),
         outcome="refused", cause=FILTERED,
     ),
     "moderation": always(
-        error(403, "Your input was flagged by moderation."), outcome="refused", cause=FILTERED, in_inspect=False
+        error(403, "Your input was flagged by moderation."), outcome="refused", cause=FILTERED
     ),
     "broken": always(
-        error(500, "broken"), outcome="error", cause="InternalServerError: Error code: 500", in_inspect=False
+        error(500, "broken"), outcome="error", cause="InternalServerError: Error code: 500"
     ),
-    "busy": always(error(429, "slow down"), outcome="error", cause="RateLimitError: Error code: 429", in_inspect=False),
-    "dropped": always((0, b""), outcome="error", cause="APIConnectionError: Connection error", in_inspect=False),
+    "busy": always(error(429, "slow down"), outcome="error", cause="RateLimitError: Error code: 429"),
+    "dropped": always((0, b""), outcome="error", cause="APIConnectionError: Connection error"),
     "bad request": always(error(400, "too many images"), outcome="error", cause="BadRequestError: Error code: 400"),
     "garbage": always(
         (200, b"<html>welcome</html>"), outcome="error",
-        cause="not a chat completion: Expecting value: line 1 column 1", in_inspect=False,
+        cause="not a chat completion: Expecting value: line 1 column 1",
     ),
     "no choices": always(
         (200, {"id": "c", "object": "chat.completion", "created": 1, "model": "m", "choices": []}),
-        outcome="error", cause="the response has no choices", in_inspect=False,
+        outcome="error", cause="the response has no choices",
     ),
-    "slow": Manner(_slow, outcome="error", cause="APITimeoutError: Request timed out", in_inspect=False),
+    "slow": Manner(_slow, outcome="error", cause="APITimeoutError: Request timed out"),
 }  # fmt: skip
 
 

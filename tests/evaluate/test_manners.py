@@ -7,19 +7,21 @@ import os
 import subprocess
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
 
 from tests.evaluate.made import in_words
-from tests.evaluate.manners import MANNERS, first_words, server
+from tests.evaluate.manners import MANNERS, Response, always, chat, error, first_words, server
 from tests.evaluate.test_export import INSPECT
 from wmspec.cli import main
 
 pytest.importorskip("openai")
 
 Row = dict[str, Any]
+KEY = "sk-Key/With+odd=Signs-0123456789"
 
 
 @pytest.fixture(scope="module")
@@ -106,10 +108,8 @@ def test_reasoning_and_its_tokens_are_kept(dataset: Path, tmp_path: Path) -> Non
 
 
 def test_a_quota_that_is_used_up_ends_the_run(dataset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from tests.evaluate import manners
-
-    spent = manners.always(manners.error(429, "You exceeded your current quota.", "insufficient_quota"))
-    monkeypatch.setitem(manners.MANNERS, "quota", spent)
+    spent = always(error(429, "You exceeded your current quota.", "insufficient_quota"))
+    monkeypatch.setitem(MANNERS, "quota", spent)
     with server(first_words) as running:
         args = (
             "-m",
@@ -125,6 +125,41 @@ def test_a_quota_that_is_used_up_ends_the_run(dataset: Path, tmp_path: Path, mon
     assert done.exit_code == 2
     assert "the quota is used up" in done.output
     assert "sk-secret" not in done.output
+
+
+@pytest.mark.parametrize(
+    "response",
+    [
+        chat("A", KEY),
+        chat("A", reasoning_content=f"{KEY} {KEY}"),
+        chat([{"type": "text", "text": f"A {KEY}"}]),
+        chat(None, refusal="x" * 1990 + KEY),
+        error(500, "x" * 1960 + KEY),
+        error(400, json.dumps(KEY).replace("/", "\\/")),
+        error(400, quote(KEY, safe=""), "content_filter"),
+        (200, json.dumps(KEY).encode()),
+    ],
+)
+def test_no_part_of_an_echoed_key_is_written(
+    response: Response, dataset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(MANNERS, "echo", always(response))
+    with server(first_words) as running:
+        args = ["-m", "openai:echo", "--base-url", running.address, "-o", tmp_path / "r.parquet", "--limit", 1]
+        args += ["--cache", tmp_path / "cache", "--retries", 0]
+        done = CliRunner().invoke(main, ["evaluate", str(dataset), *map(str, args)], env={"OPENAI_API_KEY": KEY})
+    written = [path.read_bytes() for path in tmp_path.iterdir()] + [done.output.encode()]
+    written.append(repr(pq.read_table(tmp_path / "r.parquet").to_pylist()).encode())
+    assert not [content for content in written if KEY[:12].encode() in content]
+
+
+def test_a_placeholder_is_no_key(dataset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Local servers need no key, and `none` is a word of replies."""
+    monkeypatch.setitem(MANNERS, "none", always(chat("none of the others, so A")))
+    with server(first_words) as running:
+        args = ("-m", "openai:none", "--base-url", running.address, "-o", tmp_path / "r.parquet", "--limit", 1)
+        CliRunner().invoke(main, ["evaluate", str(dataset), *map(str, args)], env={"OPENAI_API_KEY": "none"})
+    assert pq.read_table(tmp_path / "r.parquet")["text"].to_pylist() == ["none of the others, so A"]
 
 
 def test_a_parameter_that_the_user_chose_is_not_left_out(dataset: Path, tmp_path: Path) -> None:
@@ -144,14 +179,18 @@ def test_one_request_learns_for_all(dataset: Path, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not INSPECT.exists(), reason="Inspect has an environment of its own: make inspect")
-def test_inspect_has_the_same_outcomes(dataset: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("way", sorted({manner.in_inspect for manner in MANNERS.values()}), ids=" ".join)
+def test_inspect_has_the_same_outcomes(way: tuple[str, ...], dataset: Path, tmp_path: Path) -> None:
     run("export", dataset, "--to", "inspect", "-o", tmp_path / "x")
-    names = [name for name, manner in MANNERS.items() if manner.in_inspect]
-    models = {f"openai-api/loopback/{name.replace(' ', '_')}": name for name in names}
+    provider, *options = way
+    names = [name for name, manner in MANNERS.items() if manner.in_inspect == way]
+    models = {f"{provider}/{name.replace(' ', '_')}": name for name in names}
     with server(first_words) as running:
         env = {"LOOPBACK_BASE_URL": running.address, "LOOPBACK_API_KEY": "none", "PATH": os.environ["PATH"]}
-        command = [INSPECT, "eval", "wmspec_task.py", "--model", ",".join(models), "--max-tasks", "8"]
-        command += ["--display", "none", "--log-format", "json", "--no-log-realtime", "--max-retries", "3"]
+        env |= {"MISTRAL_BASE_URL": running.address.removesuffix("/v1"), "MISTRAL_API_KEY": "none"}
+        command = [INSPECT, "eval", "wmspec_task.py", "--model", ",".join(models), "--max-tasks", "8", *options]
+        command += ["--display", "none", "--log-format", "json", "--no-log-realtime"]
+        command += ["--max-retries", "3", "--timeout", "30", "--attempt-timeout", "2"]
         subprocess.run([*map(str, command)], cwd=tmp_path / "x", env=env | {"HOME": str(tmp_path)}, check=True)
     logs = [json.loads(log.read_text()) for log in (tmp_path / "x/logs").glob("*.json")]
     samples = {models[log["eval"]["model"]]: log["samples"] for log in logs}

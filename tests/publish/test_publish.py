@@ -16,7 +16,7 @@ from click.testing import CliRunner, Result
 
 from tests.browser import barriers, opened
 from tests.evaluate.made import in_numbers, in_pictures, in_words
-from tests.evaluate.manners import first_words, server
+from tests.evaluate.manners import MANNERS, first_words, server
 from wmspec.cli import main
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.models.question import Question, questions
@@ -180,6 +180,8 @@ def test_a_forged_or_edited_receipt_is_refused(holder: Holder, tmp_path: Path) -
         right | {"date": "2027-01-01"},
         right | {"signature": "0" * 64},
         right | {"signature": None},
+        right | {"signature": "é" * 64},
+        right | {"notes": json.loads("[" * 900 + "]" * 900)},
         right | {"extra": 1},
         {name: value for name, value in right.items() if name != "notes"},
         right | {"scores": {kind: {"average": float("nan")}}},
@@ -196,6 +198,43 @@ def test_a_forged_or_edited_receipt_is_refused(holder: Holder, tmp_path: Path) -
     assert not (tmp_path / "no").exists()
 
 
+def test_other_files_of_a_signed_receipt_are_harmless(holder: Holder, tmp_path: Path) -> None:
+    """The page holds what was signed, once, whatever else a file says or how it is written."""
+    receipts = tmp_path / "receipts"
+    receipts.mkdir()
+    text = holder.score(holder.submission("perfect")).read_text()
+    signed = json.loads(text)
+    (receipts / "a.json").write_text(text.replace('"model": ', '"model": "somebody else", "model": ', 1))
+    (receipts / "b.json").write_text(json.dumps(signed, sort_keys=True, separators=(",", ":")))
+    wmspec("leaderboard", receipts, "--secret", holder.secret, "-o", tmp_path / "site")
+    assert [path.name for path in (tmp_path / "site/receipts").iterdir()] == ["a.json"]
+    assert "somebody else" not in (tmp_path / "site/receipts/a.json").read_text()
+    assert json.loads((tmp_path / "site/receipts/a.json").read_text()) == signed
+    (scores,) = signed["scores"].values()
+    assert type(scores["average"]["value"]) is int, "JavaScript writes 1.0 as 1, which has another signature"
+
+
+@pytest.mark.parametrize("change", ["separators", "mark", "lines"])
+def test_a_submission_may_come_from_any_writer_of_json(change: str, holder: Holder, tmp_path: Path) -> None:
+    about, *lines = map(json.loads, holder.submission("any").read_text().splitlines())
+    lines[0]["reply"] += "\u2028\x85"
+    text = "\n".join(json.dumps(line, ensure_ascii=False) for line in (about, *lines))
+    text = {"separators": text, "mark": "\ufeff" + text, "lines": text.replace("\n", "\r\n") + "\r\n"}[change]
+    (tmp_path / "s.jsonl").write_bytes(text.encode())
+    assert "24 of 24 replies" in wmspec("submit", holder.public, tmp_path / "s.jsonl").output
+
+
+@pytest.mark.parametrize("name", ["parts", "refusal field", "filter status", "moderation", "bad request", "cut"])
+def test_the_script_of_the_folder_has_the_outcomes_of_evaluate(name: str, holder: Holder, tmp_path: Path) -> None:
+    pytest.importorskip("openai")
+    out = tmp_path / "submission.jsonl"
+    with server(first_words) as running:
+        command = [sys.executable, str(holder.public / "answer.py"), "--model", name.replace(" ", "_")]
+        command += ["--output", str(out), "--base-url", running.address]
+        subprocess.run(command, check=True, env={"OPENAI_API_KEY": "none", "PATH": os.environ["PATH"]})
+    assert f"24 {MANNERS[name].outcome}" in wmspec("submit", holder.public, out).output
+
+
 def test_the_script_of_the_folder_answers_a_server_and_resumes(holder: Holder, tmp_path: Path) -> None:
     pytest.importorskip("openai")
     out = tmp_path / "submission.jsonl"
@@ -205,7 +244,7 @@ def test_the_script_of_the_folder_answers_a_server_and_resumes(holder: Holder, t
         env = {"OPENAI_API_KEY": "none", "PATH": os.environ["PATH"]}
         subprocess.run(command, check=True, env=env)
         whole = out.read_text()
-        out.write_text("".join(whole.splitlines(keepends=True)[:10]))
+        out.write_text("".join(whole.splitlines(keepends=True)[:10]) + '{"id": "race/')
         sent = sum(running.tries.values())
         subprocess.run(command, check=True, env=env)
         assert sum(running.tries.values()) == sent + 24 - 9

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from wmspec.eval.models.model import Reply, storable
@@ -12,8 +12,8 @@ _REASONING_PARTS = frozenset({"thinking", "reasoning", "redacted_thinking", "rea
 _REASONING_FIELDS = ("reasoning_content", "reasoning", "thinking")
 
 
-def read_response(done: Any) -> Reply:
-    """Return the reply in a response, without tokens and cost.
+def read_response(done: Any, hide: Callable[[str], str]) -> Reply:
+    """Return the reply in a response, without tokens and cost; `hide` removes secrets from a text.
 
     Raises ValueError, TypeError, LookupError or AttributeError if it is no chat completion.
     """
@@ -26,12 +26,16 @@ def read_response(done: Any) -> Reply:
     refusal = getattr(chosen.message, "refusal", None)
     finish = chosen.finish_reason if isinstance(chosen.finish_reason, str) else None
     version = "/".join(str(part) for part in (done.model, getattr(done, "system_fingerprint", None)) if part)
+
+    def safe(words: str, length: int | None = None) -> str:
+        return storable(hide(words))[:length]  # shortened last, so that no part of a secret stays
+
     return Reply(
-        text=storable(text),
-        finish="refusal" if refusal else finish and storable(finish)[:40],
-        reasoning=storable(reasoning) or None,
-        error=storable(str(refusal))[:2000] if refusal else None,
-        model_version=storable(version)[:200] or None,
+        text=safe(text),
+        finish="refusal" if refusal else finish and safe(finish, 40),
+        reasoning=safe(reasoning) or None,
+        error=safe(str(refusal), 2000) if refusal else None,
+        model_version=safe(version, 200) or None,
     )
 
 

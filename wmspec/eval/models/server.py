@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import base64
+import json
 import os
 import re
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
-from urllib.parse import urlsplit
+from urllib.parse import quote, urlsplit
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.eval.models.adapt import Parameters
@@ -18,18 +19,14 @@ from wmspec.eval.models.message import read_response
 from wmspec.eval.models.model import FatalModelError, Reply, storable
 from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
 from wmspec.eval.models.structured import response_format
+from wmspec.eval.replies import is_withheld
 
 #: Environment variables with the key of a server, and with the server if none is named.
 KEY_VARIABLE, ADDRESS_VARIABLE = "OPENAI_API_KEY", "OPENAI_BASE_URL"
 _OPENAI = "https://api.openai.com/v1"
-#: Fields of a reply, other than its text, in which a server may echo the key.
-_ECHOED = ("reasoning", "error", "model_version")
-#: Status codes of requests that a filter stops, words of its message, and words for a quota that is used up.
-_FILTER_STATUS = frozenset({400, 403, 422, 451})
-_FILTERED = re.compile(
-    r"(?i)content[_ -]?(?:filter|policy|management)|responsible[ _]?ai|safety (?:system|filter|polic)|moderation"
-    r"|flagged|prohibited[_ ]content|sensitive content|data_inspection_failed"
-)
+#: Minimum length of a key that is hidden; shorter ones, such as "none", are placeholders, and words of replies.
+MIN_KEY_LENGTH = 8
+#: Words for a quota that is used up.
 _EXHAUSTED = re.compile(
     r"(?i)insufficient_quota|exceeded your current quota|insufficient (?:balance|credits?)|credit balance"
 )
@@ -124,18 +121,14 @@ class ServerModel:
         except openai.OpenAIError as error:
             return self._failure(error)
         except (ValueError, TypeError, LookupError, AttributeError) as error:
-            return Reply(error=self._hidden(f"not a chat completion: {error}"))
+            return Reply(error=storable(self._hidden(f"not a chat completion: {error}"))[:2000])
 
     def _failure(self, error: Any) -> Reply:
         """Return the reply for an error. Raises FatalModelError if every request will end like this one."""
         import openai
 
-        message = self._hidden(_cause(error))
-        if (
-            isinstance(error, openai.APIStatusError)
-            and error.status_code in _FILTER_STATUS
-            and _FILTERED.search(message)
-        ):
+        message = storable(self._hidden(_cause(error)))[:2000]
+        if isinstance(error, openai.APIStatusError) and is_withheld(error.status_code, message):
             return Reply(finish="content_filter", error=message)
         if isinstance(error, (openai.AuthenticationError, openai.PermissionDeniedError, openai.NotFoundError)):
             raise FatalModelError(f"{self._server.address} refuses `{self._name}`: {message}")
@@ -145,9 +138,7 @@ class ServerModel:
 
     def _read(self, done: Any) -> Reply:
         """Return the reply in a response. Raises ValueError and others if it is no chat completion."""
-        reply = read_response(done)
-        hidden: dict[str, Any] = {name: self._hidden(getattr(reply, name) or "") or None for name in _ECHOED}
-        return replace(reply, text=self._hidden(reply.text), **hidden, **self._usage(done.usage))
+        return replace(read_response(done, self._hidden), **self._usage(done.usage))
 
     def _usage(self, usage: Any) -> dict[str, Any]:
         if usage is None:
@@ -165,8 +156,13 @@ class ServerModel:
         }
 
     def _hidden(self, text: str) -> str:
-        """Return a text with the key removed, in case a server echoes it."""
-        return text.replace(self._key, "[key]") if self._key else text
+        """Return a text without the key, in case a server echoes it, as it is or escaped."""
+        if len(self._key) < MIN_KEY_LENGTH:
+            return text
+        forms = {self._key, json.dumps(self._key)[1:-1], self._key.replace("/", "\\/"), quote(self._key, safe="")}
+        for form in sorted(forms, key=len, reverse=True):
+            text = text.replace(form, "[key]")
+        return text
 
 
 def _count(value: Any) -> int | None:
@@ -177,7 +173,7 @@ def _cause(error: BaseException) -> str:
     message = f"{type(error).__name__}: {error}"
     if error.__cause__ is not None and str(error.__cause__) not in message:
         message += f" ({error.__cause__})"
-    return storable(message)[:2000]
+    return message
 
 
 def _client(openai: Any) -> Any:

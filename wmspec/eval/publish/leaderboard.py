@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import make_folders, read_bytes
-from wmspec.dataset.build.files import with_remedies
+from wmspec.core.safe_io import make_folders
+from wmspec.dataset.build.files import pretty_json, with_remedies
 from wmspec.dataset.build.webpage import webpage
 from wmspec.eval.publish import receipt
 from wmspec.eval.publish.secret import Secret
@@ -20,7 +20,13 @@ def leaderboard(folder: Path, secret: Secret, title: str, output: Path) -> Path:
 
     Raises WmsError if there are no receipts, or one is forged, edited or of other questions.
     """
-    found = {path: receipt.read(path, secret) for path in sorted(folder.glob("*.json"))}
+    found: dict[Path, Receipt] = {}
+    known: set[str] = set()
+    for path in sorted(folder.glob("*.json")):
+        content = receipt.read(path, secret)
+        if content["signature"] not in known:  # a copy is no second entry
+            known.add(content["signature"])
+            found[path] = content
     if not found:
         raise WmsError(f"{folder} holds no receipts; `wmspec score` writes them as .json files")
     digests = {content["questions"] for content in found.values()}
@@ -29,8 +35,9 @@ def leaderboard(folder: Path, secret: Secret, title: str, output: Path) -> Path:
     page = output / "index.html"
     with with_remedies(output):
         make_folders(output / "receipts")
-        for path in found:
-            (output / "receipts" / path.name).write_bytes(read_bytes(path))
+        for path, content in found.items():
+            # A file may hold more than what was signed, such as a key twice.
+            (output / "receipts" / path.name).write_bytes(pretty_json(content))
         page.write_text(_page(found, title), encoding="utf-8")
     return page
 

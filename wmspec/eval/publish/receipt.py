@@ -113,11 +113,18 @@ def _number(estimate: Estimate) -> dict[str, Any]:
 
 
 def _finite(value: float) -> float | None:
-    return None if math.isnan(value) else round(value, 6)
+    """Return a number for a receipt. A whole number is an int, since other JSON writers turn 1.0 into 1."""
+    if math.isnan(value):
+        return None
+    rounded = round(value, 6)
+    return int(rounded) if rounded.is_integer() else rounded
 
 
 def read(path: Path, secret: Secret) -> dict[str, Any]:
-    """Read a receipt. Raises WmsError if it is none, or if it was not signed with this secret or was edited since."""
+    """Read a receipt, with its signature.
+
+    Raises WmsError if it is none, or if it was not signed with this secret or was edited since.
+    """
     try:
         content: Any = json.loads(read_bytes(path))
         signature = content.pop("signature")
@@ -126,11 +133,11 @@ def read(path: Path, secret: Secret) -> dict[str, Any]:
         raise WmsError("this is no receipt", FilePlace(str(path)), "`wmspec score` writes receipts") from None
     try:
         signed = secret.is_signed(content, signature)
-    except ValueError:
+    except (ValueError, RecursionError):
         signed = False
     if not signed or not known:
         raise WmsError(
             "the receipt is forged, or was edited", FilePlace(str(path)), "score the submission again, with its secret"
         )
-    found: dict[str, Any] = content
+    found: dict[str, Any] = content | {"signature": signature}
     return found

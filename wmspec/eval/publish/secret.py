@@ -59,7 +59,8 @@ class Secret:
 
     def is_signed(self, content: dict[str, Any], signature: object) -> bool:
         """Whether the signature is that of the object."""
-        return isinstance(signature, str) and hmac.compare_digest(self.sign(content), signature)
+        given = signature.encode(errors="replace") if isinstance(signature, str) else b""
+        return hmac.compare_digest(self.sign(content).encode(), given)
 
     def _digest(self, purpose: bytes, message: bytes) -> str:
         return hmac.new(self._key, purpose + b"\0" + message, hashlib.sha256).hexdigest()

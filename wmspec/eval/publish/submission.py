@@ -75,12 +75,13 @@ def read(path: Path, published: Published | None = None) -> Submission:
         if regular_file(path).stat().st_size > MAX_BYTES:
             raise WmsError(f"more than {MAX_BYTES >> 20:,} MiB", FilePlace(str(path)), "a reply needs no pictures")
         content = read_bytes(path)
-        lines = content.decode("utf-8").splitlines()
+        # JSON may hold other line separators, such as U+2028, at which `splitlines` would break a line.
+        lines = content.decode("utf-8-sig").split("\n")
     except OSError as error:
         raise WmsError(f"cannot be read: {error.strerror}", FilePlace(str(path))) from None
     except UnicodeDecodeError:
         raise WmsError("this is not UTF-8", FilePlace(str(path)), "write JSON lines in UTF-8") from None
-    if not lines:
+    if not content.strip():
         raise WmsError("the file is empty", FilePlace(str(path)), "its first line is about the model")
     about = _parse(About, lines[0], path, 1)
     if published is not None and about.questions != published.digest:

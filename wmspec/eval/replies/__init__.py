@@ -4,13 +4,13 @@ Exports contain a copy of this folder, so modules import each other relatively a
 """
 
 from .choice import choice
-from .mark import FINISHED_BY_FILTER, FINISHED_BY_LENGTH, Mark, Outcome, mark
+from .mark import FINISHED_BY_FILTER, FINISHED_BY_LENGTH, Mark, Outcome, is_withheld, mark
 from .normalize import MAX_REPLY_LENGTH
 from .numbers import is_near, number_in
 from .shown import LETTERS, ORDINALS
 
 #: Version of these rules, recorded with every result.
-PARSER_VERSION = 2
+PARSER_VERSION = 3
 
 __all__ = [
     "FINISHED_BY_FILTER",
@@ -23,6 +23,7 @@ __all__ = [
     "Outcome",
     "choice",
     "is_near",
+    "is_withheld",
     "mark",
     "number_in",
 ]

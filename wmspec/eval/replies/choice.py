@@ -25,6 +25,8 @@ _LIST = re.compile(
     rf"{MARK}(?:\s*(?:,?\s*(?:and|or|nor|und|oder|noch|et|ou|ni|y|o|e|u)\s+(?:also\s+)?|[,、/&+|]\s*(?:and\s|or\s)?"
     rf"|[和与或及とや]|か、?)\s*{MARK})*"
 )
+#: "A–C", of which the ends stand for all.
+_RANGE = re.compile(rf"({MARK})[–—-](?={MARK})")
 _SENTENCE_END = re.compile(r"(?<=[.!?;])\s+|(?<=[。!?;])|(?<=が)、|\n+|(?<=⟧)\s*;\s*")
 #: Inside a sentence, a conclusion begins a clause of its own.
 _CLAUSE = re.compile(
@@ -60,7 +62,7 @@ _RETRACT = re.compile(rf"(?i){languages.RETRACT}")
 _NOUNS = rf"(?:(?:the|final|so|{languages.LABEL_NOUNS})[\s:]*)*"
 _HEDGE = re.compile(rf"(?i)(?:{languages.HEDGE})\s*{_NOUNS}$")
 _VERDICT = re.compile(
-    rf"(?i)[\s(\-•]*{_NOUNS}({MARK})[^⟦⟨]*?\W(?:(?P<no>incorrect|wrong|no|false|not correct|✗|❌|falsch|faux"
+    rf"(?i)[\s(\-•|]*{_NOUNS}({MARK})[^⟦⟨]*?\W(?:(?P<no>incorrect|wrong|no|false|not correct|✗|❌|falsch|faux"
     rf"|incorrecta?)"
     r"|(?P<yes>correct|right|yes|true|✓|✅|richtig|correcte?|correcta))\W*"
 )
@@ -102,7 +104,7 @@ def choice(text: str, options: Sequence[str | None], labels: str = "letters", wh
     same = {place for place, words in enumerate(shown.words) if words and words == plain(reply)}
     if len(same) == 1 and not (shown.numbered and plain(reply).isdecimal()):
         return same.pop()
-    marked = shown.mark(reply)
+    marked = _RANGE.sub(r"\1, ", shown.mark(reply))
     sentences = [part.strip() for part in _SENTENCE_END.split(marked) if part and part.strip()]
     if not whole:
         return _leading(sentences, shown)

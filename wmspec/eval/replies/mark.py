@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -17,6 +18,13 @@ Outcome = Literal["answered", "unparsed", "truncated", "refused", "error"]
 FINISHED_BY_LENGTH = frozenset({"length", "max_tokens", "model_length", "max_output_tokens", "MAX_TOKENS"})
 FINISHED_BY_FILTER = frozenset({"content_filter", "safety", "SAFETY", "refusal", "RECITATION", "PROHIBITED_CONTENT"})
 
+#: Status codes of requests that a filter stops, and words of its messages.
+_FILTER_STATUS = frozenset({400, 403, 422, 451})
+_FILTERED = re.compile(
+    r"(?i)content[_ -]?(?:filter|policy|management)|responsible[ _]?ai|safety (?:system|filter|polic)|moderation"
+    r"|flagged|prohibited[_ ]content|sensitive content|data_inspection_failed"
+)
+
 
 @dataclass(frozen=True)
 class Mark:
@@ -31,6 +39,11 @@ class Mark:
     def parsed(self) -> bool:
         """Whether an answer was read."""
         return self.outcome == "answered"
+
+
+def is_withheld(status: int | None, message: str) -> bool:
+    """Whether an error of a server, with its HTTP status and message, says that a filter withheld the reply."""
+    return status in _FILTER_STATUS and _FILTERED.search(message) is not None
 
 
 def mark(

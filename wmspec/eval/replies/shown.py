@@ -22,7 +22,7 @@ _FREE_BEFORE, _FREE_AFTER = r"(?<![A-Za-zÀ-ɏ0-9_&.'/+\-])", r"(?![A-Za-zÀ-ɏ0
 #: Words after a capital A that make it a label and not an article or a preposition.
 _AFTER_A = (
     r"is|was|because|since|as|or|and|nor|but|matches|fits|shows|depicts|seems|looks|must|cannot|can't|does|doesn't|"
-    r"isn't|would|wouldn't|could|might|correct|wrong|remains|has|appears|agrees|oder|und|ist|zeigt|passt|wäre|weil|"
+    r"isn't|would|wouldn't|could|might|correct|wrong|remains|has|appears|agrees|oder|und|ist|zeigt|passt|wäre|weil|die|das|am|"
     r"est|et|ou|montre|serait|correspond|convient|car|parce|es|y|o|muestra|sería|porque|coincide|encaja|only|too"
 )
 

@@ -1,6 +1,7 @@
 """Questions about a physical world, for Inspect: `inspect eval wmspec_task.py --model MODEL` in this folder.
 
-`-T task=NAME` selects one task, `-T limit=N` the first N questions of each. Every question has one outcome: answered,
+`-T task=NAME` selects one task, `-T limit=N` the first N questions of each, and `-T defaults=false` leaves temperature
+and limit of tokens to the server. Every question has one outcome: answered,
 unparsed, truncated, refused or error. All but the first count as wrong; `answered` is the share of the first.
 """
 
@@ -37,7 +38,7 @@ from inspect_ai.scorer import (
     stderr,
 )
 from inspect_ai.solver import Generate, Solver, TaskState, solver
-from wmspec_reply import mark
+from wmspec_reply import is_withheld, mark
 
 _FOLDER = Path(__file__).parent
 _TRUTH = ("options", "labels", "answer", "answer_number", "answer_unit", "answer_within")
@@ -68,11 +69,22 @@ def ask() -> Solver:
         try:
             return await generate(state)
         except Exception as error:  # noqa: BLE001  every provider has its own
-            state.metadata["error"] = f"{type(error).__name__}: {error}"[:2000]
-            state.output = ModelOutput.from_content(str(state.model), "", error=state.metadata["error"])
+            # Inspect's message begins with the whole request.
+            words = getattr(error, "provider_message", None) or str(error)[-1500:]
+            message = f"{type(error).__name__}: {words}"[:2000]
+            withheld = is_withheld(getattr(error, "status_code", None), message)
+            state.metadata["finish" if withheld else "error"] = "content_filter" if withheld else message
+            state.output = ModelOutput.from_content(str(state.model), "", error=message)
             return state
 
     return solve
+
+
+def _finish(state: TaskState) -> str:
+    """Return the reason for which the reply ended."""
+    content = state.output.message.content if state.output.choices else ""
+    is_refusal = not isinstance(content, str) and any(getattr(part, "refusal", None) for part in content)
+    return "refusal" if is_refusal else state.metadata.get("finish", state.output.stop_reason)
 
 
 @metric
@@ -100,7 +112,7 @@ def right() -> Scorer:
             number=metadata["answer_number"],
             unit=metadata["answer_unit"],
             within=metadata["answer_within"],
-            finish=state.output.stop_reason,
+            finish=_finish(state),
         )
         outcome = "error" if "error" in metadata else marked.outcome
         value = (CORRECT if marked.right else INCORRECT) if outcome == "answered" else NOANSWER
@@ -108,7 +120,7 @@ def right() -> Scorer:
         return Score(
             value=value,
             answer=None if answer is None else str(answer),
-            explanation=metadata.get("error", state.output.completion),
+            explanation=state.output.error or state.output.completion,
             metadata={"outcome": outcome},
         )
 
@@ -116,12 +128,12 @@ def right() -> Scorer:
 
 
 @task
-def wmspec(task: str = "*", limit: int | None = None) -> Task:
+def wmspec(task: str = "*", limit: int | None = None, defaults: bool = True) -> Task:
     """Return the questions of all tasks, or of one."""
     samples = [
         _sample(row)
         for path in sorted(_FOLDER.glob(f"data/{task}.parquet"))
         for row in pq.read_table(path).slice(0, limit).to_pylist()
     ]
-    config = GenerateConfig(temperature=0, max_tokens=1024)
+    config = GenerateConfig(temperature=0, max_tokens=1024) if defaults else GenerateConfig()
     return Task(dataset=MemoryDataset(samples, name="wmspec"), solver=ask(), scorer=right(), config=config)

@@ -10,6 +10,7 @@ from typing import Any
 
 import openai
 import pyarrow.parquet as pq
+from wmspec_reply import is_withheld
 
 FOLDER = Path(__file__).parent
 
@@ -31,12 +32,20 @@ def reply(client: Any, model: str, row: dict[str, Any]) -> dict[str, Any]:
     """Return the line of a question."""
     try:
         chosen = client.chat.completions.create(model=model, messages=messages(row)).choices[0]
-    except openai.BadRequestError as error:
-        finish = "content_filter" if "content_filter" in str(error) else None
-        return {"id": row["id"], "finish_reason": finish, "error": str(error)[:2000]}
+    except openai.APIStatusError as error:
+        withheld = is_withheld(error.status_code, str(error))
+        if not (withheld or isinstance(error, openai.BadRequestError)):
+            raise
+        return {"id": row["id"], "finish_reason": "content_filter" if withheld else None, "error": str(error)[:2000]}
     refusal = getattr(chosen.message, "refusal", None)
     finish = "refusal" if refusal else chosen.finish_reason
-    return {"id": row["id"], "reply": chosen.message.content or "", "finish_reason": finish}
+    return {"id": row["id"], "reply": text(chosen.message.content), "finish_reason": finish}
+
+
+def text(content: Any) -> str:
+    """Return the text of a message's content, a string or a list of parts."""
+    parts = content if isinstance(content, list) else [{"text": content}]
+    return "\n".join(part["text"] for part in parts if isinstance(part.get("text"), str))
 
 
 def main() -> None:
@@ -48,10 +57,14 @@ def main() -> None:
     parser.add_argument("--output", type=Path, default=FOLDER / "submission.jsonl")
     chosen = parser.parse_args()
     index = json.loads((FOLDER / "questions.json").read_text())
-    if not chosen.output.exists():
+    written = chosen.output.read_text() if chosen.output.exists() else ""
+    whole = written[: written.rfind("\n") + 1]  # a stop may have cut the last line off
+    if whole != written:
+        chosen.output.write_text(whole)
+    if not whole:
         about = {"questions": index["digest"], "model": chosen.name or chosen.model, "prompt": index["prompt"]}
         chosen.output.write_text(json.dumps(about) + "\n")
-    known = {json.loads(line).get("id") for line in chosen.output.read_text().splitlines()}
+    known = {json.loads(line).get("id") for line in whole.splitlines()}
     client = openai.OpenAI(base_url=chosen.base_url)
     with chosen.output.open("a") as file:
         for task in index["tasks"]:
