@@ -153,6 +153,16 @@ def test_no_part_of_an_echoed_key_is_written(
     assert not [content for content in written if KEY[:12].encode() in content]
 
 
+@pytest.mark.parametrize(("key", "code"), [(f" {KEY}\n", 0), (f"{KEY}\n{KEY}", 2), (f"{KEY}ä", 2)])
+def test_a_key_is_stripped_or_refused_without_its_text(key: str, code: int, dataset: Path, tmp_path: Path) -> None:
+    with server(first_words) as running:
+        args = ("-m", "openai:right", "--base-url", running.address, "-o", str(tmp_path / "r.parquet"), "--limit", "1")
+        done = CliRunner().invoke(main, ["evaluate", str(dataset), *args], env={"OPENAI_API_KEY": key})
+    assert done.exit_code == code, done.output
+    assert ("OPENAI_API_KEY has characters that no key has" in done.output) == bool(code)
+    assert KEY[:12] not in done.output
+
+
 def test_a_placeholder_is_no_key(dataset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Local servers need no key, and `none` is a word of replies."""
     monkeypatch.setitem(MANNERS, "none", always(chat("none of the others, so A")))

@@ -214,6 +214,22 @@ def test_other_files_of_a_signed_receipt_are_harmless(holder: Holder, tmp_path: 
     assert type(scores["average"]["value"]) is int, "JavaScript writes 1.0 as 1, which has another signature"
 
 
+def test_a_withdrawn_receipt_is_no_longer_published(holder: Holder, tmp_path: Path) -> None:
+    receipts, site = tmp_path / "receipts", tmp_path / "site"
+    receipts.mkdir()
+    for name in ("stays", "goes"):
+        (receipts / f"{name}.json").write_bytes(holder.score(holder.submission(name)).read_bytes())
+    wmspec("leaderboard", receipts, "--secret", holder.secret, "-o", site)
+    (site / "receipts/mine.json").write_text("{}")
+    (receipts / "goes.json").unlink()
+    wmspec("leaderboard", receipts, "--secret", holder.secret, "-o", site)
+    assert sorted(path.name for path in (site / "receipts").iterdir()) == ["mine.json", "stays.json"]
+    (site / "receipts/mine.json").unlink()
+    (site / "receipts/copy.json").write_bytes((receipts / "stays.json").read_bytes())
+    wmspec("leaderboard", site / "receipts", "--secret", holder.secret, "-o", site)
+    assert sorted(path.name for path in (site / "receipts").iterdir()) == ["copy.json", "stays.json"], "inputs stay"
+
+
 @pytest.mark.parametrize("change", ["separators", "mark", "lines"])
 def test_a_submission_may_come_from_any_writer_of_json(change: str, holder: Holder, tmp_path: Path) -> None:
     about, *lines = map(json.loads, holder.submission("any").read_text().splitlines())

@@ -107,6 +107,7 @@ def test_a_perfect_and_a_hopeless_model_have_finite_scores() -> None:
     by_name = {score.model: score.equated.value for score in found.scores}
     assert by_name["perfect"] > 0.97
     assert by_name["hopeless"] == pytest.approx(CHANCE, abs=0.05)
+    assert {score.model for score in found.scores if score.is_near_chance} == {"hopeless"}
 
 
 def test_the_gradient_is_that_of_the_likelihood() -> None:

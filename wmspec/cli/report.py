@@ -153,4 +153,5 @@ def _print_equated(results: tuple[Path, ...], earlier: tuple[Path, ...], names: 
             click.echo(
                 f"  {shown.get(score.model, score.model)}: {format_percent(score.fresh)} %, "
                 f"equated {format_percent(value.value)} %{interval}{there}"
+                f"{'; near chance, so equated too high' if score.is_near_chance else ''}"
             )

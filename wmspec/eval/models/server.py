@@ -69,7 +69,7 @@ class ServerModel:
     def __init__(
         self, name: str, server: Server, parameters: dict[str, Any], asks: int, defaults: frozenset[str] = frozenset()
     ) -> None:
-        """Create the client. Raises WmsError if the client package or the key is missing."""
+        """Create the client. Raises WmsError if the client package or the key is missing, or the key is no key."""
         try:
             import openai
         except ImportError:
@@ -78,7 +78,9 @@ class ServerModel:
         self.identity = " ".join(filter(None, (server.address, name, server.images.record, structured)))
         self.asks = asks
         self._name, self._server, self._parameters = name, server, Parameters(parameters, defaults)
-        self._key = os.environ.get(KEY_VARIABLE, "")
+        self._key = os.environ.get(KEY_VARIABLE, "").strip()
+        if not (self._key.isascii() and self._key.isprintable()):
+            raise WmsError(f"{KEY_VARIABLE} has characters that no key has; set it again")
         if not self._key and server.address == _OPENAI:
             raise WmsError(
                 f"the key is missing: set {KEY_VARIABLE} in the environment, or name another server with --base-url"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,18 @@ def leaderboard(folder: Path, secret: Secret, title: str, output: Path) -> Path:
             # A file may hold more than what was signed, such as a key twice.
             (output / "receipts" / path.name).write_bytes(pretty_json(content))
         page.write_text(_page(found, title), encoding="utf-8")
+        if not folder.samefile(output / "receipts"):
+            _withdraw(output / "receipts", {path.name for path in found}, secret)
     return page
+
+
+def _withdraw(published: Path, names: set[str], secret: Secret) -> None:
+    """Remove receipts that an earlier page had and this one has not. Other files stay."""
+    for path in sorted(published.glob("*.json")):
+        if path.name not in names:
+            with suppress(WmsError):
+                receipt.read(path, secret)
+                path.unlink()
 
 
 def _page(found: dict[Path, Receipt], title: str) -> str:

@@ -23,6 +23,8 @@ from wmspec.eval.report.replies import Replies
 
 #: Minimum number of models that link two sets.
 MIN_LINKS = 2
+#: Standard errors above guessing up to which a score is near chance.
+CHANCE_ERRORS = 2.0
 #: Number of nodes of the quadrature, and standard deviations of the weak priors of θ and δ, and of log s.
 NODES, PRIOR, SPREAD_PRIOR = 21, 3.0, 1.0
 
@@ -31,13 +33,16 @@ NODES, PRIOR, SPREAD_PRIOR = 21, 3.0, 1.0
 class EquatedScore:
     """A model's average in the fresh set, and what it would be in the earlier set.
 
-    `earlier` is its average there if it answered that set, and thus links the two.
+    `earlier` is its average there if it answered that set, and thus links the two. `is_near_chance`: the fresh average
+    is at most `CHANCE_ERRORS` standard errors above guessing. The model of replies has no score below guessing, so that
+    the equated score is then too high, and its interval too narrow.
     """
 
     model: str
     fresh: float
     equated: Estimate
     earlier: float | None
+    is_near_chance: bool
 
 
 @dataclass(frozen=True)
@@ -149,17 +154,29 @@ def _equating(
     shift = estimate(
         float(np.mean(np.asarray(lost)[linked])), np.asarray(lost_drawn)[:, linked].mean(1), questions, clusters
     )
+    near_chance = _near_chance(sets[1], tasks, weights[1])
     scores = [
         EquatedScore(
             model,
             float(means[1][j]),
             estimate(float(np.asarray(value)[j]), np.asarray(drawn)[:, j], questions, clusters),
             float(means[0][j]) if model in links else None,
+            bool(means[1][j] <= near_chance),
         )
         for j, model in enumerate(models)
         if not np.isnan(np.asarray(value)[j])
     ]
     return Equating(kind, tuple(sorted(scores, key=lambda s: (-s.equated.value, s.model))), shift)
+
+
+def _near_chance(answers: _Answers, tasks: list[str], weights: dict[str, float]) -> float:
+    """Return the highest average that is near chance."""
+    chance, variance = 0.0, 0.0
+    for task in tasks:
+        _, guesses, _ = answers.of(task)
+        chance += weights[task] * float(guesses.mean())
+        variance += weights[task] ** 2 * float((guesses * (1 - guesses)).mean()) / len(guesses)
+    return chance + CHANCE_ERRORS * float(np.sqrt(variance))
 
 
 def _task_weights(answers: _Answers, tasks: list[str]) -> dict[str, float]:
