@@ -74,7 +74,7 @@ class ClipFolder:
         path = self.folder / name
         with suppress(OSError):
             if inside(self.folder, name) and regular_file(path).stat().st_size <= MAX_BYTES:
-                return hashlib.sha256(path.read_bytes()).hexdigest()
+                return hashlib.sha256(read_bytes(path)).hexdigest()
         return ""
 
     def clip(self, question: FilmQuestion, sample: int, reference: Reference) -> tuple[Clip, Begins | None]:
