@@ -67,6 +67,44 @@ main(["list"])
 """
 
 
+#: A module that drops what is raised while it is imported, and then does not end by itself.
+DROPPING = """
+import signal
+try:
+    signal.raise_signal(signal.{name})
+except BaseException:
+    print("dropped")
+"""
+
+
+IMPORTING = """
+import signal
+import time
+import click
+from wmspec.cli import main
+
+def imported(*_, **__):
+    import dropping
+    time.sleep(60)
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+click.Group.invoke = imported
+main(["list"])
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_signal_during_an_import_ends_the_run_after_it(name: str, tmp_path: Path) -> None:
+    """USD imports modules in native code, which prints and drops the exception of a signal: the run went on."""
+    (tmp_path / "dropping.py").write_text(DROPPING.format(name=name))
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])}
+    command = [sys.executable, "-c", IMPORTING]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=50)
+    assert (done.returncode, done.stdout, done.stderr.strip() or "stopped") == (
+        128 + getattr(signal, name), "", "stopped",
+    )  # fmt: skip
+
+
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
 def test_a_signal_that_a_library_turns_into_an_error_of_its_own(name: str) -> None:
     """Pydantic did, while a module was imported; it was reported as a mistake of wmspec."""

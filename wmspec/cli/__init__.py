@@ -87,16 +87,35 @@ Exit codes:
 _received: list[int] = []
 
 
-def _exit_on_signal(number: int, frame: FrameType | None) -> None:  # noqa: ARG001  the signature of a handler
+def _exit_on_signal(number: int, frame: FrameType | None) -> None:
+    """Raise SystemExit."""
+    if _is_importing(frame):
+        return _send_again(number)
     _received.append(number)
     raise SystemExit(128 + number)
 
 
-def _interrupt(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
+def _interrupt(number: int, frame: FrameType | None) -> None:
     """Raise KeyboardInterrupt once; ignore Ctrl-C during the shutdown, which takes seconds with Ray."""
+    if _is_importing(frame):
+        return _send_again(number)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _received.append(number)
     raise KeyboardInterrupt
+
+
+def _is_importing(frame: FrameType | None) -> bool:
+    """Whether a module is being imported: USD prints and drops what a handler raises then, and the run would go on."""
+    while frame is not None and frame.f_code.co_filename != "<frozen importlib._bootstrap>":
+        frame = frame.f_back
+    return frame is not None
+
+
+def _send_again(number: int) -> None:
+    """Send the signal again a little later."""
+    later = threading.Timer(0.05, os.kill, (os.getpid(), number))
+    later.daemon = True
+    later.start()
 
 
 def _report_thread_error(arguments: threading.ExceptHookArgs) -> None:
