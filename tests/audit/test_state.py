@@ -55,3 +55,15 @@ def test_unseen_change_is_no_evidence() -> None:
     still, trembled, turned = state.question_states([trembling(t) for t in (0.0, 1e-4, 0.1)], (0,))
     assert np.array_equal(still, trembled)
     assert not np.array_equal(still, turned)
+
+
+def test_how_a_plain_ball_is_turned_is_no_evidence() -> None:
+    def features(look: str) -> list[list[float]]:
+        turned = [thing(0, "ball", look, 0.2) | {"qw": w, "qy": np.sqrt(1 - w * w)} for w in (1.0, 0.6)]
+        cases = [Case({"context_objects": [seen], "text": ""}, (b"",), ()) for seen in turned]
+        rows: list[list[float]] = state.question_states(cases, (0,)).tolist()
+        return rows
+
+    plain, grained = features("red sphere plastic"), features("red sphere wood")
+    assert plain[0] == plain[1]
+    assert grained[0] != grained[1]

@@ -24,6 +24,8 @@ COLOUR_CHANNELS = ("red", "green", "blue")
 DECIMALS = (
     dict.fromkeys(("across", "down"), 3) | {"share": 5} | dict.fromkeys((*POSE_CHANNELS[3:], *COLOUR_CHANNELS), 2)
 )
+#: Words for the look of an object of which no picture shows how it is turned, and the orientation that stands for all.
+UNTURNED, UPRIGHT = frozenset(("sphere", "plastic")), {"qw": 1.0, "qx": 0.0, "qy": 0.0, "qz": 0.0}
 #: Maximum number of objects of a question; those that it is about come first.
 MAX_OBJECTS = 6
 
@@ -161,4 +163,5 @@ def _numbers(seen: Row | None) -> Array:
     """Return the features of an object, no finer than a picture shows them; -1 where it is not visible."""
     if seen is None or not seen["share"]:
         return np.full(len(POSE_CHANNELS) + len(COLOUR_CHANNELS), -1.0)
-    return np.array([round(seen[name], DECIMALS[name]) for name in (*POSE_CHANNELS, *COLOUR_CHANNELS)])
+    shown = {**seen, **UPRIGHT} if UNTURNED.issubset(seen["look"].split()) else seen
+    return np.array([round(shown[name], DECIMALS[name]) for name in (*POSE_CHANNELS, *COLOUR_CHANNELS)])

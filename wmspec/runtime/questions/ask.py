@@ -11,7 +11,7 @@ from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.design.what_ifs import imagines
 from wmspec.core.diagnostics import GraphicsError, WmsError
 from wmspec.core.rng import Permutation, bits, permuted
-from wmspec.lang.check.expressions.measured import COURSE, PREDICTED, is_measured, moments
+from wmspec.lang.check.expressions.measured import CHANGE, PREDICTED, is_measured, moments
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Channel, Level, TaskSpec
 from wmspec.runtime.questions.answer_label import answer_label, member_label
@@ -203,7 +203,7 @@ class _Row:
             value=kind.words(asking, answer),
             number=kind.number(asking, answer),
             standing=not (kind.watched or is_measured(spec, question.answer)),
-            moments=COURSE if kind.watched else self.moments(),
+            moments=CHANGE if kind.watched else self.moments(),
             objects=objects,
             crossed=instance.crossed,
             redrawn=instance.redrawn if spec.plan.balance else None,

@@ -6,9 +6,9 @@ from wmspec.lang.check.ir.evaluate import subexpressions
 from wmspec.lang.check.ir.ir import Call, Expr, Ref, TaskSpec
 from wmspec.lang.check.tables.functions import FUNCTIONS
 
-#: The number of moments that show a course of events (see `moments`), and from which one is predicted: two moments show
-#: where everything is and how it moves.
-COURSE, PREDICTED = 3, 2
+#: The number of moments that show a change (see `moments`), such as something impossible, and from which a course is
+#: predicted: two moments show where everything is and how it moves.
+CHANGE, PREDICTED = 2, 2
 
 
 def is_measured(spec: TaskSpec, expr: Expr) -> bool:
