@@ -16,7 +16,7 @@ from click.testing import CliRunner, Result
 
 from tests.browser import barriers, opened
 from tests.evaluate.made import in_numbers, in_pictures, in_words
-from tests.evaluate.manners import MANNERS, first_words, server
+from tests.evaluate.manners import MANNERS, Manner, Response, always, chat, error, first_words, server
 from wmspec.cli import main
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.models.question import Question, questions
@@ -240,7 +240,7 @@ def test_a_submission_may_come_from_any_writer_of_json(change: str, holder: Hold
     assert "24 of 24 replies" in wmspec("submit", holder.public, tmp_path / "s.jsonl").output
 
 
-@pytest.mark.parametrize("name", ["parts", "refusal field", "filter status", "moderation", "bad request", "cut"])
+@pytest.mark.parametrize("name", ["parts", "refusal field", "filter status", "moderation", "cut"])
 def test_the_script_of_the_folder_has_the_outcomes_of_evaluate(name: str, holder: Holder, tmp_path: Path) -> None:
     pytest.importorskip("openai")
     out = tmp_path / "submission.jsonl"
@@ -266,6 +266,50 @@ def test_the_script_of_the_folder_answers_a_server_and_resumes(holder: Holder, t
         assert sum(running.tries.values()) == sent + 24 - 9
     assert out.read_text() == whole
     assert "Chatty, prompt default: 24 of 24 replies\n24 answered" in wmspec("submit", holder.public, out).output
+
+
+def test_the_script_of_the_folder_sends_failed_requests_again(
+    holder: Holder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("openai")
+    out, broken = tmp_path / "submission.jsonl", [5]
+
+    def respond(label: str, *_: object) -> Response:
+        broken[0] -= 1
+        return (200, b"<html>") if broken[0] >= 0 else chat(label)
+
+    monkeypatch.setitem(MANNERS, "html", Manner(respond))
+    with server(first_words) as running:
+        command = [sys.executable, str(holder.public / "answer.py"), "--model", "html", "--output", str(out)]
+        command += ["--base-url", running.address]
+        env = {"OPENAI_API_KEY": "none", "PATH": os.environ["PATH"]}
+        first = subprocess.run(command, check=False, env=env, capture_output=True, text=True)
+        assert (first.returncode, first.stderr) == (1, "5 requests have failed; the same command sends them again\n")
+        assert "19 answered, 5 error" in wmspec("submit", holder.public, out).output
+        subprocess.run(command, check=True, env=env)
+        assert "24 answered" in wmspec("submit", holder.public, out).output
+        broken[0], whole = 99, out.read_text()
+        out.unlink()
+        stopped = subprocess.run(command, check=False, env=env, capture_output=True, text=True)
+        assert stopped.stderr.startswith("20 requests in a row have failed; the last: ")
+    ids = [json.loads(line).get("id") for line in whole.splitlines()]
+    assert len(set(ids)) == len(ids) == 25
+
+
+@pytest.mark.parametrize("response", [chat("A sk-0123456789"), chat("A", "sk-0123456789"), error(400, "sk-0123456789")])
+def test_the_script_of_the_folder_writes_no_key(
+    response: Response, holder: Holder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("openai")
+    monkeypatch.setitem(MANNERS, "echo", always(response))
+    out = tmp_path / "submission.jsonl"
+    with server(first_words) as running:
+        command = [sys.executable, str(holder.public / "answer.py"), "--model", "echo", "--output", str(out)]
+        command += ["--base-url", running.address]
+        env = {"OPENAI_API_KEY": "sk-0123456789", "PATH": os.environ["PATH"]}
+        done = subprocess.run(command, check=False, env=env, capture_output=True, text=True)
+    assert "[key]" in out.read_text()
+    assert "sk-0123456789" not in out.read_text() + done.stdout + done.stderr
 
 
 @pytest.fixture
