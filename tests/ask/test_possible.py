@@ -53,7 +53,7 @@ def test_altered_film_is_impossible(odd: str, value: str, engine: str) -> None:
     assert row.value == value
     assert [option.text for option in row.options if option.kind == "truth"] == [value]
     assert {option.text for option in row.options} == {"possible", "impossible"}
-    assert (row.moments, row.standing) == (3, False)
+    assert (row.moments, row.standing) == (2, False)
     assert encode(row, "questions")["answer_value"] == value
 
 

@@ -96,6 +96,7 @@ SURPRISES = ("surprise:", "surprises:")
     type=click.Choice(["context", "first", "after"]),
     help="What clips begin with: the context, its last picture, or what comes after.  [default: by matching]",
 )
+@click.option("--masks", default="", metavar="sam2:FOLDER", help="Find objects in clips by this model, not by colour.")
 @click.option("--cache", type=_PATH, metavar="FILE", help="Folder in which replies are cached.")
 @click.option("--dry-run", is_flag=True, help="Print the plan and the first request; send nothing.")
 @click.option("--rescore", type=_PATH, metavar="FILE", help="Score stored replies again; send nothing.")
@@ -116,8 +117,9 @@ def evaluate_command(dataset: Path | None, rescore: Path | None, as_json: bool, 
     if options["model"].startswith(CLIPS):
         _evaluate_clips(dataset, options, as_json)
         return
-    if options["begins"]:
-        raise WmsError("--begins: only for -m clips:FOLDER")
+    for name in ("begins", "masks"):
+        if options[name]:
+            raise WmsError(f"--{name}: only for -m clips:FOLDER")
     if options["model"].startswith(SURPRISES):
         _evaluate_surprises(dataset, options, as_json)
         return
@@ -163,7 +165,8 @@ def _evaluate_clips(dataset: Path, options: dict[str, Any], as_json: bool) -> No
     opened = DatasetReader.open(dataset)
     opened.intact()
     selection = Selection(options["task"], options["engine"], options["limit"])
-    run = ClipRun(opened, options["model"].removeprefix(CLIPS), selection, options["begins"])
+    model, masks = options["model"].removeprefix(CLIPS), options["masks"]
+    run = ClipRun(opened, model, selection, options["begins"], masks=masks)
     with progress_bar(len(selected(opened, selection)), "scoring", "clips") as bar:
         ended = evaluate_clips(run, output, lambda right, count: bar(_so_far(right, count, 0.0), 1))
     _print_counts(ended.counts, output, as_json)

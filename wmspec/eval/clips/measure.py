@@ -129,9 +129,7 @@ def measure(clip: Clip, reference: Reference, truth: int, begins: Begins | None 
     frames = steadied.frames
     if frames is not coloured:
         frames = normalise.match_colours(frames, reference.plate, background)
-    found, differs = reference.segmenter.masks(
-        frames, aligned.valid, reference.background, reference.places(truth), reference.expected
-    )
+    found, differs = reference.find(frames, aligned.valid, truth)
     options = range(len(reference.films))
     found *= len(options) // len(found)
     motion = Motion.of(frames)

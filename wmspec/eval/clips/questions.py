@@ -11,6 +11,7 @@ from wmspec.dataset.build.films import read_frames, read_ids
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.distances import working_size
 from wmspec.eval.clips.reference import Reference, WholeFilm
+from wmspec.eval.clips.sam2 import Tracker
 from wmspec.eval.models.question import QuestionIdentity, Selection
 
 _COLUMNS = (
@@ -141,7 +142,7 @@ def closed_sets(questions: list[FilmQuestion], most: int) -> list[list[FilmQuest
 # ---------------------------------------------------------------- films
 
 
-def reference_of(dataset: DatasetReader, question: FilmQuestion) -> Reference:
+def reference_of(dataset: DatasetReader, question: FilmQuestion, tracker: Tracker | None = None) -> Reference:
     """Return the films of a question's options in working size. Raises WmsError if a film is damaged."""
     assert dataset.film is not None
     size = working_size(*dataset.film.size)
@@ -149,7 +150,7 @@ def reference_of(dataset: DatasetReader, question: FilmQuestion) -> Reference:
         read_film(dataset, path, size, question.context, question.answer_frame + 1) for path in question.films
     )
     bodies = tuple(question.bodies.index(name) for name in question.objects)
-    return Reference(question.rate, films, bodies)
+    return Reference(question.rate, films, bodies, tracker)
 
 
 def read_film(

@@ -22,6 +22,7 @@ from wmspec.dataset.film.distances import (
 from wmspec.eval.clips.bits import Bits, count, packed
 from wmspec.eval.clips.packages import opencv
 from wmspec.eval.clips.pixels import Motion, difference, gradients, thumbnails
+from wmspec.eval.clips.sam2 import Tracker
 from wmspec.eval.clips.segment import Found, Palette, Segmenter, distances_from, joined, palette
 
 Mask = NDArray[np.bool_]
@@ -47,12 +48,14 @@ class WholeFilm:
 class Reference:
     """The films of the options of a question, in order.
 
-    `objects` are the bodies, by number in the ids, that tell the futures apart.
+    `objects` are the bodies, by number in the ids, that tell the futures apart. A `tracker` finds them in clips and
+    futures in the place of the segmenter.
     """
 
     rate: int
     films: tuple[WholeFilm, ...]
     objects: tuple[int, ...]
+    tracker: Tracker | None = None
 
     @cached_property
     def futures(self) -> tuple[Frames, ...]:
@@ -164,16 +167,26 @@ class Reference:
 
     @cached_property
     def _found(self) -> tuple[list[Found], ...]:
-        """What the segmenter finds in each future, for each future that it may be taken for, or once."""
+        """What is found in each future, for each future that it may be taken for, or once."""
         whole = np.ones(self.plate.shape[:2], bool)
-        return tuple(
-            self.segmenter.masks(future, whole, self.background, self.places(option), self.expected)[0]
-            for option, future in enumerate(self.futures)
-        )
+        return tuple(self.find(future, whole, option)[0] for option, future in enumerate(self.futures))
+
+    def find(self, frames: Frames, valid: Mask, option: int) -> tuple[list[Found], Mask]:
+        """Return what is found in frames after the context of an option, and what differs from the background.
+
+        See `Segmenter.masks`.
+        """
+        found, differs = self.segmenter.masks(frames, valid, self.background, self.places(option), self.expected)
+        if self.tracker is not None:
+            film = self.films[option]
+            last = film.context - 1
+            masks = np.stack([film.ids[last] == body for body in self.objects])
+            found = [Found.of(self.tracker(np.concatenate([film.frames[last : film.context], frames]), masks)[:, 1:])]
+        return found, differs
 
     @cached_property
     def found(self) -> tuple[Found, ...]:
-        """What the segmenter finds in each future.
+        """What is found in each future.
 
         Clips are compared with this, not with the true masks: what it mistakes in both makes no difference.
         """

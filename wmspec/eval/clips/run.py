@@ -35,6 +35,7 @@ from wmspec.eval.clips.packages import opencv
 from wmspec.eval.clips.questions import FilmQuestion, reference_of, selected
 from wmspec.eval.clips.read import BadClip, clip_reader
 from wmspec.eval.clips.reference import Reference
+from wmspec.eval.clips.sam2 import Tracker, open_tracker
 from wmspec.eval.models import results
 from wmspec.eval.models.question import Selection
 from wmspec.eval.models.results import Counts
@@ -52,13 +53,17 @@ PROMPTS_FILE = "prompts_used.csv"
 
 @dataclass(frozen=True)
 class ClipRun:
-    """The clips of a folder, or `@NAME` for a baseline, and the questions they answer."""
+    """The clips of a folder, or `@NAME` for a baseline, and the questions they answer.
+
+    `masks` names a model that finds the objects, `sam2:FOLDER`; they are found by colour without it.
+    """
 
     dataset: DatasetReader
     place: str
     selection: Selection
     begins: Begins | None = None
     model: str = ""
+    masks: str = ""
 
     @cached_property
     def name(self) -> str:
@@ -90,20 +95,21 @@ def evaluate_clips(run: ClipRun, output: Path, progress: Progress) -> ClipResult
     """
     results.check_free(output)
     opencv()
+    tracker = open_tracker(run.masks) if run.masks else None
     questions = selected(run.dataset, run.selection)
     rows, measured = list[Row](), dict[tuple[str, int], Measurement]()
     kept = KeptMeasurements(output, run.dataset)
     with _source(run, questions) as source:
         prompt, prompt_hash = _prompts(run)
         model_version = source.version
-        references = lru_cache(OPEN_SETS)(_References(run.dataset).of)
+        references = lru_cache(OPEN_SETS)(_References(run.dataset, tracker).of)
         for question in by_set(questions):
             for sample in source.samples(question):
                 row = clip_results.common(question, sample, run.name, model_version, prompt, prompt_hash)
                 try:
                     reference, floors = references(_SetKey(question))
                     digest = source.digest(question, sample)
-                    about = question.id, sample, run.begins, digest
+                    about = question.id, sample, run.begins, run.masks, digest
                     fresh = partial(_measured, source, question, sample, reference)
                     one = kept.get(about, fresh) if digest else fresh()
                 except BadClip as reason:
@@ -189,13 +195,13 @@ class _SetKey:
 class _References:
     """The films of closed sets, and the distances of the true futures of two engines."""
 
-    def __init__(self, dataset: DatasetReader) -> None:
-        self._dataset = dataset
+    def __init__(self, dataset: DatasetReader, tracker: Tracker | None) -> None:
+        self._dataset, self._tracker = dataset, tracker
 
     def of(self, key: _SetKey) -> tuple[Reference, tuple[tuple[float, float] | None, ...]]:
         """Return the films, and for each option the distances of its futures in two engines (None without films)."""
         question = key.question
-        reference = reference_of(self._dataset, question)
+        reference = reference_of(self._dataset, question, self._tracker)
         return reference, tuple(self._floor(question, option, reference) for option in range(len(question.films)))
 
     def _floor(self, question: FilmQuestion, option: int, reference: Reference) -> tuple[float, float] | None:
@@ -229,7 +235,7 @@ def _prompts(run: ClipRun) -> tuple[str, str]:
 def _about(run: ClipRun, rows: list[Row], model_version: str, prompt_hash: str) -> dict[str, Any]:
     """Return the content of the settings file."""
     about = results_about(run.dataset, run.name, rows)
-    about["asked"] |= {"prompt_hash": prompt_hash, "begins": run.begins}
+    about["asked"] |= {"prompt_hash": prompt_hash, "begins": run.begins} | ({"masks": run.masks} if run.masks else {})
     about["clips"] = {"rules": clip_results.RULES_VERSION, "film": run.dataset.manifest["film"]}
     return about | {"model_versions": [model_version] if model_version else []}
 

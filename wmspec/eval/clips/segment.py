@@ -117,6 +117,13 @@ class Found:
     points: Array
     last: dict[int, NDArray[np.float64]]
 
+    @classmethod
+    def of(cls, masks: Mask) -> Found:
+        """Return what has the given masks (objects, n, h, w)."""
+        count, frames = masks.shape[:2]
+        points = [mask_points(mask) if mask.any() else np.full((3, 2), np.nan) for whole in masks for mask in whole]
+        return cls(packed(masks), np.reshape(points, (count, frames, 3, 2)), {})
+
     def copy(self) -> Found:
         """Return a copy that can change."""
         return Found(self.bits.copy(), self.points.copy(), dict(self.last))
