@@ -17,7 +17,7 @@ from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_within, read_bytes
 from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.reader import REPAIR_HINT
-from wmspec.dataset.film.codec import Frames, Ids, encode_mp4, ids_of, pyav, scaler
+from wmspec.dataset.film.codec import CONTAINER, NO_PROBING, Frames, Ids, encode_mp4, pyav, scaler
 from wmspec.dataset.film.distances import nearest_pixels
 
 
@@ -35,30 +35,30 @@ def read_ids(folder: Path, path: str, size: tuple[int, int], count: int | None =
     Each pixel of the `size` (px) is the nearest one. Raises WmsError as `read_frames`.
     """
 
-    def shrunk(frame: Any) -> Frames:
+    def shrunk(frame: Any) -> Ids:
         # In the order green, blue, red. Rows of a plane are padded.
         low, high = (_plane(frame.planes[k], frame.width, frame.height) for k in (2, 0))
-        made = np.zeros((size[1], size[0], 2), np.uint8)
-        made[..., 0] = nearest_pixels(low, size)
+        made = nearest_pixels(low, size).astype(np.int16)
         if high.any():  # from 255 bodies on
-            made[..., 1] = nearest_pixels(high, size)
+            made += np.left_shift(nearest_pixels(high, size), 8, dtype=np.int16)
+        made -= 1
         return made
 
-    return ids_of(_decoded(folder, f"{path.removesuffix('.mkv')}.ids.mkv", shrunk, count))
+    return _decoded(folder, f"{path.removesuffix('.mkv')}.ids.mkv", shrunk, count)
 
 
 def _plane(plane: Any, width: int, height: int) -> NDArray[np.uint8]:
     return np.frombuffer(plane, np.uint8).reshape(-1, plane.line_size)[:height, :width]
 
 
-def _decoded(folder: Path, path: str, made: Callable[[Any], Frames], count: int | None) -> Frames:
+def _decoded(folder: Path, path: str, made: Callable[[Any], NDArray[Any]], count: int | None) -> NDArray[Any]:
     """Return what is `made` of the frames of a film, or of its first `count`."""
     av = pyav()
     file = folder / path
     if not is_within(folder, file):
         raise WmsError("this film is missing", FilePlace(str(file)), REPAIR_HINT)
     try:
-        with av.open(io.BytesIO(read_bytes(file))) as container:
+        with av.open(io.BytesIO(read_bytes(file)), format=CONTAINER, options=NO_PROBING) as container:
             stream = container.streams.video[0]
             stream.thread_count = 1
             frames = [made(frame) for frame in islice(container.decode(stream), count)]

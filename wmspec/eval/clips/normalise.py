@@ -41,6 +41,8 @@ class Fitted:
 
 def fit_size(frames: Frames, picture: NDArray[np.uint8]) -> Fitted:
     """Return a clip in the size of a known `picture` (h, w, 3): the fit whose first frame is most like it."""
+    if frames.shape[1:] == picture.shape:
+        return Fitted(frames, np.ones(picture.shape[:2], bool), "stretch")
     choices = _fits(frames.shape[2], frames.shape[1], picture.shape[1], picture.shape[0])
     names = list(choices)
     best = names[0]
@@ -108,13 +110,13 @@ def begins_with(
     grids = {n: [_grey(frame) for frame in group] for n, group in (("context", context), ("next", nexts))}
     first, last = _grey(frames[0]), grids["context"][-1]
     length = (len(context) - 1) / rate
-    moved = np.abs(np.stack(grids["context"]) - last).max(axis=0) > _MOVED
+    moved = _changed(grids["context"], last)
     if len(context) > 1 and moved.any() and times[-1] >= length - 0.5 / rate:
         picked = [_grey(frames[nearest(times, k / rate)]) for k in range(len(context))]
         along = np.mean([_gap(a, b, moved) for a, b in zip(picked, grids["context"], strict=True)])
         if along < 0.7 * _gap(first, last, moved):
             return "context"
-    stepped = np.abs(np.stack(grids["next"]) - last).max(axis=0) > _MOVED
+    stepped = _changed(grids["next"], last)
     if stepped.any():
         after = min(_gap(first, one, stepped) for one in grids["next"])
         if after < 0.8 * _gap(first, last, stepped):
@@ -123,16 +125,22 @@ def begins_with(
 
 
 #: Difference of grey levels (0 to 255) that counts as motion.
-_MOVED = 12.0
+_MOVED = 12
 
 
-def _grey(frame: NDArray[np.uint8]) -> NDArray[np.float64]:
+def _grey(frame: NDArray[np.uint8]) -> NDArray[np.uint8]:
     cv2 = opencv()
-    return np.asarray(cv2.GaussianBlur(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), (3, 3), 0), np.float64)
+    return np.asarray(cv2.GaussianBlur(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), (3, 3), 0), np.uint8)
 
 
-def _gap(a: NDArray[np.float64], b: NDArray[np.float64], where: Mask) -> float:
-    return float(np.abs(a - b)[where].mean())
+def _changed(pictures: list[NDArray[np.uint8]], last: NDArray[np.uint8]) -> Mask:
+    """Return the pixels (h, w) in which one of the pictures differs from the last one."""
+    cv2 = opencv()
+    return np.asarray(np.maximum.reduce([cv2.absdiff(picture, last) for picture in pictures]) > _MOVED)
+
+
+def _gap(a: NDArray[np.uint8], b: NDArray[np.uint8], where: Mask) -> float:
+    return float(opencv().absdiff(a, b)[where].mean())
 
 
 def nearest(times: NDArray[np.float64], time: float) -> int:

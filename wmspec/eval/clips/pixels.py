@@ -48,7 +48,7 @@ def _gradient_histogram(frame: NDArray[np.uint8], first: NDArray[np.intp]) -> Ar
     grey = cv2.resize(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), side, interpolation=cv2.INTER_AREA).astype(np.float32)
     dx, dy = cv2.Sobel(grey, cv2.CV_32F, 1, 0), cv2.Sobel(grey, cv2.CV_32F, 0, 1)
     strength, angle = cv2.cartToPolar(dx, dy)
-    bins = np.minimum((angle % np.pi * (BINS / np.pi)).astype(int), BINS - 1)
+    bins = (angle * (BINS / np.pi)).astype(np.intp) % BINS
     counts = np.bincount((first + bins).ravel(), strength.ravel(), first.max() + BINS)
     cells = GRADIENT_SIDE // CELL
     return np.asarray(counts.reshape(cells, cells, BINS), np.float64)

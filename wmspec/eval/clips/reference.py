@@ -78,20 +78,28 @@ class Reference:
         """The bodies that move in a film, by number."""
         every = [film.ids[:: max(1, len(film.ids) // PLATE_FRAMES)] for film in self.films]
         ids = np.concatenate(every) + 1
-        bodies, pixels = int(ids.max()) + 1, np.arange(ids[0].size)
+        bodies = int(ids.max()) + 1
         areas = np.stack([np.bincount(frame.ravel(), minlength=bodies) for frame in ids])
-        ever = np.zeros((bodies, len(pixels)), bool)
+        ever = np.zeros((bodies, ids[0].size), bool)
+        before = np.full_like(ids[0], -1)
         for frame in ids:
-            ever[frame.ravel(), pixels] = True
+            # Most pixels are as in the frame before.
+            changed = np.flatnonzero(frame != before)
+            ever[frame.ravel()[changed], changed] = True
+            before = frame
         unions = ever.sum(axis=1)
         return tuple(body - 1 for body in range(1, bodies) if _moves(areas[:, body], int(unions[body])))
 
     @cached_property
     def _moving_masks(self) -> tuple[Mask, ...]:
         """Where something that moves is seen in each film (n, h, w)."""
-        largest = max(int(film.ids.max()) for film in self.films)
-        moves = np.isin(np.arange(-1, largest + 1), self.moving)
-        return tuple(moves[film.ids + 1] for film in self.films)
+        made = []
+        for film in self.films:
+            masks = np.zeros(film.ids.shape, bool)
+            for body in self.moving:
+                masks |= film.ids == body
+            made.append(masks)
+        return tuple(made)
 
     @cached_property
     def moving_bits(self) -> Bits:
