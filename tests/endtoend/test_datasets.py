@@ -64,6 +64,38 @@ def test_the_same_bytes_whatever_the_number_of_workers(dataset: Path, tmp_path: 
     assert digests(tmp_path / "two") == digests(dataset), "asking again changes nothing"
 
 
+CROWDED = """
+task crowded : custom {
+  use tabletop
+  factor   tone in [red, blue] about color
+  nuisance gap  in 0 cm .. 90 cm by 90 cm
+  design groups of 6 { cross: tone }
+  objects dots[3] { shape: sphere  size: 12 cm  color: tone  on: table  scatter: (40 cm, 40 cm)  gap: gap }
+  observe front at [0 s]
+  question "Which colour do the balls have?" {
+    options [red, blue]
+    answer  tone
+  }
+}
+"""
+
+
+def test_the_same_bytes_wherever_the_spec_lies_also_of_what_is_rejected(tmp_path: Path) -> None:
+    installed("mujoco")
+    folders = tmp_path / "here", tmp_path / "far away"
+    for folder in folders:
+        folder.mkdir()
+        (folder / "crowded.wms").write_text(CROWDED)
+        args = ["generate", folder / "crowded.wms", "-b", "mujoco", "--size", 64]
+        command(*args, "-o", folder / "made", folder=tmp_path)
+    here, there = (folder / "made" for folder in folders)
+    rejected = json.loads((here / "manifest.json").read_text())["rejected"]["list"]
+    assert {r["reason"] for r in rejected} == {"invalid"}
+    assert all(r["detail"].startswith("crowded.wms:7:") for r in rejected)
+    assert digests(here) == digests(there)
+    assert verify(there, workers=0).verdict == "same"
+
+
 KILLED = """
 import os, signal
 from wmspec.cli import main

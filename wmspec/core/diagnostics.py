@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, Self
 
-from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Span
+from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Span, without_folder
 from wmspec.core.spelling import closest_word
 
 Severity = Literal["error", "warning"]
@@ -60,9 +60,17 @@ class Diagnostic:
     severity: Severity = "error"
 
     def __str__(self) -> str:
-        notes = (f"{note.place}: {note.message}" for note in self.notes)
+        return self._line(str)
+
+    @property
+    def portable(self) -> str:
+        """As `str`, with the names of files without their folders."""
+        return self._line(without_folder)
+
+    def _line(self, named: Callable[[Place], str]) -> str:
+        notes = (f"{named(note.place)}: {note.message}" for note in self.notes)
         text = "; ".join((self.message, *notes, *((self.help,) if self.help else ())))
-        return text if self.place is None else f"{self.place}: {text}"
+        return text if self.place is None else f"{named(self.place)}: {text}"
 
     def at(self, place: Place) -> Diagnostic:
         """Return the diagnostic with this place unless it has one."""
@@ -161,6 +169,11 @@ class WmsError(Exception):
 
     def __str__(self) -> str:
         return "\n".join(map(str, self.diagnostics))
+
+    @property
+    def portable(self) -> str:
+        """As `str`, with the names of files without their folders: for what is kept in a dataset."""
+        return "\n".join(diagnostic.portable for diagnostic in self.diagnostics)
 
     def render(self, paint: Paint = unpainted) -> str:
         """Render all diagnostics."""

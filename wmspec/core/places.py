@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import PurePath
 from typing import TypeAlias
 
 from wmspec.core.node import Node
@@ -116,3 +117,16 @@ class FilePlace:
 
 
 Place: TypeAlias = Span | Location | PrimPlace | FilePlace
+
+
+def without_folder(place: Place) -> str:
+    """Return a place with the name of its file alone: the text does not depend on where the file lies."""
+    match place:
+        case Span(source=source):
+            return f"{PurePath(source.name).name}:{place.line}:{place.column}"
+        case Location(file=file):
+            return f"{PurePath(file).name}:{place.line}:{place.column}"
+        case FilePlace():
+            return str(replace(place, path=PurePath(place.path).name))
+        case PrimPlace():
+            return str(place)

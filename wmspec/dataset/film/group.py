@@ -84,7 +84,7 @@ class GroupFilms:
         try:
             return self._of(row)
         except WmsError as error:
-            raise Reject("invalid", f"film: {error}") from None
+            raise Reject("invalid", f"film: {error.portable}") from None
 
     def _of(self, row: QuestionRow) -> FilmSet:
         answer = row.evidence
@@ -223,7 +223,7 @@ def _continued(run: Run, until: float, pair: EnginePair) -> Run:
     try:
         return replace(run, scene=scene, trace=pair.traces.trace(scene))
     except WmsError as error:
-        raise Reject("unstable", f"after the answer: {error}") from None
+        raise Reject("unstable", f"after the answer: {error.portable}") from None
 
 
 def _times(run: Run, answer: PictureAnswer, settings: FilmSettings) -> FilmTimes:

@@ -117,4 +117,4 @@ class ClosedSlot:
 def rejection_of(error: WmsError) -> Reject:
     """Return the rejection for an instance whose values lead to an error, such as a division by zero."""
     reasons: dict[type[WmsError], Reason] = {Ambiguous: "alike", NoCause: "cause", Unchanged: "unchanged"}
-    return Reject(reasons.get(type(error), "invalid"), str(error))
+    return Reject(reasons.get(type(error), "invalid"), error.portable)

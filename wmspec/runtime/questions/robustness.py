@@ -23,7 +23,7 @@ def require_stable(asking: QuestionContext, answer: Answer, key: tuple[object, .
         except GraphicsError:
             raise
         except WmsError as error:
-            raise Reject("unstable", f"displaced by {by * 1000:g} mm: {error}") from None
+            raise Reject("unstable", f"displaced by {by * 1000:g} mm: {error.portable}") from None
         if why:
             raise Reject("unstable", why)
 

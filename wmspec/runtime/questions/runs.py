@@ -118,9 +118,9 @@ def execute(design: Design, instance: Instance, change: Counterfactual | None, p
             raise Reject("overlap", f"{label}{a} and {b} are {depth * 1000:.1f} mm deep in each other at the start")
         return Run(values, scene, pair.traces.trace(scene), partial(execute, design, instance, pair=pair))
     except EngineError as error:
-        raise Reject("unstable", f"{label}{error}") from None
+        raise Reject("unstable", f"{label}{error.portable}") from None
     except WmsError as error:
-        raise Reject("invalid", f"{label}{error}") from None
+        raise Reject("invalid", f"{label}{error.portable}") from None
 
 
 # ---------------------------------------------------------------- overlaps
@@ -184,5 +184,5 @@ def nudged(run: Run, by: float, key: Iterable[object], pair: EnginePair) -> Run:
     try:
         trace = pair.traces.trace(scene)
     except WmsError as error:
-        raise Reject("unstable", f"displaced by {by * 1000:g} mm: {error}") from None
+        raise Reject("unstable", f"displaced by {by * 1000:g} mm: {error.portable}") from None
     return Run(run.values, scene, trace, lambda change: nudged(run.under(change), by, drawn, pair))

@@ -100,7 +100,7 @@ def lawful_run(asking: QuestionContext, run: Run) -> Run:
     try:
         trace = asking.pair.traces.trace(scene)
     except WmsError as error:
-        raise Reject("unstable", f"without violations: {error}") from None
+        raise Reject("unstable", f"without violations: {error.portable}") from None
     return Run(run.values, scene, trace, lambda change: lawful_run(asking, run.under(change)))
 
 
