@@ -25,6 +25,7 @@ from wmspec.eval.clips.measure import measure
 from wmspec.eval.clips.questions import FilmQuestion, film_questions, reference_of
 from wmspec.eval.clips.reference import Reference
 from wmspec.eval.clips.run import ClipRun, evaluate_clips, rescore_clips
+from wmspec.eval.models.causes import causes
 from wmspec.eval.models.question import Selection
 
 
@@ -181,6 +182,24 @@ def test_broken_files_cost_their_clip_only(
     assert all(rows[question.id]["right"] for question in questions[6:])
 
 
+def test_films_of_questions_without_clips_are_not_read(
+    dataset: DatasetReader, questions: list[FilmQuestion], tmp_path: Path
+) -> None:
+    answered = [question for question in questions if question.block == questions[0].block]
+    place = folder_of(dataset, answered, tmp_path / "clips", lambda question: question.answer)
+    without = tmp_path / "without"
+    shutil.copytree(dataset.folder, without)
+    for question in questions:
+        if question not in answered:
+            (without / question.film).unlink()
+    rows = {row["id"]: row for row in run(DatasetReader.open(without), str(place), tmp_path / "r.parquet")}
+    assert len(answered) < len(questions) == len(rows)
+    for question in questions:
+        row = rows[question.id]
+        expected = "there is no clip of this question"
+        assert row["right"] if question in answered else row["error"] == expected
+
+
 def test_scores_come_again_from_the_measurements(
     dataset: DatasetReader, questions: list[FilmQuestion], tmp_path: Path
 ) -> None:
@@ -245,6 +264,8 @@ def test_from_the_exported_folder_to_a_report(films: Path, dataset: DatasetReade
     assert "8 unparsed" in scored.output
     rows = pq.read_table(results).to_pylist()
     assert {(row["model"], row["model_version"]) for row in rows} == {("clips:still", "still 1")}
+    assert all(cause.cause.startswith("none of the futures: ") and not cause.example for cause in causes(rows))
+    assert sum(cause.count for cause in causes(rows)) == 8
 
 
 def test_the_exported_folder_does_not_hold_the_future(films: Path, dataset: DatasetReader, tmp_path: Path) -> None:

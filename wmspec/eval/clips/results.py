@@ -20,6 +20,7 @@ from wmspec.eval.clips.decide import Decision, decide, track_error
 from wmspec.eval.clips.measure import Measurement
 from wmspec.eval.clips.questions import FilmQuestion
 from wmspec.eval.models import results
+from wmspec.eval.models.causes import NO_FUTURE
 
 Row = dict[str, Any]
 
@@ -97,7 +98,7 @@ def _decided(decision: Decision, answer: int) -> Row:
     return {
         "parsed": decision.choice,
         "status": "unparsed" if decision.choice is None else "answered",
-        "text": f"none of the futures: {', '.join(decision.why)}" if decision.choice is None else "",
+        "text": f"{NO_FUTURE}: {', '.join(decision.why)}" if decision.choice is None else "",
         "right": decision.choice == answer,
         "error": None,
         "why": list(decision.why),

@@ -107,8 +107,8 @@ def evaluate_clips(run: ClipRun, output: Path, progress: Progress) -> ClipResult
             for sample in source.samples(question):
                 row = clip_results.common(question, sample, run.name, model_version, prompt, prompt_hash)
                 try:
-                    reference, floors = references(_SetKey(question))
                     digest = source.digest(question, sample)
+                    reference, floors = references(_SetKey(question))
                     about = question.id, sample, run.begins, run.masks, digest
                     fresh = partial(_measured, source, question, sample, reference)
                     one = kept.get(about, fresh) if digest else fresh()

@@ -42,7 +42,7 @@ class Source(Protocol):
         """Return the numbers of the samples of a question."""
 
     def digest(self, question: FilmQuestion, sample: int) -> str:
-        """Return a digest of the content of a clip; empty for one that cannot be read."""
+        """Return a digest of the content of a clip; empty for one that cannot be read. Raises BadClip without one."""
 
     def clip(self, question: FilmQuestion, sample: int, reference: Reference) -> tuple[Clip, Begins | None]:
         """Return a clip, and what it begins with, if that is known. Raises BadClip."""
@@ -69,7 +69,10 @@ class ClipFolder:
         return [0] if self._plain(question) or not numbers else numbers
 
     def digest(self, question: FilmQuestion, sample: int) -> str:
-        """Return the SHA-256 of the file of a clip; empty for one that is no file of the folder."""
+        """Return the SHA-256 of the file of a clip; empty for one that is no file of the folder.
+
+        Raises BadClip if there is none.
+        """
         name = self._name(question, sample)
         path = self.folder / name
         with suppress(OSError):
@@ -80,8 +83,6 @@ class ClipFolder:
     def clip(self, question: FilmQuestion, sample: int, reference: Reference) -> tuple[Clip, Begins | None]:
         """Return a clip. Raises BadClip if there is none, or if it cannot be read."""
         name = self._name(question, sample)
-        if not name:
-            raise BadClip("there is no clip of this question")
         seconds = (reference.films[0].context + reference.count) / reference.rate + 1.0
         height, width = reference.plate.shape[:2]
         return self.reader.read(self.folder, self.folder / name, seconds, (width, height)), self.begins
@@ -97,7 +98,10 @@ class ClipFolder:
         return sorted(path.name for path in self.folder.iterdir())
 
     def _name(self, question: FilmQuestion, sample: int) -> str:
-        return self._plain(question) or self._numbered(question, sample)
+        name = self._plain(question) or self._numbered(question, sample)
+        if not name:
+            raise BadClip("there is no clip of this question")
+        return name
 
     def _plain(self, question: FilmQuestion) -> str:
         return self._existing(question.file_name)

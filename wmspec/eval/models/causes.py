@@ -15,6 +15,8 @@ REMEDIES: dict[str, str] = {
     "error": "the same command sends them again",
     "truncated": "raise the limit of tokens, such as -p max_tokens=8192, with another -o",
 }
+#: The beginning of the text of a clip that shows no future, before the reasons.
+NO_FUTURE = "none of the futures"
 #: Maximum length of an example (characters).
 MAX_EXAMPLE_LENGTH = 160
 
@@ -62,7 +64,10 @@ def _cause(row: dict[str, Any]) -> str:
         return f"withheld by a filter ({row['finish_reason']})" if row["finish_reason"] else "withheld by a filter"
     if row["status"] == "truncated":
         return "cut off by the limit of tokens"
-    return "no option or number can be read" if (row["text"] or "").strip() else "the reply is empty"
+    text = (row["text"] or "").strip()
+    if text.startswith(NO_FUTURE):
+        return text
+    return "no option or number can be read" if text else "the reply is empty"
 
 
 def _generic(message: str) -> str:
@@ -74,7 +79,7 @@ def _generic(message: str) -> str:
 def _example(row: dict[str, Any]) -> str:
     shown = row["text"] if row["status"] in {"unparsed", "truncated"} else row["error"]
     text = " ".join((shown or "").split())
-    if row["status"] == "error" and text == _cause(row):
+    if text == _cause(row):
         return ""
     if row["status"] == "truncated":
         return text if len(text) <= MAX_EXAMPLE_LENGTH else "… " + text[-MAX_EXAMPLE_LENGTH:]

@@ -169,6 +169,13 @@ _FILM_ROWS = (
 )
 
 
+def _number(number: float | None) -> str:
+    """Return a number with three decimals, or with two digits if it is small."""
+    if number is None or math.isnan(number):
+        return "–"
+    return f"{number:.3f}" if number == 0 or abs(number) >= 0.01 else f"{number:.2g}"
+
+
 def film_table(report: Report) -> pd.DataFrame:
     """Return the scores of clips over all tasks: a row for each figure, a column for each system."""
     table = {}
@@ -176,7 +183,7 @@ def film_table(report: Report) -> pd.DataFrame:
         values = [getattr(scores, field) for _, field, _ in _FILM_ROWS]
         numbers = [value.value if hasattr(value, "value") else value for value in values]
         table[scores.system] = [
-            format_percent(number) if share else "–" if number is None or math.isnan(number) else f"{number:.3f}"
+            format_percent(number) if share else _number(number)
             for number, (_, _, share) in zip(numbers, _FILM_ROWS, strict=True)
         ]
     frame = pd.DataFrame(table, index=[name for name, _, _ in _FILM_ROWS])
