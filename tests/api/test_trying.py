@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
+from tests.engines import installed
 from wmspec.api.trying import try_tasks
 from wmspec.cli import main
 from wmspec.dataset.build.answer_counts import AnswerCounts
@@ -83,6 +84,15 @@ def test_more_instances_are_tried_while_one_answer_may_be_chance(spec: Any, tmp_
 
 def test_a_gate_has_a_remedy(spec: Any) -> None:
     assert "help: change the scene so that the condition holds" in check(spec("ensure position(a).x > 9 m")).stdout
+
+
+def test_engines_are_compared_or_a_hint_names_the_option(spec: Any) -> None:
+    for engine in ("mujoco", "pybullet"):
+        installed(engine)
+    assert "`--try -b all` finds disagreement" in check(spec()).stdout
+    both = check(spec(), "-b", "mujoco,pybullet").stdout
+    assert "instances in mujoco, pybullet" in both
+    assert "finds disagreement" not in both
 
 
 def test_json_has_the_trials(spec: Any) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.dataset.made import pictures, question_row
-from wmspec.runtime.questions.consensus import Consensus, agree, consensus, picked_option
+from wmspec.runtime.questions.consensus import Consensus, agree, consensus, judge, picked_option
 from wmspec.runtime.questions.kinds.labels import LabelAnswer
 from wmspec.runtime.questions.kinds.numbers import NumberAnswer
 from wmspec.runtime.questions.kinds.pictures import PictureAnswer
@@ -51,6 +51,18 @@ def number(engine: str, value: float) -> QuestionRow:
         evidence=NumberAnswer(value, 0.02),
         agreement=(),
     )
+
+
+def test_the_answers_of_engines_are_in_words() -> None:
+    mine = label("mujoco", 0)
+    result = judge(mine, {"mujoco": mine, "pybullet": label("pybullet", 1), "sapien": lost("sapien")}, "all", {})
+    assert isinstance(result, Rejected)
+    words = "mujoco answers left; pybullet answers right; sapien rejects it: margin: 1.1 where 1.2 apart was required"
+    assert result.detail == words
+    mine = picture("mujoco", 0, 1, 2)
+    result = judge(mine, {"mujoco": mine, "sapien": picture("sapien", 1, 0, 2)}, "all", {})
+    assert isinstance(result, Rejected)
+    assert result.detail == "mujoco picks picture 1; sapien picks picture 2"
 
 
 def lost(engine: str) -> Rejected:

@@ -14,7 +14,7 @@ from wmspec.runtime.questions.ask import ask
 from wmspec.runtime.questions.legibility.bounds import BOUNDS, entry, ratio
 from wmspec.runtime.questions.legibility.color_vision import dichromat_difference, difference
 from wmspec.runtime.questions.legibility.motion import drawn_path
-from wmspec.runtime.questions.legibility.picture_places import pixels_per_metre
+from wmspec.runtime.questions.legibility.picture_places import center, pixels_per_metre
 from wmspec.runtime.questions.legibility.texture import texture_difference
 from wmspec.runtime.questions.model import QuestionRow, Rejected
 
@@ -49,6 +49,21 @@ def test_a_mover_is_measured_by_how_far_it_is_drawn_from_where_it_was(speed: flo
     assert path.length == pytest.approx(metre * speed / 50, abs=6)  # a pixel of 128 is 3 of 384
     assert path.step == pytest.approx(path.length / 2, abs=4)
     assert path.step_in_widths == pytest.approx(speed / 8, rel=0.2, abs=0.1)
+
+
+def test_the_path_of_a_body_leads_through_pictures_that_hide_it() -> None:
+    body = """
+    object screen { shape: box  size: (16 cm, 2 cm, 24 cm)  color: gray  on: table at (0, -12 cm)  fixed: true }
+    object ball { shape: cube  size: 8 cm  color: red  on: table at (-24 cm, 0) }
+    action go = glide(ball, direction: right, speed: 24 cm/s) for 2 s
+    observe front at [0 s, 1 s, 2 s]
+    """
+    observed = run(body).observed([("front", 0.0), ("front", 1.0), ("front", 2.0)], pair())
+    assert center(observed.picture("front", 1.0), observed.index("ball")) is None
+    through, across = (drawn_path(observed, "ball", "front", times) for times in ((0.0, 1.0, 2.0), (0.0, 2.0)))
+    assert (through.step, through.step_in_widths) == (across.step, across.step_in_widths)
+    assert through.travelled.tolist() == [0.0, 0.0, across.length]
+    assert across.length > 60
 
 
 def test_measures_do_not_depend_on_the_size_of_the_picture() -> None:

@@ -66,10 +66,10 @@ class TriedQuestion:
 
 @dataclass(frozen=True)
 class TriedTask:
-    """The tried instances of a task in an engine."""
+    """The tried instances of a task in one or more engines."""
 
     name: str
-    engine: str
+    engines: tuple[str, ...]
     instances: int
     questions: tuple[TriedQuestion, ...]
 
@@ -86,7 +86,7 @@ class TriedTask:
     def record(self) -> dict[str, Any]:
         """Return the result as JSON values."""
         questions = [asdict(q) | {"warning": q.answers.shift, "fault": q.fault} for q in self.questions]
-        return {"task": self.name, "engine": self.engine, "instances": self.instances, "questions": questions}
+        return {"task": self.name, "engines": list(self.engines), "instances": self.instances, "questions": questions}
 
 
 def try_tasks(
@@ -98,11 +98,11 @@ def try_tasks(
     progress: Progress = silent,
     tell: Tell = warn,
 ) -> tuple[TriedTask, ...]:
-    """Make `count` random instances of each task in one engine, in this process, and return what the gates keep.
+    """Make `count` random instances of each task in this process, and return what the gates keep.
 
     Control groups are whole, so a task may have more instances. While all kept instances of a question have the same
-    answer, and that may be chance, their number is doubled, up to eight times. `backend` is an engine, by default the
-    first that is installed. Raises WmsError where `generate` would.
+    answer, and that may be chance, their number is doubled, up to eight times. `backend` names engines as for
+    `generate`; by default it is the first that is installed. Raises WmsError where `generate` would.
     """
     engine = backend or default()
     plan = plan_dataset(tasks, tell, per_task=count, backend=engine, seed=seed)
@@ -139,7 +139,7 @@ def _summary(plan: Plan, task: PlannedTask, outcomes: Sequence[Outcome]) -> Trie
         legible = sum(all(ratio(each) >= 1 for each in own) for own in measures) / len(kept) if kept else 0.0
         name = question.name or f"question {q + 1}"
         questions.append(TriedQuestion(name, len(kept), *by_reason(lost), counts[q], _measures(measures), legible))
-    return TriedTask(task.spec.name, plan.engines[0], len(task.indices), tuple(questions))
+    return TriedTask(task.spec.name, plan.engines, len(task.indices), tuple(questions))
 
 
 def _outcomes(plan: Plan, task: PlannedTask, indices: Sequence[int]) -> Iterator[Outcome]:

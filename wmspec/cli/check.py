@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from wmspec.cli.common import balance_note, by_size, paint, read_stdin, tell, time_limit
-from wmspec.cli.trial import CountType, print_trials
+from wmspec.cli.trial import CountType, print_engines_hint, print_trials
 from wmspec.core.diagnostics import WmsError
 
 if TYPE_CHECKING:
@@ -48,7 +48,13 @@ if TYPE_CHECKING:
     metavar="[N]",
     help="Make N random instances of each task through all gates.  [N: 4]",
 )
-@click.option("--backend", "-b", default="", metavar="ENGINE", help="Engine of --try.  [default: the first installed]")
+@click.option(
+    "--backend",
+    "-b",
+    default="",
+    metavar="ENGINES",
+    help="Engines of --try, with commas, or all.  [default: the first installed]",
+)
 def check_command(
     specs: tuple[Path, ...],
     form: str,
@@ -74,7 +80,7 @@ def check_command(
     if count and (form not in ("text", "json") or specs == (Path("-"),)):
         raise WmsError("--try needs spec files, and prints text or JSON")
     if backend and not count:
-        raise WmsError("--backend selects the engine of --try", help="add --try")
+        raise WmsError("--backend selects the engines of --try", help="add --try")
     with time_limit(timeout), disabled() if no_cache else nullcontext():
         checked = check_text(read_stdin()) if specs == (Path("-"),) else check_files(specs)
         checked = _strict(checked) if strict else checked
@@ -97,6 +103,7 @@ def check_command(
     else:
         _print(checked)
         print_trials(trials)
+        print_engines_hint(trials)
     if not checked.passed or not all(trial.passed for trial in trials):
         raise SystemExit(2)
 

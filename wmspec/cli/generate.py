@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 @click.option(
     "--per-task",
     type=click.IntRange(1),
-    help="Number of random instances per task; groups are whole, so there may be more.  "
+    help="Number of random instances per task; control groups are whole, so there may be more or fewer.  "
     "[default: as many as the paper has of its tasks, all of others]",
 )
 @click.option("--shard", metavar="I/N", default="1/1", help="Generate only share I of N of each task's instances.")

@@ -18,6 +18,7 @@ REMEDIES = {
     "alike": "let the options differ more, or name another colour or place for one of them",
     "balance": "cross the states before and after the violation, so that half of each group is possible",
     "cause": "let the event need one of the candidates and no other",
+    "disagreement": "move the outcome away from edges and from long chains of contacts; `wmspec crosscheck` explains",
     "ensure": "change the scene so that the condition holds, or remove it",
     "illegible": "show it longer, larger or further apart, look from nearer, or write `legibility off`",
     "invalid": "ask for what always has a value, or `ensure` that it has one",
@@ -44,13 +45,23 @@ class CountType(click.IntRange):
 def print_trials(trials: Iterable[TriedTask]) -> None:
     """Print tried tasks to standard output, and warnings to standard error."""
     for task in trials:
-        click.echo(f"{task.name}: tried {task.instances} instance{'s' * (task.instances != 1)} in {task.engine}")
+        engines = ", ".join(task.engines)
+        click.echo(f"{task.name}: tried {task.instances} instance{'s' * (task.instances != 1)} in {engines}")
         for question in task.questions:
             click.echo("\n".join(_lines(question)))
             if question.answers.shift:
                 click.echo(f"warning: {task.name}, {question.name}: {question.answers.shift}", err=True)
             if question.fault:
                 click.echo(f"error: {task.name}, {question.name}: {question.fault}", err=True)
+
+
+def print_engines_hint(trials: Iterable[TriedTask]) -> None:
+    """Say how to compare engines, if one was asked and others are installed."""
+    from wmspec.runtime.engines.registry import select_backends
+
+    engines = {engine for task in trials for engine in task.engines}
+    if len(engines) == 1 and len(select_backends("all")) > 1:
+        click.echo(f"only {engines.pop()} was asked; `--try -b all` finds disagreement of engines")
 
 
 def _lines(question: TriedQuestion) -> Iterator[str]:

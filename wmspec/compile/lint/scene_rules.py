@@ -27,7 +27,7 @@ from wmspec.lang.check.types import units
 
 #: Computing time (s) per pair of objects and second of episode, from 150 falling spheres; warning threshold (s).
 _PAIR_SECONDS, _MAX_SECONDS = 8e-4, 20.0
-_CONTACTS = ("contact", "contact_time")
+_CONTACTS = ("contact", "contact_time", "touches_first")
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import combinations
 from typing import Literal
 
+from wmspec.lang.check.ir.ir import QuestionKind
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.model import Measurement, QuestionRow, Rejected, Vote
 
@@ -66,7 +67,7 @@ def judge(
     """Return a row with the votes of all engines, itself included, or rejected without consensus."""
     if _is_kept(row, answers, required):
         return replace(row, agreement=votes(answers, row, apart))
-    detail = "; ".join(_sentence(vote) for vote in votes(answers, row, apart))
+    detail = "; ".join(_sentence(vote, row.kind) for vote in votes(answers, row, apart))
     return Rejected(row.task, row.index, row.question, row.engine, "disagreement", detail, row.label)
 
 
@@ -77,7 +78,7 @@ def _is_kept(row: QuestionRow, answers: Mapping[str, Answered], required: Consen
     return required == "none" or 2 * sum(agree(row, other) for other in valid) > len(answers)
 
 
-def _sentence(vote: Vote) -> str:
+def _sentence(vote: Vote, kind: QuestionKind) -> str:
     if vote.rejected:
         return f"{vote.engine} rejects it: {vote.rejected}"
-    return f"{vote.engine} answers {vote.value}" if vote.answer is None else f"{vote.engine} picks option {vote.answer}"
+    return f"{vote.engine} {KINDS[kind].vote_words(vote.value, vote.answer)}"

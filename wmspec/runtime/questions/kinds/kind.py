@@ -62,6 +62,10 @@ class Kind(ABC, Generic[A]):
     def words(self, asking: QuestionContext, answer: A) -> str:
         """Return the answer in words. Raises Ambiguous if words cannot express it."""
 
+    def vote_words(self, value: str, option: int | None) -> str:
+        """Return what an engine says: the answer in words, or the option that it selects (None for none)."""
+        return f"answers {value}"
+
     def gate(self, asking: QuestionContext, answer: A) -> None:
         """Raise Reject if the options are invalid, as far as known without drawing."""
 

@@ -100,6 +100,10 @@ class Pictures(Kind[PictureAnswer]):
         """Return which picture it is."""
         return f"{answer.camera} at {answer.time:g} s"
 
+    def vote_words(self, value: str, option: int | None) -> str:
+        """Return which picture an engine selects."""
+        return "picks no picture" if option is None else f"picks picture {option + 1}"
+
     def gate(self, asking: QuestionContext, answer: PictureAnswer) -> None:
         """Raise Reject if two options are closer than `distinct`, unless they differ in appearance only."""
         question = asking.question

@@ -12,7 +12,7 @@ from wmspec.runtime.questions.legibility.bounds import entry
 from wmspec.runtime.questions.legibility.picture_places import center, width_along
 from wmspec.runtime.questions.model import Legibility
 from wmspec.runtime.questions.observed import MIN_MOTION, Observed
-from wmspec.sim.scene.model import Array
+from wmspec.sim.scene.model import Array, Frame
 from wmspec.sim.scene.render.appearance import vanish_times
 
 #: s: closer times are the same.
@@ -21,8 +21,8 @@ _MOMENT = 1e-9
 
 @dataclass(frozen=True)
 class DrawnPath:
-    """The path of a body in the pictures of one camera: the longest step (px), the same in widths of the body, and the
-    distance (px) travelled up to each of the camera's times (n,).
+    """The path of a body in the pictures of one camera: the longest step (px) between two pictures that show it, the
+    same in widths of the body, and the distance (px) travelled up to each of the camera's times (n,).
     """
 
     step: float
@@ -46,16 +46,19 @@ def camera_times(observed: Observed) -> dict[str, tuple[float, ...]]:
 def drawn_path(observed: Observed, name: str, camera: str, times: tuple[float, ...]) -> DrawnPath:
     """Return the path of a body in the pictures of a camera. Pictures that do not show it are skipped."""
     index = observed.index(name)
-    step, in_widths, travelled = 0.0, 0.0, [0.0]
-    for before, after in pairwise(times):
-        frame = observed.picture(camera, before)
-        here, there = center(frame, index), center(observed.picture(camera, after), index)
-        way = np.zeros(2) if here is None or there is None else there - here
-        length = float(np.linalg.norm(way))
-        travelled.append(travelled[-1] + length)
-        if length > 0:
-            step = max(step, length)
-            in_widths = max(in_widths, length / width_along(frame, index, way))
+    step, in_widths, travelled = 0.0, 0.0, list[float]()
+    last: tuple[Frame, Array] | None = None
+    for frame in (observed.picture(camera, time) for time in times):
+        length, here = 0.0, center(frame, index)
+        if last is not None and here is not None:
+            way = here - last[1]
+            length = float(np.linalg.norm(way))
+            if length > 0:
+                step = max(step, length)
+                in_widths = max(in_widths, length / width_along(last[0], index, way))
+        if here is not None:
+            last = frame, here
+        travelled.append(length + (travelled[-1] if travelled else 0.0))
     return DrawnPath(step, in_widths, np.array(travelled))
 
 
