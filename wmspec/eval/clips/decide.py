@@ -95,11 +95,13 @@ def _best_tempo(measured: Measurement, rate: int) -> Decision | None:
 
 def _warped(measured: Measurement, tempo: float, delay: float, rate: int) -> _Warped:
     points, kept = _clip_points(measured, tempo, delay, rate)
-    distances = [
-        film_distance(points[o], _futures(measured, o, tempo, delay, rate)[:, kept], measured.widths)
-        for o in _options(measured)
-    ]
-    return _Warped(np.array(distances), tempo, delay)
+    distances = np.full(len(measured.futures), np.inf)
+    for o in _options(measured):
+        future = _futures(measured, o, tempo, delay, rate)
+        # A clip that ends before an object comes out, or goes in, does not show it.
+        if (np.isnan(future[:, -1, 0, 0]) == np.isnan(measured.futures[o, :, -1, 0, 0])).all():
+            distances[o] = film_distance(points[o], future[:, kept], measured.widths)
+    return _Warped(distances, tempo, delay)
 
 
 def _options(measured: Measurement) -> range:

@@ -25,7 +25,7 @@ from wmspec.eval.models.causes import NO_FUTURE
 Row = dict[str, Any]
 
 #: The version of the decision rules.
-RULES_VERSION = 3
+RULES_VERSION = 4
 
 #: The columns beyond those of all results: type and description.
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {
