@@ -174,10 +174,13 @@ def _at_tempo(measured: Measurement, tempo: float, delay: float, rate: int) -> D
 def _missing(points: Array, future: Array) -> float:
     """Return the share of frames in which an object is there in one and not in the other, of the worst object.
 
-    It is 1 if the two differ in all of the last frames.
+    It is 1 if the two differ in all of the last frames, from the one on in which an object comes out or goes in.
     """
-    gone = np.isnan(points[..., 0, 0]) != np.isnan(future[..., 0, 0])
-    if gone[:, -END_FRAMES:].all(axis=1).any():
+    absent = np.isnan(future[..., 0, 0])
+    gone = np.isnan(points[..., 0, 0]) != absent
+    last = absent[:, -END_FRAMES:] == absent[:, -1:]
+    ends = np.logical_and.accumulate(last[:, ::-1], axis=1)[:, ::-1]
+    if (gone[:, -END_FRAMES:] | ~ends).all(axis=1).any():
         return 1.0
     return float(gone.mean(axis=1).max())
 
