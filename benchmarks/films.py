@@ -1,6 +1,7 @@
 """Scoring of clips: damaged futures, clips that show none of the futures, and the time that a clip takes.
 
     python -m benchmarks.films DATASET [--task NAME ...] [--sets 2] [--keep FOLDER] [--page docs/benchmarks/films.md]
+        [--note TEXT]
 
 DATASET has films of several tasks. Every film of some closed sets is damaged in each way of `tests/films/corrupt.py`:
 after some damage it still shows its future, after other damage none. Baselines need no clip. Then `evaluate` scores
@@ -62,6 +63,7 @@ class TaskScores:
 
     task: str
     sets: int
+    seed: int
     rules: int = RULES_VERSION
     scored: list[Scored] = field(default_factory=list)
 
@@ -91,6 +93,7 @@ def main() -> None:
     parser.add_argument("--sets", type=int, default=2, help="closed sets of each task")
     parser.add_argument("--keep", type=Path, help="the folder of the results of tasks")
     parser.add_argument("--page", type=Path)
+    parser.add_argument("--note", default="", help="a sentence on the page about the groups")
     chosen = parser.parse_args()
     folder = chosen.keep or chosen.dataset.with_name(f"{chosen.dataset.name}.films")
     folder.mkdir(parents=True, exist_ok=True)
@@ -107,7 +110,8 @@ def main() -> None:
     kept = sorted(folder.glob("*.json"))
     text = page(
         [_read(path) for path in kept if not path.name.endswith(EVALUATED)],
-        [Evaluated(**json.loads(path.read_text(encoding="utf-8"))) for path in folder.glob(f"*{EVALUATED}")],
+        [Evaluated(**json.loads(path.read_text(encoding="utf-8"))) for path in sorted(folder.glob(f"*{EVALUATED}"))],
+        chosen.note,
     )
     print(text)
     if chosen.page:
@@ -122,7 +126,7 @@ def _read(path: Path) -> TaskScores:
 def scores(dataset: DatasetReader, task: str, sets: int, every: list[FilmQuestion]) -> TaskScores:
     """Return the outcomes of every damage and baseline on some closed sets of a task."""
     chosen = closed_sets([question for question in every if question.task == task], sets)
-    made = TaskScores(task, len(chosen))
+    made = TaskScores(task, len(chosen), dataset.manifest["seed"])
     for questions in chosen:
         reference = reference_of(dataset, questions[0])
         for question in questions:
@@ -224,7 +228,7 @@ def _evaluate_biased(
 # ---------------------------------------------------------------- page
 
 
-def page(tasks: list[TaskScores], models: list[Evaluated]) -> str:
+def page(tasks: list[TaskScores], models: list[Evaluated], note: str) -> str:
     """Return the page of results."""
     scored = [one for task in tasks for one in task.scored]
     clips = sum(one.clips for one in models)
@@ -244,6 +248,7 @@ def page(tasks: list[TaskScores], models: list[Evaluated]) -> str:
         "",
         "A known future is damaged, and scored as the clip of a model. *Right* clips are recognized as their future,",
         "*wrong* ones are taken for another, and of the rest none of the futures is chosen.",
+        *([note] if note else []),
         "",
         "| | clips | right | wrong | none |",
         "|---|---|---|---|---|",
@@ -278,6 +283,7 @@ def page(tasks: list[TaskScores], models: list[Evaluated]) -> str:
         cells = [_cell([one for one in task.scored if one.damage == name]) for task in tasks]
         lines.append(f"| {f'`{name}`' if name[0] == '@' else name} | " + " | ".join(cells) + " |")
     lines.append("| closed sets | " + " | ".join(str(task.sets) for task in tasks) + " |")
+    lines.append("| seed of the dataset | " + " | ".join(str(task.seed) for task in tasks) + " |")
     return "\n".join([*lines, ""])
 
 
