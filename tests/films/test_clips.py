@@ -18,10 +18,11 @@ from wmspec.cli import main
 from wmspec.dataset.build.films import read_frames
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import encode, encode_mp4
+from wmspec.dataset.film.distances import end_distance, film_distance
 from wmspec.eval.clips import run as run_module
 from wmspec.eval.clips.bits import count, overlaps, packed
 from wmspec.eval.clips.decide import decide
-from wmspec.eval.clips.measure import measure
+from wmspec.eval.clips.measure import Measurement, measure
 from wmspec.eval.clips.questions import FilmQuestion, film_questions, reference_of
 from wmspec.eval.clips.reference import Reference
 from wmspec.eval.clips.run import ClipRun, evaluate_clips, rescore_clips
@@ -235,6 +236,52 @@ def test_a_run_that_was_cut_off_goes_on(
     assert [path.name for path in tmp_path.iterdir() if path.name.endswith(".clips")] == []
     whole.parent.mkdir()
     assert run(dataset, str(place), whole) == rows
+
+
+# ---------------------------------------------------------------- what comes out late
+
+
+def track(hidden: range, turns: bool, frames: int = 28) -> Any:
+    """The points (1, T, 3, 2) of an object that rolls to the right, is hidden for some frames, and may turn back."""
+    x = 4.0 * np.arange(frames)
+    if turns:
+        x = np.minimum(x, 4.0 * (hidden.start + len(hidden) // 2) * 2 - x)
+    points = np.repeat(np.stack([x, np.zeros(frames)], axis=-1)[:, None], 3, axis=1)[None]
+    points[:, list(hidden)] = np.nan
+    return points
+
+
+def of_two(futures: Any, clip: Any) -> Measurement:
+    """The measurement of a clip that pixels take for the first of two futures."""
+    apart = film_distance(*futures, np.array([8.0])), end_distance(*futures, np.array([8.0]))
+    away = np.array([[0.0, 1.0], [1.0, 0.0]])
+    return Measurement(
+        points=np.stack([clip, clip]),
+        areas=np.full((1, clip.shape[1]), 64.0),
+        futures=np.stack(futures),
+        apart=np.stack([away * each for each in apart]),
+        widths=np.array([8.0]),
+        votes=np.array([[0.1, 1.0]] * 3),
+        left_empty=np.ones(2),
+        vacancies=away,
+        physics_iq=np.ones((2, 4)),
+        overlap=np.ones(2),
+        background_rmse=0.0,
+        zoom=1.0,
+        inliers=1.0,
+        short=0.0,
+        fit="stretch",
+        begins="first",
+    )
+
+
+@pytest.mark.parametrize("out", [20, 22, 24, 25, 26, 27])
+def test_a_clip_in_which_nothing_comes_out_is_not_a_future_in_which_it_comes_out_late(out: int) -> None:
+    """At a slower tempo the object would still be hidden at the end, but then the clip does not show what happens."""
+    futures = track(range(6, out), turns=False), track(range(6, 12), turns=True)
+    gone = track(range(6, 28), turns=False)
+    assert decide(of_two(futures, futures[0]), 24).choice == 0
+    assert decide(of_two(futures, gone), 24).choice is None
 
 
 # ---------------------------------------------------------------- the whole way of a user
