@@ -253,14 +253,15 @@ def track(hidden: range, turns: bool, frames: int = 28) -> Any:
 
 def of_two(futures: Any, clip: Any) -> Measurement:
     """The measurement of a clip that pixels take for the first of two futures."""
-    apart = film_distance(*futures, np.array([8.0])), end_distance(*futures, np.array([8.0]))
+    (one, other), width = futures, np.array([8.0])
+    apart = film_distance(one, other, width), end_distance(one, other, width)
     away = np.array([[0.0, 1.0], [1.0, 0.0]])
     return Measurement(
         points=np.stack([clip, clip]),
         areas=np.full((1, clip.shape[1]), 64.0),
         futures=np.stack(futures),
         apart=np.stack([away * each for each in apart]),
-        widths=np.array([8.0]),
+        widths=width,
         votes=np.array([[0.1, 1.0]] * 3),
         left_empty=np.ones(2),
         vacancies=away,

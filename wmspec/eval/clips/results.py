@@ -16,7 +16,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import regular_file
 from wmspec.dataset.build.files import with_remedies
-from wmspec.eval.clips.decide import Decision, decide, track_error
+from wmspec.eval.clips.decide import REASONS, Decision, decide, track_error
 from wmspec.eval.clips.measure import Measurement
 from wmspec.eval.clips.questions import FilmQuestion
 from wmspec.eval.models import results
@@ -95,10 +95,11 @@ def scored(row: Row, measured: Measurement, rate: int, floor: tuple[float, float
 
 
 def _decided(decision: Decision, answer: int) -> Row:
+    why = "; ".join(REASONS[name] for name in decision.why)
     return {
         "parsed": decision.choice,
         "status": "unparsed" if decision.choice is None else "answered",
-        "text": f"{NO_FUTURE}: {', '.join(decision.why)}" if decision.choice is None else "",
+        "text": f"{NO_FUTURE}: {why}" if decision.choice is None else "",
         "right": decision.choice == answer,
         "error": None,
         "why": list(decision.why),

@@ -375,7 +375,7 @@ FACTOR_DOMAINS = (
     SyntaxForm("[red, blue]", "these values; objects, points, texts and truth values too"),
     SyntaxForm("[0.5, 1, 2] m/s", "quantities of one unit"),
     SyntaxForm("10 cm .. 20 cm by 5 cm", "steps from the start, up to the end"),
-    SyntaxForm("0 .. 1 in 5", "that number of values at equal distances, with both ends"),
+    SyntaxForm("0 .. 1 in 5", "five values at equal distances, with both ends"),
     SyntaxForm(
         "product([0 cm, 10 cm], [-5 cm, 5 cm])", "points with these coordinates; three lists for points in space"
     ),
@@ -422,9 +422,9 @@ LEGIBILITY: dict[str, str] = {
 
 #: Continuous domains of nuisances, and of factors of a Latin hypercube.
 CONTINUOUS_DOMAINS = (
-    SyntaxForm("-5 deg .. 5 deg", "anywhere between, all alike; `uniform(-5 deg, 5 deg)` is the same"),
-    SyntaxForm("log_uniform(100 g, 10 kg)", "anywhere between, all ratios alike"),
-    SyntaxForm("normal(0 deg, 2 deg)", "about a mean, with this standard deviation, cut off at three of them"),
+    SyntaxForm("-5 deg .. 5 deg", "uniform over the interval; `uniform(-5 deg, 5 deg)` is the same"),
+    SyntaxForm("log_uniform(100 g, 10 kg)", "log-uniform over the interval"),
+    SyntaxForm("normal(0 deg, 2 deg)", "normal, with this mean and standard deviation, truncated at three of these"),
 )
 
 #: Property names of other languages and their names here.
@@ -489,16 +489,16 @@ class DesignForm(SyntaxForm):
 
 #: Designs: the combinations of factors.
 DESIGNS: dict[str, DesignForm] = {
-    "factorial": DesignForm("design factorial", "all of them; the same if there is no `design`"),
+    "factorial": DesignForm("design factorial", "every combination of levels; the same if there is no `design`"),
     "sample": DesignForm(
-        "design sample of 500", "that number of them, the values of a factor equally often", counted=True
+        "design sample of 500", "500 combinations, the values of a factor equally often", counted=True
     ),
     "latin": DesignForm(
         "design latin of 200", "a Latin hypercube: factors may be intervals, covered evenly", counted=True
     ),
     "groups": DesignForm(
         "design groups of 120 { cross: x  turn: [y] }",
-        "that number of control groups: in each some factors are crossed, all others are drawn again for each group; `balance` "
+        "120 control groups: in each, some factors are crossed; all others are drawn again for each group. A clause `balance` "
         "keeps draws in which the answers of a question come equally often",
         counted=True,
     ),
