@@ -101,7 +101,7 @@ def main() -> None:
     every = list(film_questions(dataset, Selection().ids(dataset)))
     tasks = tuple(chosen.task or dict.fromkeys(question.task for question in every))
     for task in tasks:
-        path = folder / f"{task}.json"
+        path = folder / f"{task}.{chosen.dataset.name}.json"
         if not path.exists():
             path.write_text(json.dumps(asdict(scores(dataset, task, chosen.sets, every))), encoding="utf-8")
     path = folder / f"{chosen.dataset.name}{EVALUATED}"
@@ -230,7 +230,7 @@ def _evaluate_biased(
 
 def page(tasks: list[TaskScores], models: list[Evaluated], note: str) -> str:
     """Return the page of results."""
-    scored = [one for task in tasks for one in task.scored]
+    scored, names = [one for task in tasks for one in task.scored], sorted({task.task for task in tasks})
     clips = sum(one.clips for one in models)
     seconds, frames = (sum(getattr(one, name) * one.clips for one in models) / clips for name in ("seconds", "frames"))
     ignorant, latent = (
@@ -256,6 +256,10 @@ def page(tasks: list[TaskScores], models: list[Evaluated], note: str) -> str:
         _line("clips without a future", [one for one in scored if one.damage in SPOILS]),
         *(_line(f"`{name}`", [one for one in scored if one.damage == name]) for name in (f"@{b}" for b in BASELINES)),
         "",
+        "| seed of the dataset | damaged futures | right | wrong | clips without a future | none | `@engine` | right |",
+        "|---|---|---|---|---|---|---|---|",
+        *(_of_seed(seed, [task for task in tasks if task.seed == seed]) for seed in sorted({t.seed for t in tasks})),
+        "",
         (
             f"`evaluate` takes {seconds:.2f} processor seconds for a clip of {frames:.0f} frames, with decoding "
             f"and the films of its closed set: {1000 * seconds / 60:.1f} minutes for 1,000 clips."
@@ -276,21 +280,34 @@ def page(tasks: list[TaskScores], models: list[Evaluated], note: str) -> str:
         "",
         "Clips that are right, wrong and none, by task.",
         "",
-        "| | " + " | ".join(f"`{task.task}`" for task in tasks) + " |",
-        "|---" * (len(tasks) + 1) + "|",
+        "| | " + " | ".join(f"`{name}`" for name in names) + " |",
+        "|---" * (len(names) + 1) + "|",
     ]
-    for name in (*KEEPS, *SPOILS, *(f"@{b}" for b in BASELINES)):
-        cells = [_cell([one for one in task.scored if one.damage == name]) for task in tasks]
-        lines.append(f"| {f'`{name}`' if name[0] == '@' else name} | " + " | ".join(cells) + " |")
-    lines.append("| closed sets | " + " | ".join(str(task.sets) for task in tasks) + " |")
-    lines.append("| seed of the dataset | " + " | ".join(str(task.seed) for task in tasks) + " |")
+    for damage in (*KEEPS, *SPOILS, *(f"@{b}" for b in BASELINES)):
+        cells = [_cell([s for t in tasks if t.task == name for s in t.scored if s.damage == damage]) for name in names]
+        lines.append(f"| {f'`{damage}`' if damage[0] == '@' else damage} | " + " | ".join(cells) + " |")
+    lines.append("| closed sets | " + " | ".join(str(sum(t.sets for t in tasks if t.task == n)) for n in names) + " |")
     return "\n".join([*lines, ""])
 
 
+def _of_seed(seed: int, tasks: list[TaskScores]) -> str:
+    """Return the row of a seed."""
+    scored = [one for task in tasks for one in task.scored]
+    kept, spoiled, engine = (
+        [one.outcome for one in scored if one.damage in names] for names in (KEEPS, SPOILS, ("@engine",))
+    )
+    cells = [f"{seed}", f"{len(kept):,}", _share(kept, RIGHT), _share(kept, WRONG)]
+    cells += [f"{len(spoiled):,}", _share(spoiled, NONE), f"{len(engine):,}", _share(engine, RIGHT)]
+    return "| " + " | ".join(cells) + " |"
+
+
+def _share(outcomes: list[str], one: str) -> str:
+    return f"{outcomes.count(one) / max(1, len(outcomes)):.1%}"
+
+
 def _line(name: str, scored: list[Scored]) -> str:
-    counts = Counter(one.outcome for one in scored)
-    shares = (f"{counts[outcome] / max(1, len(scored)):.1%}" for outcome in (RIGHT, WRONG, NONE))
-    return f"| {name} | {len(scored):,} | " + " | ".join(shares) + " |"
+    outcomes = [one.outcome for one in scored]
+    return f"| {name} | {len(scored):,} | " + " | ".join(_share(outcomes, o) for o in (RIGHT, WRONG, NONE)) + " |"
 
 
 def _cell(scored: list[Scored]) -> str:
