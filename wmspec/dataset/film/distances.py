@@ -53,23 +53,25 @@ def mask_points(mask: Masks) -> Array:
     if across.sum() < MIN_PIXELS:
         return np.full((3, 2), np.nan)
     down[seen] = np.count_nonzero(mask[seen], axis=1)
-    return np.stack([_spread(across), _spread(down)], axis=1)
+    made = np.empty((3, 2))
+    made[:, 0], made[:, 1] = _spread(across), _spread(down)
+    return made
 
 
-def _spread(counts: NDArray[np.intp]) -> Array:
+def _spread(counts: NDArray[np.intp]) -> tuple[float, float, float]:
     """Return the mean and the 5 % and 95 % quantiles (linear) of places, given how often each occurs."""
-    total = np.cumsum(counts)
+    total = counts.cumsum()
     size = int(total[-1])
-    mean = float((counts * np.arange(len(counts))).sum()) / size
-    made = [mean]
-    for share in (0.05, 0.95):
-        place = (size - 1) * share
-        low = int(place)
-        a, b = (int(np.searchsorted(total, k, side="right")) for k in (low, min(low + 1, size - 1)))
-        part = place - low
-        # As numpy.percentile rounds.
-        made.append(a + (b - a) * part if part < 0.5 else b - (b - a) * (1 - part))
-    return np.array(made)
+    places = (size - 1) * 0.05, (size - 1) * 0.95
+    ranks = [rank for place in places for rank in (int(place), min(int(place) + 1, size - 1))]
+    a, b, c, d = total.searchsorted(ranks, side="right").tolist()
+    mean = float(counts @ np.arange(len(counts))) / size
+    return mean, _between(a, b, places[0] % 1), _between(c, d, places[1] % 1)
+
+
+def _between(a: int, b: int, part: float) -> float:
+    """Return the number that lies a part of the way from `a` to `b`, rounded as numpy.percentile does."""
+    return a + (b - a) * part if part < 0.5 else b - (b - a) * (1 - part)
 
 
 def object_points(ids: NDArray[np.int16], bodies: list[int]) -> tuple[Array, Array]:

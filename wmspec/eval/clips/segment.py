@@ -101,7 +101,9 @@ def distances_from(masks: Mask) -> NDArray[np.uint8]:
     cv2 = opencv()
     made = np.full(masks.shape, NOWHERE, np.uint8)
     for t, mask in enumerate(masks):
-        if mask.any():
+        if t and np.array_equal(mask, masks[t - 1]):
+            made[t] = made[t - 1]
+        elif mask.any():
             cv2.distanceTransform((~mask).view(np.uint8), cv2.DIST_L1, 3, dst=made[t], dstType=cv2.CV_8U)
     return made
 
