@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from wmspec.core.diagnostics import WmsError
 
 Frames = NDArray[np.uint8]
-Ids = NDArray[np.int16]
+Ids = NDArray[np.signedinteger[Any]]
 
 #: The container of films, whose header says everything: decoding frames to find the format takes longer than opening.
 CONTAINER, NO_PROBING = "matroska", {"probesize": "2048", "analyzeduration": "0"}
