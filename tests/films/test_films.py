@@ -37,8 +37,9 @@ def test_films_and_ids_are_lossless() -> None:
     assert encode(frames, 24) == encode(frames, 24)
 
 
-def test_bodies_are_read_at_another_size_as_they_are_decoded(tmp_path: Path) -> None:
-    ids = np.random.default_rng(0).integers(-1, 700, (5, 48, 70)).astype(np.int16)
+@pytest.mark.parametrize("most", [3, 126, 127, 128, 254, 255, 700])
+def test_bodies_are_read_at_another_size_as_they_are_decoded(most: int, tmp_path: Path) -> None:
+    ids = np.random.default_rng(0).integers(-1, most, (5, 48, 70), endpoint=True).astype(np.int16)
     (tmp_path / "0.ids.mkv").write_bytes(encode_ids(ids, 24))
     assert (read_ids(tmp_path, "0.mkv", (32, 20)) == shrunk_ids(ids, (32, 20))).all()
     assert (read_ids(tmp_path, "0.mkv", (70, 48), 3) == ids[:3]).all()
