@@ -88,7 +88,9 @@ def manipuland_of(values: Evaluator, name: str) -> Manipuland:
     """Return an object in its initial state. Raises WmsError with its location if no hand can handle it."""
     made, pose = pieces(values, name), values.pose(name)
     if values.flag(name, "fixed"):
-        raise ImpossibleValue(f"`{name}` is fixed, so no robot can move it", values.source_location(name))
+        raise ImpossibleValue(
+            f"`{name}` is fixed, so no robot can move it", values.source_location(name), "let it be `fixed: false`"
+        )
     up = pose.inverse_apply((pose.position[0], pose.position[1], pose.position[2] + 1.0))
     if up[2] < 1 - 1e-6:
         raise ImpossibleValue(

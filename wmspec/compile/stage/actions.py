@@ -41,7 +41,9 @@ def add_action(doc: Document, action: Entity, values: Evaluator, carried: dict[s
 def _require_able(action: Entity, target: str, values: Evaluator, carried: dict[str, str]) -> None:
     """Raise unless the object can perform the verb."""
     if values.flag(target, "fixed") and action.verb != "paint":
-        raise ImpossibleValue(f"`{target}` is fixed, so nothing can {action.verb} it", action.place)
+        raise ImpossibleValue(
+            f"`{target}` is fixed, so nothing can {action.verb} it", action.place, "let it be `fixed: false`"
+        )
     if action.verb not in motion.CARRYING and target in carried and not VERBS[action.verb].allows_carried:
         what = f"`{target}` is carried by `{carried[target]}`, so `{action.verb}` cannot move it"
         raise ImpossibleValue(what, action.place, "`launch` it instead of carrying it, or carry what it rests on")

@@ -27,7 +27,9 @@ def add_object(doc: Document, name: str, values: Evaluator, carriers: frozenset[
     """Add the prims of a present object; `carriers` are the sources of `carried`, whether actions carry it."""
     fixed, solid = values.flag(name, "fixed"), values.flag(name, "solid")
     if fixed and carried:
-        raise ImpossibleValue(f"`{name}` is fixed, so nothing can carry it", values.source_location(name))
+        raise ImpossibleValue(
+            f"`{name}` is fixed, so nothing can carry it", values.source_location(name), "let it be `fixed: false`"
+        )
     if not fixed and not carried and not solid:
         what = f"`{name}` cannot be touched, so it would fall through everything"
         raise ImpossibleValue(
@@ -72,7 +74,7 @@ def _set_velocities(body: Prim, name: str, values: Evaluator) -> None:
             continue
         if values.flag(name, "fixed"):
             place = values.source_location(name, word)
-            raise ImpossibleValue(f"`{name}` is fixed, so it has no `{word}`", place)
+            raise ImpossibleValue(f"`{name}` is fixed, so it has no `{word}`", place, "let it be `fixed: false`")
         way = scale(unit, rotate(turned, values.vector(name, word)))
         body.set(f"physics:{attribute}", "vector3f", way, f"{name}.{word}", *((f"{base}.pose",) if base else ()))
 
