@@ -82,6 +82,23 @@ def test_more_instances_are_tried_while_one_answer_may_be_chance(spec: Any, tmp_
     assert try_tasks(spec(), 1)[0].instances <= 8
 
 
+def test_a_level_of_which_nothing_is_kept_is_named(spec: Any) -> None:
+    """The answers stay balanced, so nothing else shows it."""
+    path = spec("ensure position(b).y > -3 cm")
+    (task,) = try_tasks(path, 8)
+    assert task.questions[0].kept == 6
+    assert task.questions[0].lost == ("deep = 1",)
+    assert "no instance with deep = 1 is kept" in check(path).stderr
+    assert try_tasks(spec(), 8)[0].questions[0].lost == ()
+
+
+def test_one_answer_of_all_instances_that_exist_is_a_fault(spec: Any) -> None:
+    path = spec()
+    path.write_text(path.read_text().replace("factor wing in [-1, 1]", "let wing = 1"))
+    (task,) = try_tasks(path, 8)
+    assert task.questions[0].fault == "all 4 kept instances have the answer `to the right of it`"
+
+
 def test_a_gate_has_a_remedy(spec: Any) -> None:
     assert "help: change the scene so that the condition holds" in check(spec("ensure position(a).x > 9 m")).stdout
 

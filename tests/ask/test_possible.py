@@ -71,6 +71,13 @@ def test_a_teleport_to_where_it_is_changes_nothing(to: str, value: str) -> None:
     assert found.value == value
 
 
+def test_what_is_not_there_cannot_be_gone_through() -> None:
+    body = ROLL.format(odd="pass_through(ball, wall) for 0.9 s", pace=FAST)
+    (found,) = ask_all(body.replace("fixed: true", "fixed: true  present: false"))
+    assert isinstance(found, QuestionRow), found
+    assert found.value == "possible"
+
+
 def test_unseen_change_gives_no_question() -> None:
     late = "paint(ball, color: green) at 0.95 s"
     assert possibility(late).value == "possible", "after the last picture"

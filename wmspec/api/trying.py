@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import closing
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -11,6 +12,8 @@ from wmspec.api.agreement import Tasks
 from wmspec.api.generating import plan_dataset
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
+from wmspec.compile.design.describe import format_levels
+from wmspec.compile.design.design import Design
 from wmspec.dataset.build.answer_counts import AnswerCounts, count_answers
 from wmspec.dataset.build.batching import batches
 from wmspec.dataset.build.generate import failed_outcome, job_of
@@ -43,7 +46,8 @@ class TriedMeasure:
 class TriedQuestion:
     """A question of a tried task: kept instances, rejected ones by reason with examples, answers, and legibility.
 
-    `legible` is the share of the kept instances that are within all bounds.
+    `legible` is the share of the kept instances that are within all bounds. `lost` are the levels of factors, such as
+    `guide = curved`, of which several instances were tried and none is kept. `complete`: no more instances exist.
     """
 
     name: str
@@ -53,15 +57,18 @@ class TriedQuestion:
     answers: AnswerCounts
     measures: tuple[TriedMeasure, ...]
     legible: float
+    lost: tuple[str, ...] = ()
+    complete: bool = False
 
     @property
     def fault(self) -> str:
         """Why the question is useless as it is, or ''."""
         if not self.kept:
             return "no instance is kept"
-        return (
-            f"all {self.kept} kept instances have the answer `{self.answers.dominant}`" if self.answers.dominant else ""
-        )
+        answers = list(self.answers.kept)
+        if self.answers.dominant or (self.complete and len(answers) == 1 and self.kept > 1):
+            return f"all {self.kept} kept instances have the answer `{answers[0]}`"
+        return ""
 
 
 @dataclass(frozen=True)
@@ -130,7 +137,8 @@ def _nothing(_notice: str) -> None:
 def _summary(plan: Plan, task: PlannedTask, outcomes: Sequence[Outcome]) -> TriedTask:
     rows = [row for outcome in outcomes for row in outcome.rows]
     rejected = [each for outcome in outcomes for each in outcome.rejected]
-    counts = count_answers(task.spec, rows, rejected)
+    counts, design = count_answers(task.spec, rows, rejected), Design(task.spec, plan.seed)
+    complete = len(task.indices) == len(design)
     questions = []
     for q, question in enumerate(task.spec.questions):
         kept = [row for row in rows if row["question"] == q]
@@ -138,8 +146,20 @@ def _summary(plan: Plan, task: PlannedTask, outcomes: Sequence[Outcome]) -> Trie
         measures = [[Legibility(**each) for each in row["legibility"]] for row in kept]
         legible = sum(all(ratio(each) >= 1 for each in own) for own in measures) / len(kept) if kept else 0.0
         name = question.name or f"question {q + 1}"
-        questions.append(TriedQuestion(name, len(kept), *by_reason(lost), counts[q], _measures(measures), legible))
+        levels = _lost_levels(design, {row["index"] for row in kept}, {each.index for each in lost})
+        found = len(kept), *by_reason(lost), counts[q], _measures(measures), legible
+        questions.append(TriedQuestion(name, *found, levels, complete))
     return TriedTask(task.spec.name, plan.engines, len(task.indices), tuple(questions))
+
+
+def _lost_levels(design: Design, kept: Set[int], rejected: Set[int]) -> tuple[str, ...]:
+    """Return the levels, with their factors, of two or more rejected instances and no kept one, if some are kept."""
+    there, gone = (
+        Counter(level for index in indices for level in design[index].factors.items())
+        for indices in (kept, sorted(rejected - kept))
+    )
+    lost = [level for level, count in gone.items() if count > 1 and level not in there]
+    return tuple(format_levels(design.factors, dict([level])) for level in lost) if there else ()
 
 
 def _outcomes(plan: Plan, task: PlannedTask, indices: Sequence[int]) -> Iterator[Outcome]:

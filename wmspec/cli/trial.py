@@ -51,6 +51,8 @@ def print_trials(trials: Iterable[TriedTask]) -> None:
             click.echo("\n".join(_lines(question)))
             if question.answers.shift:
                 click.echo(f"warning: {task.name}, {question.name}: {question.answers.shift}", err=True)
+            for level in question.lost:
+                click.echo(f"warning: {task.name}, {question.name}: no instance with {level} is kept", err=True)
             if question.fault:
                 click.echo(f"error: {task.name}, {question.name}: {question.fault}", err=True)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from wmspec.compile.layout.evaluator import INHERITED
+from wmspec.compile.layout.evaluator import ACTED_ON, INHERITED
 from wmspec.compile.layout.motion import PLACING
 from wmspec.core.memoize import LRU
 from wmspec.lang.check.ir.evaluate import subexpressions
@@ -163,9 +163,10 @@ class Dependencies:
         """Yield the sources that determine whether an action happens."""
         if "when" in action.properties:
             yield f"{action.name}.when"
-        if "object" in action.properties:
-            yield f"{action.name}.object"
-            yield from (f"{owner}.present" for owner in self._named(action.properties["object"].value))
+        for role in ACTED_ON:
+            if role in action.properties:
+                yield f"{action.name}.{role}"
+                yield from (f"{owner}.present" for owner in self._named(action.properties[role].value))
 
     def _way(self, action: Entity) -> Iterator[str]:
         """Yield the sources of the pose of an action's object when the action begins."""

@@ -26,6 +26,8 @@ T = TypeVar("T")
 
 #: Properties that a part inherits from its object.
 INHERITED = ("color", "material", "image", "repeats", "roughness", "metallic")
+#: Properties of an action with objects that must be present: what it acts on, and what that passes through.
+ACTED_ON = ("object", "through")
 #: Default gravity, m/s².
 EARTH_GRAVITY = 9.81
 _LENGTHS = frozenset((A_LENGTH, POINT2, POINT3))
@@ -206,14 +208,15 @@ class Evaluator:
     def is_present(self, name: str) -> bool:
         """Whether an object or action is present.
 
-        An action needs its condition and its object, and a counterfactual may omit it.
+        An action needs its condition, its object and what that goes through, and a counterfactual may omit it.
         """
         thing = self._things[name]
         if thing.kind == "action":
             about = self.change is not None and self.change.owner == name
             happens = about if thing.added else not (about and self._removes)
             happens = happens and ("when" not in thing.properties or self.flag(name, "when"))
-            return happens and ("object" not in thing.properties or self.is_present(self.reference(name, "object")))
+            needed = [role for role in ACTED_ON if role in thing.properties]
+            return happens and all(self.is_present(self.reference(name, role)) for role in needed)
         if self._removes and self.change is not None and self.change.owner in (name, thing.of):
             return False  # the object, or the asset with its links and joints
         return "present" not in thing.properties or self.flag(name, "present")

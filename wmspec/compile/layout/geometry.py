@@ -100,7 +100,8 @@ def _shape(values: Evaluator, owner: str) -> Shape:
     if edges not in kind.lengths:
         having = either([article(other) for other, one in SHAPES.items() if edges in one.lengths])
         many = f"only {having} has {'two' if edges == 2 else 'three'} edges"
-        raise ImpossibleValue(f"`{owner}` is a {word}, and {many}", values.source_location(owner, "size"))
+        remedy = "write `radius:` and `height:`" if {"radius", "height"} <= kind.parameters else "write one length"
+        raise ImpossibleValue(f"`{owner}` is a {word}, and {many}", values.source_location(owner, "size"), remedy)
     try:
         return _cached_shape(word, dumps(words))
     except UnfitError as error:

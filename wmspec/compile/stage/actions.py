@@ -6,7 +6,7 @@ import math
 from pkgutil import resolve_name
 
 from wmspec.compile.layout import motion
-from wmspec.compile.layout.evaluator import Evaluator
+from wmspec.compile.layout.evaluator import ACTED_ON, Evaluator
 from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.surfaces import WORLD, contact_face, support_of
 from wmspec.compile.stage.document import Document, Prim
@@ -25,7 +25,7 @@ MAX_LYING_COSINE, MIN_ALONG_COSINE = 0.5, 0.99
 def add_action(doc: Document, action: Entity, values: Evaluator, carried: dict[str, str]) -> None:
     """Add the prim of an action that happens. Raises WmsError with its location if it is infeasible."""
     name, verb = action.name, VERBS[action.verb]
-    there = (f"{name}.there", f"{name}.object", f"{name}.joint")
+    there = (f"{name}.there", *(f"{name}.{role}" for role in ACTED_ON), f"{name}.joint")
     prim = doc.add(f"/World/Episode/Actions/{name}", "WmsAction", (), there)
     prim.set("wms:verb", "token", verb.staged or action.verb, uniform=True)
     if "object" in action.properties:

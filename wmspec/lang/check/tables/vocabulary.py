@@ -195,7 +195,10 @@ MEASURES = ("size", "radius", "height", *_SHAPE_PARAMETERS)
 _FORM: dict[str, PropertySpec] = {
     "shape": PropertySpec((SHAPE,), "its form", "cube"),
     "size": PropertySpec(
-        (A_LENGTH, POINT3, POINT2), "edge or diameter and height; for a box or wedge, its three edges", "10 cm", above=0
+        (A_LENGTH, POINT3, POINT2),
+        "the edge, or the diameter and also the height; a box or wedge may have three edges, a plane two",
+        "10 cm",
+        above=0,
     ),
     "radius": PropertySpec((A_LENGTH,), "of a round object, instead of half its size", optional=True, above=0),
     "height": PropertySpec((A_LENGTH,), "of a cylinder, cone or capsule, instead of its size", optional=True, above=0),
