@@ -59,10 +59,12 @@ def print_trials(trials: Iterable[TriedTask]) -> None:
 
 def print_engines_hint(trials: Iterable[TriedTask]) -> None:
     """Say how to compare engines, if one was asked and others are installed."""
-    from wmspec.runtime.engines.registry import select_backends
-
     engines = {engine for task in trials for engine in task.engines}
-    if len(engines) == 1 and len(select_backends("all")) > 1:
+    if len(engines) != 1:
+        return
+    from wmspec.runtime.engines.registry import select_backends  # imports what a check without trial does not need
+
+    if len(select_backends("all")) > 1:
         click.echo(f"only {engines.pop()} was asked; `--try -b all` finds disagreement of engines")
 
 
