@@ -24,8 +24,10 @@ COLOUR_CHANNELS = ("red", "green", "blue")
 DECIMALS = (
     dict.fromkeys(("across", "down"), 3) | {"share": 5} | dict.fromkeys((*POSE_CHANNELS[3:], *COLOUR_CHANNELS), 2)
 )
-#: Words for the look of an object of which no picture shows how it is turned, and the orientation that stands for all.
-UNTURNED, UPRIGHT = frozenset(("sphere", "plastic")), {"qw": 1.0, "qx": 0.0, "qy": 0.0, "qz": 0.0}
+#: The material without a pattern, and shapes that then look alike however they are turned about their axis.
+PLAIN, ROUND = "plastic", frozenset(("cylinder", "cone", "capsule", "tube"))
+#: The orientation that stands for all.
+UPRIGHT = {"qw": 1.0, "qx": 0.0, "qy": 0.0, "qz": 0.0}
 #: Maximum number of objects of a question; those that it is about come first.
 MAX_OBJECTS = 6
 
@@ -163,5 +165,18 @@ def _numbers(seen: Row | None) -> Array:
     """Return the features of an object, no finer than a picture shows them; -1 where it is not visible."""
     if seen is None or not seen["share"]:
         return np.full(len(POSE_CHANNELS) + len(COLOUR_CHANNELS), -1.0)
-    shown = {**seen, **UPRIGHT} if UNTURNED.issubset(seen["look"].split()) else seen
+    shown = {**seen, **_seen_turn(seen)}
     return np.array([round(shown[name], DECIMALS[name]) for name in (*POSE_CHANNELS, *COLOUR_CHANNELS)])
+
+
+def _seen_turn(seen: Row) -> dict[str, float]:
+    """Return the orientation of an object as far as a picture shows it."""
+    words = seen["look"].split()
+    w, x, y, z = (float(seen[name]) for name in UPRIGHT)
+    if PLAIN in words and "sphere" in words:
+        return UPRIGHT
+    length = float(np.hypot(w, z))
+    if PLAIN in words and ROUND.intersection(words) and length > 0:
+        # Without the turn about its axis.
+        return {"qw": length, "qx": (x * w - y * z) / length, "qy": (y * w + x * z) / length, "qz": 0.0}
+    return {"qw": w, "qx": x, "qy": y, "qz": z}
