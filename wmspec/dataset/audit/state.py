@@ -173,10 +173,13 @@ def _seen_turn(seen: Row) -> dict[str, float]:
     """Return the orientation of an object as far as a picture shows it."""
     words = seen["look"].split()
     w, x, y, z = (float(seen[name]) for name in UPRIGHT)
-    if PLAIN in words and "sphere" in words:
+    turn = {"qw": w, "qx": x, "qy": y, "qz": z}
+    if PLAIN not in words:
+        return turn
+    if "sphere" in words:
         return UPRIGHT
     length = float(np.hypot(w, z))
-    if PLAIN in words and ROUND.intersection(words) and length > 0:
-        # Without the turn about its axis.
-        return {"qw": length, "qx": (x * w - y * z) / length, "qy": (y * w + x * z) / length, "qz": 0.0}
-    return {"qw": w, "qx": x, "qy": y, "qz": z}
+    if not length or ROUND.isdisjoint(words):
+        return turn
+    # Without the turn about its axis.
+    return {"qw": length, "qx": (x * w - y * z) / length, "qy": (y * w + x * z) / length, "qz": 0.0}
