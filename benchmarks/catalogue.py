@@ -1,10 +1,12 @@
 """Generate the whole catalogue in three engines, spec by spec, and record what each spec gives.
 
     python -m benchmarks.catalogue FOLDER [--specs NAME ...] [--size 256] [--workers 1] [--minutes 60]
+                                          [--audits REPORTS]
 
 Every spec is generated into FOLDER with all of its instances, verified, recorded in `catalogue.json` beside this file,
-and deleted. Specs that are recorded are not repeated, and a run that was cut off resumes with the same command. No spec
-is begun after the given number of minutes. The page docs/benchmarks/catalogue.md is rewritten after each spec.
+and deleted. With `--audits`, its audit with the pictures of 400 instances goes into REPORTS first. Specs that are
+recorded are not repeated, and a run that was cut off resumes with the same command. No spec is begun after the given
+number of minutes. The page docs/benchmarks/catalogue.md is rewritten after each spec.
 """
 
 from __future__ import annotations
@@ -62,6 +64,7 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=256, help="pixels on a side")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--minutes", type=float, default=60.0)
+    parser.add_argument("--audits", type=Path, metavar="REPORTS", help="folder for audits")
     options = parser.parse_args()
     paths = {
         str(path.relative_to(folder.parent).with_suffix("")): path
@@ -77,9 +80,11 @@ def main() -> None:
             continue
         if time.monotonic() > until:
             break
-        pieces.append(
-            generated(name, paths[name], options.folder / name.replace("/", "-"), options.size, options.workers)
-        )
+        file = name.replace("/", "-")
+        pieces.append(generated(name, paths[name], options.folder / file, options.size, options.workers))
+        if options.audits:
+            audit(options.folder / file, options.audits / file, options.workers)
+        shutil.rmtree(options.folder / file)
         pieces.sort(key=lambda piece: list(paths).index(piece.spec))
         RECORD.write_text(json.dumps([asdict(piece) for piece in pieces], indent=1, ensure_ascii=False) + "\n")
         PAGE.write_text(HEAD + page(pieces, len(paths)))
@@ -92,7 +97,7 @@ def recorded() -> list[Piece]:
 
 
 def generated(name: str, spec: Path, out: Path, size: int, workers: int) -> Piece:
-    """Generate all instances of a spec in three engines, verify the dataset, and delete it."""
+    """Generate all instances of a spec in three engines, and verify the dataset."""
     resumed = out.exists()
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     command = [sys.executable, "-m", "wmspec", "generate", str(spec), "-o", str(out), "-b", "all", "--size", str(size)]
@@ -103,7 +108,7 @@ def generated(name: str, spec: Path, out: Path, size: int, workers: int) -> Piec
     reasons = Counter[str]()
     for task in tasks:
         reasons.update(task["rejected"])
-    piece = Piece(
+    return Piece(
         name,
         len(tasks),
         sum(task["instances"] for task in tasks),
@@ -116,8 +121,12 @@ def generated(name: str, spec: Path, out: Path, size: int, workers: int) -> Piec
         json.loads((out / "manifest.json").read_text())["versions"],
         datetime.now(UTC).date().isoformat(),
     )
-    shutil.rmtree(out)
-    return piece
+
+
+def audit(dataset: Path, report: Path, workers: int) -> None:
+    """Audit a dataset. What the audit finds does not stop the run."""
+    command = [sys.executable, "-m", "wmspec", "audit", str(dataset), "--max-images", "400", "-o", str(report)]
+    subprocess.run([*command, "-j", str(workers)], check=False, stdout=subprocess.DEVNULL)
 
 
 def page(pieces: list[Piece], count: int) -> str:
