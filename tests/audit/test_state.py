@@ -74,6 +74,13 @@ def test_how_a_plain_ball_is_turned_is_no_evidence() -> None:
     assert grained[0] != grained[1]
 
 
+@given(ANGLES, ANGLES, ANGLES)
+def test_sign_of_a_quaternion_is_no_evidence(yaw: float, pitch: float, roll: float) -> None:
+    turn = from_ypr(yaw, pitch, roll)
+    negative = (-turn[0], -turn[1], -turn[2], -turn[3])
+    assert not differ("red cube wood", turn, negative)
+
+
 def differ(look: str, a: Quaternion, b: Quaternion) -> bool:
     """Whether the features of an object in two orientations differ by more than rounding."""
     turned = [thing(0, "it", look, 0.2) | dict(zip(("qw", "qx", "qy", "qz"), turn, strict=True)) for turn in (a, b)]

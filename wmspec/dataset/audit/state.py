@@ -170,9 +170,14 @@ def _numbers(seen: Row | None) -> Array:
 
 
 def _seen_turn(seen: Row) -> dict[str, float]:
-    """Return the orientation of an object as far as a picture shows it."""
+    """Return the orientation of an object as far as a picture shows it, with a positive first component.
+
+    A quaternion and its negative are the same orientation. A simulation continues the sign of the moment before, so the
+    sign would reveal what has turned.
+    """
     words = seen["look"].split()
-    w, x, y, z = (float(seen[name]) for name in UPRIGHT)
+    sign = -1.0 if next((seen[name] for name in UPRIGHT if seen[name]), 1.0) < 0 else 1.0
+    w, x, y, z = (sign * float(seen[name]) for name in UPRIGHT)
     turn = {"qw": w, "qx": x, "qy": y, "qz": z}
     if PLAIN not in words:
         return turn
