@@ -5,12 +5,13 @@ from pathlib import Path
 
 import pytest
 
+from wmspec.cli.trial import REMEDIES
 from wmspec.dataset.build.card import REASONS
 from wmspec.lang.check.tables.functions import FUNCTIONS
 from wmspec.runtime.questions import observed, outcome, robustness, runs, trajectory
 from wmspec.runtime.questions import visibility_gate as gate
 from wmspec.runtime.questions.kinds import pictures
-from wmspec.runtime.questions.model import Reason
+from wmspec.runtime.questions.model import FAILED, Reason
 
 PAGE = " ".join((Path(__file__).parents[2] / "docs/questions.md").read_text().split())
 
@@ -43,3 +44,7 @@ def test_the_page_has_every_measure_and_the_card_every_reason() -> None:
     for name, function in FUNCTIONS.items():
         assert not function.measured or name == "frame" or f"`{name}`" in PAGE
     assert set(Reason.__args__) == set(REASONS)  # type: ignore[attr-defined]
+
+
+def test_every_gate_has_a_remedy() -> None:
+    assert set(REMEDIES) == {*REASONS} - FAILED - {"group"}  # a group is rejected with one of its instances
