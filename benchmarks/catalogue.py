@@ -27,6 +27,8 @@ from wmspec.lang.parse.files import catalogue_folders
 
 RECORD = Path(__file__).with_suffix(".json")
 PAGE = Path(__file__).parent.parent / "docs/benchmarks/catalogue.md"
+#: Rows that `wmspec verify` executes again.
+SAMPLE = 20
 HEAD = """# The whole catalogue in three engines
 
 `python -m benchmarks.catalogue FOLDER` generates every instance of a spec in MuJoCo, PyBullet and SAPIEN, keeps the
@@ -103,7 +105,8 @@ def generated(name: str, spec: Path, out: Path, size: int, workers: int) -> Piec
     command = [sys.executable, "-m", "wmspec", "generate", str(spec), "-o", str(out), "-b", "all", "--size", str(size)]
     done = subprocess.run([*command, "-j", str(workers), "--json"], check=True, stdout=subprocess.PIPE, text=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([sys.executable, "-m", "wmspec", "verify", str(out)], check=True, stdout=subprocess.DEVNULL)
+    verify = [sys.executable, "-m", "wmspec", "verify", str(out), "--sample", str(SAMPLE), "-j", str(workers)]
+    subprocess.run(verify, check=True, stdout=subprocess.DEVNULL)
     tasks = json.loads(done.stdout)
     reasons = Counter[str]()
     for task in tasks:
