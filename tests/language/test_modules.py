@@ -95,6 +95,15 @@ def test_chosen_names_bring_their_dependencies(tmp_path: Path) -> None:
     assert names(found["a"]) == {"ground", "crate", "front", "ball"}
 
 
+def test_a_part_or_parameter_with_the_name_of_an_object_does_not_bring_it(tmp_path: Path) -> None:
+    stand = "template stand(crate: 2 cm) { part walls { shape: cylinder  radius: crate  height: 10 cm } }"
+    pole = "object pole : stand { on: ground at (0, 30 cm) }"
+    (tmp_path / "yard.wms").write_text(f"{LIBRARY}\n{stand}\n{pole}\n")
+    found, errors = tasks(tmp_path, f"use yard only [pole, front]\ntask a : custom {{ {TASK.format('')} }}")
+    assert not errors
+    assert names(found["a"]) == {"ground", "pole", "front", "ball"}
+
+
 def test_each_variant_is_a_task_with_what_is_common(tmp_path: Path) -> None:
     text = """task speed : perception.motion {
       factor tone in [red, blue]

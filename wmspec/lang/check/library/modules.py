@@ -173,7 +173,7 @@ class Modules:
             name = pending.pop()
             if name in by_name and name not in needed:
                 needed.add(name)
-                pending += _names_in(by_name[name])
+                pending += _references(by_name[name])
         return [statement for name, statement in by_name.items() if name in needed]
 
 
@@ -287,6 +287,34 @@ def _substitute_cached(item: S, values: Mapping[str, s.Expr]) -> S:
 def _names_in(statement: s.Statement) -> tuple[str, ...]:
     """Return the names in a statement of a library."""
     return _cached((statement,), "names", lambda: tuple(name.id for name in s.names(statement)))
+
+
+def _references(statement: s.Statement) -> tuple[str, ...]:
+    """Return the names that a statement of a library refers to, outside of it."""
+    return _cached((statement,), "references", lambda: tuple(_referred(statement)))
+
+
+def _referred(node: object) -> Iterator[str]:
+    """Yield the names that a subtree refers to. Keys (of properties, arguments, parts) are no names."""
+    children: tuple[object, ...] = ()
+    own: set[str] = set()
+    match node:
+        case s.Name(id=name):
+            yield name
+        case tuple():
+            children = node
+        case s.Member() | s.Argument():
+            children = (node.value,)
+        case s.Property():
+            children = (node.value, node.at)
+        case s.Part():
+            children = (node.properties,)
+        case s.Template():
+            children = (node.parameters, node.properties, node.parts)
+            own = {each.name.id for each in node.parameters} | {each.name.id for each in node.parts}
+        case Node():
+            children = tuple(vars(node).values())
+    yield from (name for child in children for name in _referred(child) if name not in own)
 
 
 def _substitute(node: S, values: Mapping[str, s.Expr], names: Mapping[str, str] | None = None) -> S:
