@@ -13,6 +13,7 @@ from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import all_pieces, touchable
 from wmspec.compile.layout.view import camera_direction, common_direction
+from wmspec.compile.lint.coplanar import coplanar_faces
 from wmspec.compile.lint.overlap import overlaps
 from wmspec.compile.lint.question_rules import answer_picture_time, is_posed
 from wmspec.compile.lint.rule import Breach, rule
@@ -77,6 +78,18 @@ def blind_camera(scene: LintScene) -> Iterator[Breach]:
         what = f"`{camera}` shows no object that is moved or asked about"
         place = next(o.place for o in scene.values.spec.observations if o.camera == camera)
         yield Breach(what, place, "turn it with `look_at:`, widen its `fov:`, or leave it out", about=camera)
+
+
+@rule("WMS609")
+def faces_in_one_plane(scene: LintScene) -> Iterator[Breach]:
+    """Find drawn faces in one plane: pictures show a random mixture of them, unlike in each engine."""
+    for pair in coplanar_faces(scene.values):
+        height = units.format_quantity(float(f"{pair.height:.4g}"), units.LENGTH)
+        what = f"the tops of `{pair.first}` and `{pair.second}` lie in one plane, {height} high {scene.where}"
+        remedy = "raise or lower one of them by a millimetre, so that all engines show the same of the two"
+        note = Note(f"`{pair.first}` is declared here", scene.values.source_location(pair.first))
+        place = scene.values.source_location(pair.second)
+        yield Breach(what, place, remedy, (note,), (pair.first, pair.second))
 
 
 @rule("WMS603")
@@ -205,6 +218,7 @@ def _times(call: Call, values: Evaluator) -> Iterator[tuple[str, float]]:
 
 RULES = (
     objects_inside_one_another,
+    faces_in_one_plane,
     blind_camera,
     turned_camera,
     late_action,

@@ -23,7 +23,7 @@ def blind_cameras(values: Evaluator) -> tuple[str, ...]:
     boxes = list(relevant_boxes(values))
     cameras = dict.fromkeys(o.camera for o in values.spec.observations)
     still = [camera for camera in cameras if not values.has(camera, "ride")]
-    return tuple(c for c in still if boxes and not any(_is_in_view(values, c, box) for box in boxes))
+    return tuple(c for c in still if boxes and not any(is_in_view(values, c, box) for box in boxes))
 
 
 def relevant_boxes(values: Evaluator) -> Iterator[Box]:
@@ -115,7 +115,7 @@ def _union(a: Box, b: Box) -> Box:
 # ---------------------------------------------------------------- what is in view
 
 
-def _is_in_view(values: Evaluator, camera: str, box: Box) -> bool:
+def is_in_view(values: Evaluator, camera: str, box: Box) -> bool:
     """Whether no side of the picture excludes the whole box."""
     eye = values.vector(camera, "at")
     forward, right, up = _axes(eye, values.vector(camera, "look_at"))

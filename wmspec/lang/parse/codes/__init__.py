@@ -51,4 +51,5 @@ CODES: dict[str, str] = {
     "WMS606": "out of all proportion",
     "WMS607": "actions at one instant",
     "WMS608": "motion that engines get wrong",
+    "WMS609": "faces in one plane",
 }
