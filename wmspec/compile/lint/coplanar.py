@@ -17,7 +17,7 @@ from wmspec.core.space import IDENTITY, Vector, add, scale
 if TYPE_CHECKING:  # imported late: few scenes have faces at equal heights, and importing numpy slows their check
     from wmspec.sim.scene import model
 
-#: Faces that are nearer than this (m) are not told apart by the depth buffer of every renderer.
+#: The depth buffers of renderers do not distinguish faces that are nearer than this (m).
 SAME_HEIGHT = 2e-4
 #: Shared width (m) below which faces only touch, and the number of points along it that are compared.
 MIN_WIDTH, POINTS = 5e-3, 7
