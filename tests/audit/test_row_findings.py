@@ -11,7 +11,7 @@ import pytest
 
 from wmspec.dataset.audit.cases import Case, Unit
 from wmspec.dataset.audit.constant_answers import constant_answer_finding
-from wmspec.dataset.audit.given import companion_finding, given_by, given_in_words, varied_factors
+from wmspec.dataset.audit.given import companion_finding, given_by, given_in_words, required_moments, varied_factors
 from wmspec.dataset.audit.model import Finding
 from wmspec.dataset.audit.motion import motion_finding
 from wmspec.dataset.audit.vocabulary import vocabulary_finding
@@ -117,6 +117,20 @@ def test_companions_concern_what_the_options_vary(text: str, companions: list[Un
     assert found is not None
     assert found.verdict == verdict
     assert words in found.what
+
+
+def test_a_prediction_requires_as_many_moments_as_its_companions() -> None:
+    def standing(unit: Unit) -> Unit:
+        return replace(unit, name="t q3", cases=tuple(case.requiring(1) for case in unit.cases))
+
+    question, weight, way = pictured("What next?"), probed_names(0), probed_names(1)
+    weight = replace(weight, name="t q4", cases=tuple(case.requiring(1) for case in weight.cases))
+    assert required_moments([question, weight, way], question) == 2  # the way is a motion
+    assert required_moments([question, weight, standing(way)], question) == 1  # any picture shows both
+    assert required_moments([question, weight, way, standing(way)], question) == 1
+    assert required_moments([question, weight, bystander()], question) is None
+    assert required_moments([pictured("It is {weight}."), way], pictured("It is {weight}.")) == 2
+    assert required_moments([way, question], way) is None
 
 
 def test_without_companions_or_closed_sets_there_is_no_finding() -> None:

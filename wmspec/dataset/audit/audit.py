@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -117,15 +117,15 @@ def _audit_task(dataset: DatasetReader, task: str, most: int, damaged: bool) -> 
     finding, gathered.stable[task] = stability(dataset, task, parts)
     gathered.findings.append(finding)
     for unit in parts:
-        _audit_unit(unit, FullSizePictures(dataset, task), gathered)
+        _audit_unit(unit, parts, FullSizePictures(dataset, task), gathered)
         findings = (companion_finding(parts, unit), legibility_finding(unit), *(find(unit) for find in _OPTIONAL))
         gathered.findings += filter(None, findings)
     gathered.tests += metadata.level_tests(parts[0]) if parts else []
     return gathered
 
 
-def _audit_unit(unit: Unit, pictures: FullSizePictures, gathered: _Results) -> None:
-    """Run all checks of one question."""
+def _audit_unit(unit: Unit, parts: Sequence[Unit], pictures: FullSizePictures, gathered: _Results) -> None:
+    """Run all checks of one of the questions of a task."""
     pairs = mark_faint(unit, duplicates(unit), pictures)
     gathered.findings += duplicate_findings(unit, pairs)
     gathered.groups[unit.name] = groups.effective_groups(unit, pairs)
@@ -134,7 +134,7 @@ def _audit_unit(unit: Unit, pictures: FullSizePictures, gathered: _Results) -> N
     gathered.findings.append(similarity_finding(unit, alike))
     gathered.likeness += [alike] if alike else []
     gathered.tests += [*balance.tests(unit), *metadata.answer_tests(unit)]
-    probed = probes.probes(unit)
+    probed = probes.probes(unit, parts)
     if not probed and not unit.open:
         few = f"{len(unit.per_instance):,} instances of {unit.draws:,} groups are too few for shortcut probes"
         gathered.findings.append(Finding("shortcut", unit.name, "unclear", few))

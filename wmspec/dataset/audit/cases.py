@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -43,6 +43,15 @@ class Case:
     def open(self) -> bool:
         """Whether the question is open, without options."""
         return not self.row["option_kind"]
+
+    @property
+    def required_moments(self) -> int:
+        """The number of moments that show the answer: one for what holds from the start."""
+        return 1 if self.row["answer_standing"] else self.row.get("answer_moments") or 2
+
+    def requiring(self, moments: int) -> Case:
+        """Return the case with another number of required moments."""
+        return replace(self, row={**self.row, "answer_standing": moments == 1, "answer_moments": moments})
 
     @property
     def count(self) -> int:

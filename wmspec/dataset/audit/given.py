@@ -88,6 +88,24 @@ def given_by(units: Sequence[Unit], unit: Unit, factor: str) -> list[str]:
     return [other.name for other in units if other is not unit and _differs(unit.per_instance, _answers(other), factor)]
 
 
+def required_moments(units: Sequence[Unit], unit: Unit) -> int | None:
+    """Return how many moments show the levels that the options of a question vary.
+
+    A level in the text requires one, and a level that a companion question gives as many as that question. None if some
+    level is not given, or if the options are no closed set.
+    """
+    required = [_moments_of_level(units, unit, name) for name in varied_factors(unit.per_instance)]
+    return None if None in required else max(filter(None, required), default=None)
+
+
+def _moments_of_level(units: Sequence[Unit], unit: Unit, factor: str) -> int | None:
+    if given_in_words(unit, factor):
+        return 1
+    named = given_by(units, unit, factor)
+    companions = (other for other in units if other.name in named)
+    return min((max(case.required_moments for case in other.cases) for other in companions), default=None)
+
+
 def companion_finding(units: Sequence[Unit], unit: Unit) -> Finding | None:
     """Return whether the words or the companion questions give all that the options vary; None without companions.
 

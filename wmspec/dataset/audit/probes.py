@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wmspec.dataset.audit import combined, features, image_similarity, power, state
+from wmspec.dataset.audit import combined, features, given, image_similarity, power, state
 from wmspec.dataset.audit.balance import answers_by
 from wmspec.dataset.audit.cases import Case, Unit, task_of
 from wmspec.dataset.audit.classify import Array, ProbeFeatures
@@ -48,9 +48,14 @@ _RIVAL = "only the best of these probes is judged"
 _UNASKED = "without the question, the object in question is unknown"
 
 
-def probes(unit: Unit) -> list[Probe]:
-    """Return the results of all applicable probes; empty if questions are too few or have no options."""
+def probes(unit: Unit, units: Sequence[Unit] = ()) -> list[Probe]:
+    """Return the results of all applicable probes; empty if questions are too few or have no options.
+
+    `units` has the companion questions of the task: a prediction requires as many moments as these require together.
+    """
     cases = _most_frequent_form(unit.sampled)
+    if moments := given.required_moments(units, unit):
+        cases = [case.requiring(moments) for case in cases]
     if len(cases) < MIN_QUESTIONS or cases[0].open:
         return []
     groups = _groups(unit, cases)
@@ -62,7 +67,7 @@ def probes(unit: Unit) -> list[Probe]:
     for family in dict.fromkeys(line.family for line in lines if line.competes):
         rivals = [line for line in lines if line.competes and line.family == family]
         made += left.rivals(f"the best {_BEST[family]} ({{}})", _FEWER, rivals)
-    return made + combined.probes(unit, cases, groups, _required_moments(cases))
+    return made + combined.probes(unit, cases, groups, max(case.required_moments for case in cases))
 
 
 def _eliminated(cases: Sequence[Case]) -> tuple[Sequence[NDArray[np.bool_]], Sequence[NDArray[np.bool_]]]:
@@ -155,15 +160,8 @@ def _forest(see: SeeViews, cases: Sequence[Case], views: tuple[int, ...], of: Of
 
 def _sees_too_few_moments(cases: Sequence[Case], views: Sequence[int]) -> bool:
     """Whether these pictures cover fewer moments than the answer requires, while more are shown."""
-    first = cases[0]
-    return len({first.row["context_time"][view] for view in views}) < min(_required_moments(cases), first.moments)
-
-
-def _required_moments(cases: Sequence[Case]) -> int:
-    """Return the number of moments that the answer requires."""
-    if cases[0].row["answer_standing"]:
-        return 1
-    return max(case.row.get("answer_moments") or 2 for case in cases)
+    first, moments = cases[0], max(case.required_moments for case in cases)
+    return len({first.row["context_time"][view] for view in views}) < min(moments, first.moments)
 
 
 def _most_frequent_form(cases: Sequence[Case]) -> list[Case]:
