@@ -11,9 +11,11 @@ from tests.ask.asking import ask_all, run
 from tests.ask.test_overlap import SHAPES, at, turns
 from tests.engines import ENGINES
 from wmspec.runtime.questions.model import QuestionRow
+from wmspec.sim.scene.model import Array, Geom, Pose
 from wmspec.sim.scene.model.bounds import bounds
-from wmspec.sim.scene.physics.kinematic_contact import TOUCH_DISTANCE, first_touch
-from wmspec.sim.scene.physics.overlap import separation
+from wmspec.sim.scene.model.transform import identity
+from wmspec.sim.scene.physics.kinematic_contact import TOUCH_DISTANCE, clearance, first_touch
+from wmspec.sim.scene.physics.overlap import overlap, separation
 from wmspec.sim.shapes import Box, Shape, Sphere
 
 FLOOR = Box((1.0, 1.0, 0.1))
@@ -40,6 +42,22 @@ def test_the_distance_from_a_floor(shape: Shape, turn: tuple[float, ...], gap: f
         placed = at(0.1, 0.2, high - lowest, turn)
         found = separation(FLOOR, at(0, 0, -0.1), shape, placed, TOUCH_DISTANCE)
         assert TOUCH_DISTANCE < found <= high + 3e-5 if high else found <= TOUCH_DISTANCE
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)
+@settings(max_examples=25)
+@given(turn=turns, other=st.sampled_from(SHAPES), other_turn=turns, way=st.tuples(*[st.floats(-0.2, 0.2)] * 3).map(np.array))
+def test_what_overlaps_has_no_clearance(
+    shape: Shape, turn: tuple[float, ...], other: Shape, other_turn: tuple[float, ...], way: Array
+) -> None:
+    one, two = (shape, at(0, 0, 0, turn)), (other, Pose(way, at(0, 0, 0, other_turn).orientation))
+    found = clearance([Geom("one", shape, identity())], one[1], [Geom("two", other, identity())], two[1])
+    if overlap(*one, *two, 1e-4) > 0:
+        assert found <= TOUCH_DISTANCE
+    elif found > TOUCH_DISTANCE:
+        # A body that has come nearer by all of its clearance still does not overlap.
+        nearer = way - found * way / np.linalg.norm(way)
+        assert overlap(*one, other, Pose(nearer, two[1].orientation), 1e-4) == 0
 
 
 MOVES = """

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from wmspec.sim.scene.model import Array, Body, Geom, PassThrough, Pose, Scene, Trace, Vanish
 from wmspec.sim.scene.model.bounds import bounds, world_box
-from wmspec.sim.scene.model.transform import compose, identity
+from wmspec.sim.scene.model.transform import compose, conjugate, identity, rotate
 from wmspec.sim.scene.physics.contact import colliders, non_colliding_pairs
 from wmspec.sim.scene.physics.overlap import separation
+from wmspec.sim.shapes import Shape
 
 #: m: bodies that come closer than this touch.
 TOUCH_DISTANCE = 1e-4
@@ -36,7 +37,7 @@ def first_touch(scene: Scene, trace: Trace, a: str, b: str, samples: slice) -> f
     way = _path_length(trace, i, scene.bodies[i]) + _path_length(trace, j, scene.bodies[j])
     first, last = samples.start, samples.stop
     while first < last:
-        gap = _distance(one, _pose(trace, first, i), other, _pose(trace, first, j))
+        gap = clearance(one, _pose(trace, first, i), other, _pose(trace, first, j))
         if gap <= TOUCH_DISTANCE and open_to_contact[first]:
             return float(trace.time[first])
         # Until both have moved this far, they cannot touch.
@@ -69,22 +70,24 @@ def _pose(trace: Trace, sample: int, i: int) -> Pose:
     return Pose(trace.position[sample, i], trace.orientation[sample, i])
 
 
-def _distance(one: Sequence[Geom], here: Pose, other: Sequence[Geom], there: Pose) -> float:
+def clearance(one: Sequence[Geom], here: Pose, other: Sequence[Geom], there: Pose) -> float:
     """Return a lower bound of the distance (m) of two bodies that is at most `TOUCH_DISTANCE` only if they touch."""
     least = np.inf
     for gap, a, at_a, b, at_b in sorted(_piece_pairs(one, here, other, there), key=lambda pair: pair[0]):
-        if gap >= least:
+        if gap >= least or least <= TOUCH_DISTANCE:
             break
-        least = min(least, max(gap, separation(a.shape, at_a, b.shape, at_b, TOUCH_DISTANCE)))
-        if least <= TOUCH_DISTANCE:
-            break
+        bound = gap if gap > TOUCH_DISTANCE else separation(a.shape, at_a, b.shape, at_b, TOUCH_DISTANCE)
+        least = min(least, bound)
     return float(least)
 
 
 def _piece_pairs(
     one: Sequence[Geom], here: Pose, other: Sequence[Geom], there: Pose
 ) -> Iterator[tuple[float, Geom, Pose, Geom, Pose]]:
-    """Yield pairs of geoms with their poses, and the distance (m) of their axis-aligned boxes."""
+    """Yield pairs of geoms with their poses, and a lower bound (m) of their distance that is quick to compute.
+
+    It is the larger one of the distance of their axis-aligned boxes and the gap along the line of their origins.
+    """
     placed = [
         [(geom, pose, bounds(geom.shape, pose)) for geom in geoms for pose in (compose(at, geom.pose),)]
         for geoms, at in ((one, here), (other, there))
@@ -92,4 +95,18 @@ def _piece_pairs(
     for a, at_a, box_a in placed[0]:
         for b, at_b, box_b in placed[1]:
             apart = np.maximum(np.maximum(box_a[0] - box_b[1], box_b[0] - box_a[1]), 0.0)
-            yield float(np.linalg.norm(apart)), a, at_a, b, at_b
+            gap = max(float(np.linalg.norm(apart)), _gap_between_origins(a.shape, at_a, b.shape, at_b))
+            yield gap, a, at_a, b, at_b
+
+
+def _gap_between_origins(a: Shape, at_a: Pose, b: Shape, at_b: Pose) -> float:
+    """Return the distance (m) of two shapes in projection on the line of their origins, negative if they overlap."""
+    line = at_b.position - at_a.position
+    length = float(np.linalg.norm(line))
+    if length == 0:
+        return -np.inf
+    reaches = (
+        shape.reach(tuple(rotate(conjugate(pose.orientation), side * line / length)))
+        for shape, pose, side in ((a, at_a, 1.0), (b, at_b, -1.0))
+    )
+    return length - sum(reaches)
