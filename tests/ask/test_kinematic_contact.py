@@ -46,7 +46,12 @@ def test_the_distance_from_a_floor(shape: Shape, turn: tuple[float, ...], gap: f
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)
 @settings(max_examples=25)
-@given(turn=turns, other=st.sampled_from(SHAPES), other_turn=turns, way=st.tuples(*[st.floats(-0.2, 0.2)] * 3).map(np.array))
+@given(
+    turn=turns,
+    other=st.sampled_from(SHAPES),
+    other_turn=turns,
+    way=st.tuples(*[st.floats(-0.2, 0.2)] * 3).map(np.array),
+)
 def test_what_overlaps_has_no_clearance(
     shape: Shape, turn: tuple[float, ...], other: Shape, other_turn: tuple[float, ...], way: Array
 ) -> None:
