@@ -97,7 +97,7 @@ SURPRISES = ("surprise:", "surprises:")
     help="What clips begin with: the context, its last picture, or what comes after.  [default: by matching]",
 )
 @click.option("--masks", default="", metavar="sam2:FOLDER", help="Find objects in clips by this model, not by colour.")
-@click.option("--cache", type=_PATH, metavar="FILE", help="Folder in which replies are cached.")
+@click.option("--cache", type=_PATH, metavar="FILE", help="File in which replies are cached.")
 @click.option("--dry-run", is_flag=True, help="Print the plan and the first request; send nothing.")
 @click.option("--rescore", type=_PATH, metavar="FILE", help="Score stored replies again; send nothing.")
 @seed_option
