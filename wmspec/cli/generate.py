@@ -158,8 +158,8 @@ def generate_command(
     Each question is executed in every engine of --backend and must have the same answer there. The first engine is the
     reference: its episode is drawn and shown. The column `agreement` has the answers of all engines.
 
-    An interrupted run resumes with the same command: finished instances are kept, and only those in progress (about
-    five per worker) are repeated.
+    An interrupted run resumes with the same command: finished instances are kept, and only those in progress (two
+    instances or two closed sets per worker) are repeated.
 
     Several machines: each generates its share into its own folder (-o part-2 --shard 2/8). The same command without
     --shard joins them (-o whole --reuse part-1 --reuse part-2 ...). On a Ray cluster, use --executor ray.
