@@ -214,6 +214,25 @@ def test_equal_answers_in_every_tier_hold() -> None:
     assert found.verdict == "holds"
 
 
+def test_chance_is_that_among_the_answers_of_a_tier() -> None:
+    """Equal things have a tier of their own, so of three answers two occur in each other tier."""
+
+    def compared(share: int) -> Finding | None:
+        def make(group: int, weight: str, way: str) -> dict[str, Any]:
+            answer = ("more" if way == "left" or group % share == 0 else "fewer") if weight == "light" else "equal"
+            difference = {"name": "number", "unit": "", "value": 1.0 if weight == "heavy" else 2.0}
+            return labelled(["more", "fewer", "equal"], answer, difference=difference)
+
+        return constant_answer_finding(rows("t", make, 240))
+
+    even, skewed = compared(1000), compared(2)
+    assert even is not None
+    assert even.verdict == "holds"
+    assert skewed is not None
+    assert skewed.verdict == "fails"
+    assert "(chance 50%" in skewed.what
+
+
 def test_tiers_of_one_answer_are_left_out() -> None:
     """Two things that are the same have no difference, and no tier."""
     found = answered(

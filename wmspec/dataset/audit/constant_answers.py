@@ -23,25 +23,26 @@ MAX_TIERS = 12
 def constant_answer_finding(unit: Unit) -> Finding | None:
     """Return whether one answer is right too often in a tier; None without tiers, or if options differ by question.
 
-    Tiers with a single answer are left out: two equal things have no difference, so that only "different" has tiers.
+    A guesser may know which answers occur in a tier: of "left", "right" and "equal", two equal things have a tier of
+    their own. So chance is that among the answers of the tier, and tiers with a single answer are left out.
     """
     cases = unit.per_instance
     offered = {tuple(sorted(case.row["option_name"] or ())) for case in cases}
     if unit.open or cases[0].has_picture_options or len(offered) != 1:
         return None
-    options = next(iter(offered))
     tiers = {tier: answers for tier, answers in _tiers(cases).items() if len(set(answers)) > 1}
     if not 1 <= len(tiers) <= MAX_TIERS:
         return None
     worst, p = "", 1.0
     for tier, answers in tiers.items():
         answer, count = Counter(answers).most_common(1)[0]
-        chance = min(1.0, len(options) * stats.binomtest(count, len(answers), 1 / len(options), "greater").pvalue)
-        if count / len(answers) > 1 / len(options) + SLACK and chance < p:
-            worst, p = f"always `{answer}` is right in {count:,} of {len(answers):,} questions of tier {tier}", chance
+        guess = 1 / len(set(answers))
+        by_chance = min(1.0, stats.binomtest(count, len(answers), guess, "greater").pvalue / guess)
+        if count / len(answers) > guess + SLACK and by_chance < p:
+            right = f"always `{answer}` is right in {count:,} of {len(answers):,} questions of tier {tier}"
+            worst, p = f"{right} (chance {guess:.0%}", by_chance
     if p * len(tiers) < FALSE_ALARMS:
-        what = f"{worst} (chance {1 / len(options):.0%}, p = {p * len(tiers):.2g})"
-        return Finding("constant answer", unit.name, "fails", what)
+        return Finding("constant answer", unit.name, "fails", f"{worst}, p = {p * len(tiers):.2g})")
     many = f"{len(tiers)} {'tier' if len(tiers) == 1 else 'tiers'}"
     return Finding("constant answer", unit.name, "holds", f"no answer is right too often in any of {many}")
 
