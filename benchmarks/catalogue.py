@@ -33,7 +33,7 @@ HEAD = """# The whole catalogue in three engines
 
 `python -m benchmarks.catalogue FOLDER` generates every instance of a spec in MuJoCo, PyBullet and SAPIEN, keeps the
 questions that have one answer in all of them, and verifies the dataset. Processor time is that of all processes of the
-command, beside other work of the machine. A text of a question may have changed since the date of its row.
+command, beside other work of the machine. A spec may have changed since the date of its row.
 
 """
 
