@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -58,6 +59,17 @@ def made(arrange: Arrange, seed: int, groups: int = 40, crossed: bool = True) ->
             }
             cases.append(Case(row, (), ()))
     return Unit("t", tuple(cases), ("mujoco",))
+
+
+def test_metadata_tests_of_a_task_share_their_false_alarms() -> None:
+    """Of six tests, chance gives one below 0.009 in a twentieth of the tasks; no chance gives the smallest p-value."""
+    test = metadata.level_tests(made(shuffled, 0))[0]
+
+    def corrected(least: float) -> list[float]:
+        return [one.corrected for one in balance.corrected_tests([replace(test, p=p) for p in (least, *[0.5] * 5)])]
+
+    assert min(corrected(0.009)) == pytest.approx(0.054)
+    assert min(corrected(1 / (1 + metadata.PERMUTATIONS))) == pytest.approx(0.003)
 
 
 def failing(unit: Unit) -> list[Finding]:

@@ -49,25 +49,25 @@ def corrected_tests(tested: Sequence[Test]) -> list[Test]:
 
     In a task, tests of answers form one family and tests of positions another, each with half of the false alarms.
     Otherwise the many tests of positions would take power from the few of answers, which have one case in each group.
-    Every test of metadata is a family of its own.
+    Tests of metadata are a third family, with as many false alarms as both.
     """
     families: dict[tuple[str, ...], list[int]] = {}
     for i, test in enumerate(tested):
         if test.judged:
-            family = () if test.check == "balance" else (test.check, test.task)
-            families.setdefault((task_of(test.task), test.first, *family), []).append(i)
+            family = test.first if test.check == "balance" else test.check
+            families.setdefault((task_of(test.task), family), []).append(i)
     made = [
         test
         if test.judged
         else replace(test, corrected=test.p, least=detectable(test.counts, SIGNIFICANCE, test.effect))
         for test in tested
     ]
-    for those in families.values():
-        level = SIGNIFICANCE / 2 / len(those)
+    for (_, family), those in families.items():
+        shares = 2 if family in (PLACE, ANSWER) else 1
+        level = SIGNIFICANCE / shares / len(those)
         for i, p in zip(those, holm([tested[i].p for i in those]), strict=True):
-            made[i] = replace(
-                tested[i], corrected=min(1.0, 2 * p), least=detectable(tested[i].counts, level, tested[i].effect)
-            )
+            least = detectable(tested[i].counts, level, tested[i].effect)
+            made[i] = replace(tested[i], corrected=min(1.0, shares * p), least=least)
     return made
 
 

@@ -29,7 +29,8 @@ class Test:
 
     `counts` is the contingency table, with a row for each value of `first`. `strength` is Cramér's V (or Cohen's w),
     `p` the p-value by `method`. `corrected` is the p-value after Holm's correction over the task's `judged` tests
-    (`audit.balance.weighed`). `effect` is the design effect: the number of questions worth one independent question.
+    (`audit.balance.corrected_tests`). `effect` is the design effect: the number of questions that are worth one
+    independent question.
     `least` is the weakest dependence detectable with a power of 0.8. `check` is the name of the check.
     """
 
