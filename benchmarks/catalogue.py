@@ -1,12 +1,12 @@
 """Generate the whole catalogue in three engines, spec by spec, and record what each spec gives.
 
-    python -m benchmarks.catalogue FOLDER [--specs NAME ...] [--size 256] [--workers 1] [--minutes 60]
+    python -m benchmarks.catalogue FOLDER [--specs NAME ...] [--shard I/N] [--size 256] [--workers 1] [--minutes 60]
                                           [--audits REPORTS]
 
-Every spec is generated into FOLDER with all of its instances, verified, recorded in `catalogue.json` beside this file,
-and deleted. With `--audits`, its audit with the pictures of 400 instances goes into REPORTS first. Specs that are
-recorded are not repeated, and a run that was cut off resumes with the same command. No spec is begun after the given
-number of minutes. The page docs/benchmarks/catalogue.md is rewritten after each spec.
+Every spec is generated into FOLDER with all of its instances, or with share I of N of them, verified, recorded in
+`catalogue.json` beside this file, and deleted. With `--audits`, its audit with the pictures of 400 instances goes into
+REPORTS first. What is recorded is not repeated, and a run that was cut off resumes with the same command. No spec is
+begun after the given number of minutes. The page docs/benchmarks/catalogue.md is rewritten after each spec.
 """
 
 from __future__ import annotations
@@ -19,8 +19,11 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
+from fractions import Fraction
+from itertools import groupby
 from pathlib import Path
 
 from wmspec.lang.parse.files import catalogue_folders
@@ -29,6 +32,8 @@ RECORD = Path(__file__).with_suffix(".json")
 PAGE = Path(__file__).parent.parent / "docs/benchmarks/catalogue.md"
 #: Rows that `wmspec verify` executes again.
 SAMPLE = 20
+#: Figures that are summed over the pieces of a spec.
+FIGURES = ("instances", "questions", "size")
 HEAD = """# The whole catalogue in three engines
 
 `python -m benchmarks.catalogue FOLDER` generates every instance of a spec in MuJoCo, PyBullet and SAPIEN, keeps the
@@ -40,7 +45,7 @@ command, beside other work of the machine. A spec may have changed since the dat
 
 @dataclass(frozen=True)
 class Piece:
-    """What a spec gave: `rejected` counts reasons, `size` is in bytes, `seconds` are of processors.
+    """What a spec, or a `shard` of it, gave: `rejected` counts reasons, `size` is in bytes, `seconds` of processors.
 
     `seconds` is 0 for a piece that was cut off and resumed, because only the last part was measured.
     """
@@ -56,6 +61,12 @@ class Piece:
     pixels: int
     versions: dict[str, str]
     date: str
+    shard: str = "1/1"
+
+    @property
+    def share(self) -> Fraction:
+        """The share of the instances of the spec."""
+        return Fraction(1, int(self.shard.partition("/")[2]))
 
 
 def main() -> None:
@@ -63,6 +74,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="for datasets")
     parser.add_argument("--specs", nargs="*", metavar="NAME", help="such as perception/vision/color")
+    parser.add_argument("--shard", default="1/1", metavar="I/N", help="only share I of N of each spec's instances")
     parser.add_argument("--size", type=int, default=256, help="pixels on a side")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--minutes", type=float, default=60.0)
@@ -78,19 +90,19 @@ def main() -> None:
     until = time.monotonic() + 60 * options.minutes
     for name in options.specs or paths:
         pieces = recorded()
-        if name in {piece.spec for piece in pieces}:
+        if any(piece.spec == name and piece.shard in (options.shard, "1/1") for piece in pieces):
             continue
         if time.monotonic() > until:
             break
-        file = name.replace("/", "-")
-        pieces.append(generated(name, paths[name], options.folder / file, options.size, options.workers))
+        file = "-".join((name.replace("/", "-"), *options.shard.split("/"))).removesuffix("-1-1")
+        pieces.append(generated(name, paths[name], options.folder / file, options))
         if options.audits:
             audit(options.folder / file, options.audits / file, options.workers)
         shutil.rmtree(options.folder / file)
-        pieces.sort(key=lambda piece: list(paths).index(piece.spec))
+        pieces.sort(key=lambda piece: (list(paths).index(piece.spec), piece.shard))
         RECORD.write_text(json.dumps([asdict(piece) for piece in pieces], indent=1, ensure_ascii=False) + "\n")
         PAGE.write_text(HEAD + page(pieces, len(paths)))
-        print(row(pieces[[piece.spec for piece in pieces].index(name)]), flush=True)
+        print(row([piece for piece in pieces if piece.spec == name]), flush=True)
 
 
 def recorded() -> list[Piece]:
@@ -98,14 +110,16 @@ def recorded() -> list[Piece]:
     return [Piece(**piece) for piece in json.loads(RECORD.read_text())] if RECORD.exists() else []
 
 
-def generated(name: str, spec: Path, out: Path, size: int, workers: int) -> Piece:
-    """Generate all instances of a spec in three engines, and verify the dataset."""
+def generated(name: str, spec: Path, out: Path, options: argparse.Namespace) -> Piece:
+    """Generate the instances of a spec, or a share of them, in three engines, and verify the dataset."""
     resumed = out.exists()
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    command = [sys.executable, "-m", "wmspec", "generate", str(spec), "-o", str(out), "-b", "all", "--size", str(size)]
-    done = subprocess.run([*command, "-j", str(workers), "--json"], check=True, stdout=subprocess.PIPE, text=True)
+    run, workers = [sys.executable, "-m", "wmspec"], ["-j", str(options.workers)]
+    shard = [] if options.shard == "1/1" else ["--shard", options.shard]
+    command = [*run, "generate", str(spec), "-o", str(out), "-b", "all", "--size", str(options.size), *shard, *workers]
+    done = subprocess.run([*command, "--json"], check=True, stdout=subprocess.PIPE, text=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    verify = [sys.executable, "-m", "wmspec", "verify", str(out), "--sample", str(SAMPLE), "-j", str(workers)]
+    verify = [*run, "verify", str(out), "--sample", str(SAMPLE), *workers]
     subprocess.run(verify, check=True, stdout=subprocess.DEVNULL)
     tasks = json.loads(done.stdout)
     reasons = Counter[str]()
@@ -120,9 +134,10 @@ def generated(name: str, spec: Path, out: Path, size: int, workers: int) -> Piec
         sum(task["failed"] for task in tasks),
         sum(path.stat().st_size for path in out.rglob("*") if path.is_file()),
         0.0 if resumed else after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime,
-        size,
+        options.size,
         json.loads((out / "manifest.json").read_text())["versions"],
         datetime.now(UTC).date().isoformat(),
+        options.shard,
     )
 
 
@@ -138,25 +153,33 @@ def page(pieces: list[Piece], count: int) -> str:
     rejected = sum(sum(piece.rejected.values()) for piece in pieces)
     versions = {f"{name} {version}" for piece in pieces for name, version in piece.versions.items()}
     size, hours = sum(piece.size for piece in pieces) / 1e9, sum(piece.seconds for piece in pieces) / 3600
-    done = f"{len(pieces)} of {count} specs, {instances:,} instances, {questions:,} questions, {rejected:,} rejected"
+    specs = [list(group) for _, group in groupby(pieces, key=lambda piece: piece.spec)]
+    whole = sum(sum(piece.share for piece in spec) == 1 for spec in specs)
+    done = f"{whole} of {count} specs, {instances:,} instances, {questions:,} questions, {rejected:,} rejected"
     lines = [
         f"{done}, {size:.1f} GB, {hours:.1f} hours of a core, with {', '.join(sorted(versions))}.",
         "",
         "| spec | tasks | instances | questions | rejected | MB | a core's time for each | date |",
         "|---|---:|---:|---:|---|---:|---:|---|",
-        *map(row, pieces),
+        *map(row, specs),
     ]
     return "\n".join(lines) + "\n"
 
 
-def row(piece: Piece) -> str:
-    """Return a row of the table."""
-    reasons = ", ".join(f"{count} {reason}" for reason, count in piece.rejected.items()) or "0"
-    if piece.failed:
-        reasons += f", {piece.failed} failed"
-    each = f"{piece.seconds / piece.instances * 1000:.0f} ms" if piece.seconds else "resumed"
-    counts = f"{piece.tasks} | {piece.instances:,} | {piece.questions:,} | {reasons}"
-    return f"| `{piece.spec}` | {counts} | {piece.size / 1e6:,.0f} | {each} | {piece.date} |"
+def row(pieces: Sequence[Piece]) -> str:
+    """Return a row of the table: a spec, given its pieces."""
+    counts = Counter[str]()
+    for piece in pieces:
+        counts.update(piece.rejected | ({"failed": piece.failed} if piece.failed else {}))
+    reasons = ", ".join(f"{count} {reason}" for reason, count in sorted(counts.items())) or "0"
+    instances, questions, size = (sum(getattr(piece, name) for piece in pieces) for name in FIGURES)
+    timed = [piece for piece in pieces if piece.seconds]
+    seconds, measured = (sum(getattr(piece, name) for piece in timed) for name in ("seconds", "instances"))
+    each = f"{seconds / measured * 1000:.0f} ms" if timed else "resumed"
+    share, first = sum(piece.share for piece in pieces), pieces[0]
+    spec = f"`{first.spec}`" + ("" if share == 1 else f", {share} of it")
+    tasks, date = max(piece.tasks for piece in pieces), max(piece.date for piece in pieces)
+    return f"| {spec} | {tasks} | {instances:,} | {questions:,} | {reasons} | {size / 1e6:,.0f} | {each} | {date} |"
 
 
 if __name__ == "__main__":

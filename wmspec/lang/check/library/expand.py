@@ -75,7 +75,9 @@ class Assets:
         tree = self._known[key] = self._known.get(key) or read(*key)
         whole = {p.name.id for p in block.properties}
         if isinstance(tree, RejectedAsset):
-            self._report(relevant_faults(tree, {p.name.id: p.properties for p in block.parts}, whole), named)
+            faults = relevant_faults(tree, {p.name.id: p.properties for p in block.parts}, whole)
+            # A stand-in for a feature does not help if the file is refused, perhaps for this very feature.
+            self._report(tuple(fault for fault in faults if fault.severity == "error") or faults, named)
             raise Failed
         overrides = self._overrides(block, tree, named)
         faults = relevant_faults(tree, overrides, whole)
