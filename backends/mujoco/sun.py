@@ -15,7 +15,7 @@ from wmspec.sim.scene.model import Array, Camera, Light
 from wmspec.sim.scene.model.transform import rotation
 from wmspec.sim.scene.render.picture import Image, quantize
 from wmspec.sim.scene.render.shadow import SUN_SHADE, ShadowMapRegion
-from wmspec.sim.scene.render.shadow_filter import occlusion
+from wmspec.sim.scene.render.shadow_filter import deciding_texels, occlusion
 from wmspec.sim.scene.render.surfaces import rays, surfaces
 from wmspec.sim.scene.render.window import Window
 
@@ -40,21 +40,23 @@ class SunMap:
     ) -> NDArray[np.uint8]:
         """Return a window of a picture (h, w, 3), drawn without shadows, with the shadows of the sun."""
         x, y, away = self._places(depth, camera, light, window)
-        shaded = occlusion(x, y, away, self._distances())
+        rows, columns = (deciding_texels(at, len(self.texels)) for at in (y, x))
+        shaded = occlusion(x, y, away, self._distances(rows, columns), (rows.start, columns.start))
         shaded[ids < 0] = 0
-        rows, columns = np.flatnonzero(shaded.any(axis=1)), np.flatnonzero(shaded.any(axis=0))
-        if not len(rows):
+        down, across = np.flatnonzero(shaded.any(axis=1)), np.flatnonzero(shaded.any(axis=0))
+        if not len(down):
             return rgb
-        part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        part = slice(down[0], down[-1] + 1), slice(across[0], across[-1] + 1)
         lost = _lost(ids, depth, camera, light, window, part) * shaded[part]
         picture = rgb.copy()
         picture[part] = quantize(rgb[part] * (1 - lost[..., None]))
         return picture
 
-    def _distances(self) -> NDArray[np.float32]:
-        """Return distances (n, n) from the near plane (m), `inf` where nothing is."""
-        distance = (1 - self.texels) * np.float32(self.far - self.near)
-        return np.where(self.texels > 0, distance, np.float32(np.inf))
+    def _distances(self, rows: slice, columns: slice) -> NDArray[np.float32]:
+        """Return distances (m, n) of texels from the near plane (m), `inf` where nothing is."""
+        texels = self.texels[rows, columns]
+        distance = (1 - texels) * np.float32(self.far - self.near)
+        return np.where(texels > 0, distance, np.float32(np.inf))
 
     def _places(
         self, depth: NDArray[np.float32], camera: Camera, light: Light, window: Window

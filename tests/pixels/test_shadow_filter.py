@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.engines import ENGINES
 from tests.pixels.scenes import body, scene, views
 from wmspec.sim.scene.model import Light, Shot, Surface
-from wmspec.sim.scene.render.shadow_filter import REACH, occlusion
+from wmspec.sim.scene.render.shadow_filter import REACH, deciding_texels, occlusion
 from wmspec.sim.shapes import Box
 
 NOTHING = np.float32(np.inf)
@@ -41,6 +43,17 @@ def test_points_nearer_to_the_sun_or_outside_its_map_are_lit() -> None:
     shaded = occlusion(x, rows, np.full_like(x, 2), half_plane(8, 8))[0]
     assert not shaded[(x[0] < -1) | (x[0] > 9)].any()
     assert shaded[(x[0] > 2) & (x[0] < 6)].all()
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(-15, 25), st.floats(0, 20))
+def test_few_texels_decide_on_the_shadows_of_a_window(seed: int, first: float, extent: float) -> None:
+    rng = np.random.default_rng(seed)
+    seen = np.where(rng.random((12, 12)) < 0.7, rng.random((12, 12)), np.inf).astype(np.float32)
+    x, y = (rng.uniform(start, start + extent, (6, 7)).astype(np.float32) for start in (first, rng.uniform(-15, 25)))
+    away = rng.random((6, 7)).astype(np.float32)
+    rows, columns = deciding_texels(y, 12), deciding_texels(x, 12)
+    part = occlusion(x, y, away, seen[rows, columns], (rows.start, columns.start))
+    np.testing.assert_array_equal(part, occlusion(x, y, away, seen))
 
 
 @pytest.mark.parametrize("toward", [(0.35, 0.45, -1), (0.9, 0.1, -0.3), (-0.2, 0.9, -0.3), (0, 0, -1), (1, 0, -0.2)])

@@ -15,17 +15,24 @@ REACH = 1.5
 """Texels around a point that decide on its shadow."""
 
 
-def occlusion(x: Image, y: Image, away: Image, seen: NDArray[np.float32]) -> Image:
+def deciding_texels(places: Image, side: int) -> slice:
+    """Return the rows, or columns, of a map of `side` texels that decide on the shadows of points at `places`."""
+    first, last = (np.clip(np.floor(bound), -2, side + 1) for bound in (places.min(), places.max()))
+    return slice(max(int(first) - 1, 0), min(int(last) + 2, side))
+
+
+def occlusion(x: Image, y: Image, away: Image, seen: NDArray[np.float32], origin: tuple[int, int] = (0, 0)) -> Image:
     """Return the shaded fraction (h, w), 0..1, of points at `away` (h, w) from the sun.
 
-    `x` and `y` (h, w) are their places in the map in texels: texel i covers [i, i + 1). `seen` (n, n) is what the sun
-    sees in rows `y`, `inf` for nothing, in the unit of `away`. What is outside of the map is lit.
+    `x` and `y` (h, w) are their places in the map in texels: texel i covers [i, i + 1). `seen` (m, n) is what the sun
+    sees in the rows and columns from `origin` on, `inf` for nothing, in the unit of `away`. What is outside is lit.
     """
-    side = len(seen)
     # around the map nothing is, as far as the neighbours of clipped places
     framed = np.pad(seen, 3, constant_values=np.inf)
-    column = np.clip(np.floor(x), -2, side + 1).astype(np.intp) + 3
-    row = np.clip(np.floor(y), -2, side + 1).astype(np.intp) + 3
+    row, column = (
+        np.clip(np.floor(at) - first, -2, side + 1).astype(np.intp) + 3
+        for at, first, side in zip((y, x), origin, seen.shape, strict=True)
+    )
     place = row * framed.shape[1] + column
     nearest, farthest = _around(framed, np.minimum), _around(framed, np.maximum)
     shaded: Image = (farthest.take(place) < away).astype(np.float32)
