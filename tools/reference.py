@@ -6,10 +6,13 @@ python tools/reference.py --check    exits with 1 if a page is not current
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterable, Iterator
 from itertools import chain
 from pathlib import Path
+
+from pxr import Sdf
 
 from wmspec.lang.check.expressions.calls import signature
 from wmspec.lang.check.tables.functions import FUNCTIONS
@@ -35,8 +38,11 @@ from wmspec.lang.check.types.units import EXAMPLES, UNITS
 from wmspec.lang.parse.codes import CODES
 from wmspec.runtime.questions.legibility.bounds import BOUNDS, REFERENCE_SIDE
 from wmspec.sim.materials import MATERIALS
+from wmspec.sim.usd import schema
 
 FOLDER = Path(__file__).parent.parent / "docs/reference"
+#: A verb, the bodies that it accepts, and its effect, in the documentation of `wms:verb`.
+VERB_LINE = re.compile(r"(\w+) \((.*?)\): (.*)\.")
 #: File, title and sections of each page.
 PAGES = (
     ("designs", "Domains and designs", ("Domains", "Dimensions", "Designs")),
@@ -46,12 +52,13 @@ PAGES = (
     ("units", "Units, words and tolerances", ("Units", "Words", "Settings", "Tolerances")),
     ("diagnostics", "Diagnostics", ("Codes",)),
     ("legibility", "Legibility", ("Measures",)),
+    ("episode_prims", "Prims of an episode", ("WmsEpisode", "WmsAction", "Verbs of a WmsAction", "WmsObservation")),
 )
 
 
 def pages() -> dict[Path, str]:
     """Return the text of each page by its path."""
-    whole = "\n".join(chain(reference(), measures())).removeprefix("### ")
+    whole = "\n".join(chain(reference(), measures(), schemas())).removeprefix("### ")
     sections = dict(section.split("\n", 1) for section in whole.split("\n### "))
     made = {}
     for name, title, parts in PAGES:
@@ -169,6 +176,34 @@ def measures() -> Iterator[str]:
         for name, b in BOUNDS.items()
     )
     yield from table(("measure", "bound", "meaning", "source"), limits)
+
+
+def schemas() -> Iterator[str]:
+    """Yield the sections of the USD schemas; the documentation of `wms:verb` has a line for each verb."""
+    layer = Sdf.Layer.FindOrOpen(str(Path(schema.__file__).parent / "generatedSchema.usda"))
+    for kind in ("WmsEpisode", "WmsAction", "WmsObservation"):
+        prim = layer.GetPrimAtPath(f"/{kind}")
+        yield f"### {kind}\n"
+        yield f"{prim.GetInfo('documentation')}\n"
+        documented = {one.name: one.GetInfo("documentation") for one in prim.properties}
+        verbs = documented.get("wms:verb", "").splitlines()
+        rows = ((f"`{one.name}`", _type(one), _code(documented[one.name])) for one in prim.properties)
+        yield from table(("property", "type", "meaning"), (row for row in rows if row[0] != "`wms:verb`"))
+        if verbs:
+            yield "### Verbs of a WmsAction\n"
+            yield "`wms:verb` (token) is one of:\n"
+            parts = (VERB_LINE.fullmatch(verb) for verb in verbs)
+            rows = ((f"`{part[1]}`", _code(part[2]), _code(part[3])) for part in parts if part)
+            yield from table(("verb", "bodies", "effect"), rows)
+
+
+def _type(one: Sdf.PropertySpec) -> str:
+    return str(one.typeName) if isinstance(one, Sdf.AttributeSpec) else "rel"
+
+
+def _code(text: str) -> str:
+    """Return a text with its names of properties as code."""
+    return re.sub(r"wms:\w+", r"`\g<0>`", text)
 
 
 def forms(head: str, written: Iterable[SyntaxForm]) -> Iterator[str]:
