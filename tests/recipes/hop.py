@@ -10,7 +10,7 @@ from wmspec.lang.check.ir.ir import Entity
 
 
 def hop(prim: Prim, action: Entity, values: Evaluator) -> None:
-    """What rises by h sets off with the speed sqrt(2 g h)."""
+    """To rise by h, an object starts at the speed sqrt(2 g h)."""
     name = action.name
     speed = math.sqrt(2 * values.gravity * values.number(name, "height"))
     prim.set("wms:speed", "double", speed, f"{name}.height", "world.gravity", uniform=True)
