@@ -118,6 +118,6 @@ def test_cost_is_printed(spec: Path, tmp_path: Path) -> None:
     assert "reach: answers are balanced, for which " in tried
     checked = CliRunner().invoke(main, ["check", str(spec)]).output
     assert "balanced answers of `far`: each group is drawn up to 32 times" in checked
-    assert "sample size 5 (independent groups) for tone, pace" in checked
+    assert "5 independent groups: the sample size of tone, pace" in checked
     verified = CliRunner().invoke(main, ["verify", str(tmp_path / "out"), "--all"])
     assert verified.exit_code == 0, verified.output

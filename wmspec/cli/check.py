@@ -145,6 +145,6 @@ def _print(checked: Checked) -> None:
 def _print_design(task: CheckedTask) -> None:
     """Print the sample sizes and the cost of balance."""
     for size, names in by_size(task.sample_sizes or {}).items():
-        click.echo(f"  sample size {size:,} (independent groups) for {', '.join(names)}")
+        click.echo(f"  {size:,} independent group{'s' * (size != 1)}: the sample size of {', '.join(names)}")
     if task.balance:
         click.echo(f"  {balance_note(task.balance)}")
