@@ -76,8 +76,9 @@ class Assets:
         whole = {p.name.id for p in block.properties}
         if isinstance(tree, RejectedAsset):
             faults = relevant_faults(tree, {p.name.id: p.properties for p in block.parts}, whole)
-            # A stand-in for a feature does not help if the file is refused, perhaps for this very feature.
-            self._report(tuple(fault for fault in faults if fault.severity == "error") or faults, named)
+            # Where there is an error, it may be about the very feature that a warning says has a stand-in.
+            wrong = {fault.place for fault in faults if fault.severity == "error"}
+            self._report(tuple(f for f in faults if f.severity == "error" or f.place not in wrong), named)
             raise Failed
         overrides = self._overrides(block, tree, named)
         faults = relevant_faults(tree, overrides, whole)
