@@ -57,7 +57,7 @@ from wmspec.sim.scene.regime_thresholds import (
 )
 from wmspec.sim.shapes.cylinder import Cylinder
 
-ROW = "what strikes bodies that touch each other is answered by all of them at once"
+ROW = "bodies that touch each other all move at once when something strikes them"
 #: Maximum speed (m/s) of a body at rest.
 MAX_REST_SPEED = 0.05
 #: Slides shorter than MIN_SLIDE (m), or with a rotation faster than MAX_SLIDE_SPIN (rad/s), are little affected.
