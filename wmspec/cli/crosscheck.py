@@ -175,7 +175,7 @@ def _print(agreement: Agreement, changed_since: str) -> None:
     if agreement.unreliable_answers:
         click.echo("\nanswers that depend on motion that engines simulate wrongly:")
     for d in agreement.unreliable_answers:
-        click.echo(f"  {d.task}: {d.answers}, as {d.kind}; in instance {d.instance}, {d.where}")
+        click.echo(f"  {d.task}: {d.answers}, because {d.kind}; in instance {d.instance}, {d.where}")
     if agreement.vanished:
         click.echo("\nno longer found; --update-baseline removes them from the baseline:")
     for gone in agreement.vanished:
