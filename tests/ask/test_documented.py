@@ -22,7 +22,7 @@ PAGE = " ".join((Path(__file__).parents[2] / "docs/questions.md").read_text().sp
         f"more than {observed.MIN_MOTION * 1000:g} mm from its place",
         f"speed below {observed.STANDSTILL_SPEED * 100:g} cm/s",
         f"during the last {observed.REST_TIME:g} s",
-        f"less than {outcome.DIAGONAL_RATIO:g} times the other",
+        f"differ by a factor below {outcome.DIAGONAL_RATIO:g}",
         f"within {trajectory.MIN_DEVIATION * 1000:g} mm or {trajectory.MIN_DEVIATION_SHARE * 100:g} % of its extent",
         f"the smaller share more than {trajectory.MAX_COUNTERTURN:.0%}".replace("%", " %"),
         f"more than {math.degrees(trajectory.MIN_CIRCLE):.0f} degrees",
