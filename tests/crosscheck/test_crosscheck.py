@@ -60,7 +60,7 @@ def test_chaos_is_explained_and_fails(tmp_path: Path) -> None:
     assert "mujoco answers the blue cube, sapien the red cube" in said
     assert "after touching `post_a`" in said
     assert "restitution 0.9" in said
-    assert "bounces on an edge are chaotic" in said
+    assert "bounces on edges are chaotic" in said
     failures = ET.parse(junit).getroot().findall("testsuite/testcase/failure")
     assert failures
     assert all(f.get("type") == "answers" and "`post_a`" in (f.text or "") for f in failures)

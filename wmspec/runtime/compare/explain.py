@@ -89,7 +89,7 @@ def _hint(body: Body, other: Body, material: Friction, impacts: int) -> str:
     balls = _is_round(body) and _is_round(other)
     if material.restitution >= 0.3 and not balls:
         return (
-            "bounces on an edge are chaotic, even within one engine: lower the restitution, or ask about earlier"
+            "bounces on edges are chaotic, even within one engine: lower the restitution, or ask about an earlier time"
         )
     if _has_edges(body) or _has_edges(other):
         return "cylinders and cones touch at a rim, which engines resolve differently: use a box, a sphere or a capsule"
