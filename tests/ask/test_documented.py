@@ -28,7 +28,7 @@ PAGE = " ".join((Path(__file__).parents[2] / "docs/questions.md").read_text().sp
         f"more than {math.degrees(trajectory.MIN_CIRCLE):.0f} degrees",
         f"sharper than {math.degrees(trajectory.SHARP_CORNER):.0f} degrees",
         f"it turns by more than {math.degrees(trajectory.MIN_ARC):.0f}",
-        f"no ball of more than {runs.MAX_OVERLAP * 1000:g} mm",
+        f"no sphere of more than {runs.MAX_OVERLAP * 1000:g} mm",
         f"{pictures.MIN_DIFFERENT_SHARE * 256**2:.0f} of 256 × 256 pixels show another",
         f"equally near (to {pictures.DISTANCE_TOLERANCE * 1e6:g} micrometre)",
         f"nudges once by {robustness.DEFAULT_NUDGE * 1000:g} mm",
