@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import io
+import json
 import re
 import subprocess
 import sys
@@ -24,7 +25,7 @@ PART = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 #: Where comments of other files begin.
 COMMENTS = {".js": "//", ".lark": "//", ".sh": "#", ".toml": "#", ".wms": "#"}
 #: Suffixes of the files that are checked.
-KINDS = {".md", ".py", *COMMENTS}
+KINDS = {".md", ".py", ".ipynb", *COMMENTS}
 #: Not checked: history, lists that generators write, texts of others, and the rules themselves.
 SKIPPED = ("CHANGELOG.md", "docs/licences.md", "docs/decisions/*", "tools/prose.*", "tests/thirdparty/*")
 
@@ -56,7 +57,7 @@ class Rules:
 
 
 def findings(path: Path, text: str, rules: Rules) -> Iterator[Finding]:
-    """Yield every finding in a file: all prose of Markdown; all words and identifiers of Python; comments of others."""
+    """Yield every finding in a file: all prose of Markdown and notebooks, words and identifiers of Python, comments."""
     lines = text.splitlines()
     for first, words in _spans(path, text):
         for pattern, remedy in rules.prose:
@@ -75,6 +76,8 @@ def _spans(path: Path, text: str) -> Iterator[tuple[int, str]]:
             return _python(text)
         case ".md":
             return _markdown(text)
+        case ".ipynb":
+            return _notebook(text)
         case other:
             return _comments(text, COMMENTS[other])
 
@@ -84,6 +87,16 @@ def _comments(text: str, mark: str) -> Iterator[tuple[int, str]]:
     for number, line in enumerate(text.splitlines(), 1):
         if found := re.search(rf"(?:^|\s){mark}(.*)", line):
             yield number, re.sub(r"`[^`]*`", "", found[1])
+
+
+def _notebook(text: str) -> Iterator[tuple[int, str]]:
+    """The Markdown of a notebook, with the line of the JSON on which each cell's text begins."""
+    number = 1
+    for cell in json.loads(text)["cells"]:
+        if cell["cell_type"] == "markdown" and cell["source"]:
+            first = json.dumps(cell["source"][0], ensure_ascii=False)
+            number += text.split("\n", number - 1)[-1].partition(first)[0].count("\n")
+            yield from ((number + line - 1, words) for line, words in _markdown("".join(cell["source"])))
 
 
 def _markdown(text: str) -> Iterator[tuple[int, str]]:
