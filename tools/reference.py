@@ -80,13 +80,13 @@ def reference() -> Iterator[str]:
 def design() -> Iterator[str]:
     """Yield the tables of factors and designs."""
     yield "### Domains\n"
-    yield "Of a `factor` or a `nuisance`, constants:\n"
+    yield "A `factor` or a `nuisance` may have these domains of constants:\n"
     yield from forms("domain", FACTOR_DOMAINS)
-    yield "Of a `nuisance`, or of a `factor` of a Latin hypercube:\n"
+    yield "A `nuisance`, or a `factor` of a Latin hypercube, may have these:\n"
     yield from forms("domain", CONTINUOUS_DOMAINS)
-    yield "Of a `nuisance` alone:\n"
+    yield "Only a `nuisance` may have these:\n"
     yield from forms("domain", WEIGHTED_DOMAINS)
-    yield "Of a `factor` alone:\n"
+    yield "Only a `factor` may have these:\n"
     yield from forms("domain", CONDITIONAL_DOMAINS)
     yield "### Dimensions\n"
     yield "What a `factor` or a `nuisance` is about, after its domain: `factor tone in [red, blue] about color`.\n"
@@ -168,8 +168,8 @@ def measures() -> Iterator[str]:
     yield "How these are measured, and when they apply: [questions](../questions.md#legibility).\n"
     side = REFERENCE_SIDE
     yield (
-        f"`px` are pixels of a picture of {side} x {side}; those of other sizes are scaled. It is taken to fill 10 "
-        f"degrees, such as 10 cm at a distance of 57 cm: a pixel is {600 / side:.1f} arc minutes.\n"
+        f"`px` are pixels of a picture of {side} x {side}; those of other sizes are scaled. A picture is assumed to "
+        f"fill 10 degrees, such as 10 cm at a distance of 57 cm: a pixel is {600 / side:.1f} arc minutes.\n"
     )
     limits = (
         (f"`{name}`", f"at {'most' if b.at_most else 'least'} {b.value:g} {b.unit}".strip(), b.meaning, b.source)

@@ -50,9 +50,9 @@ class Agreement:
 
     With `strict`, an instance passes only if its trajectories are within tolerance too. Disagreements that `baseline`
     holds are known and accepted. The crosscheck passes if at least `fail_under` percent of the instances pass or have
-    known disagreements only. `planned` counts the instances of the sample, more than were executed if the time was
-    over; `cached` those whose results were known. `tally` counts the compared instances and the instances that failed
-    by an internal error, a crash or a timeout.
+    known disagreements only. `planned` counts all instances of the sample, also those that were not executed because
+    time ran out; `cached` those whose results were known. `tally` counts the compared instances and the instances that
+    failed by an internal error, a crash or a timeout.
     """
 
     job: SweepConfig
@@ -133,7 +133,7 @@ class Agreement:
         return known | {"passes": self.passed, "planned": self.planned, "vanished": [asdict(d) for d in self.vanished]}
 
     def junit(self) -> str:
-        """Return JUnit XML for continuous integration, with one test case per instance; known ones are skipped."""
+        """Return JUnit XML with one test case per instance, skipped if its disagreements are known."""
         return junit(self.job, self.instances, self.strict, {(d.task, d.index) for d in self.new})
 
     def to_pandas(self) -> pd.DataFrame:
@@ -175,9 +175,9 @@ def crosscheck(
         changed_since: a git revision; only tasks whose files have changed since its common ancestor are executed.
         baseline: known disagreements, or the file that holds them.
         fail_under: percentage of instances that must pass.
-        max_time: time (s) after which no further group of instances begins; then all tasks take turns.
+        max_time: time (s) after which no group of instances begins. Groups of all tasks then alternate from the start.
         cache: whether results are kept in the user's cache, or the folder that keeps them.
-        workers: number of processes, or what makes the one to use; 0 runs in this process. One per core by default.
+        workers: number of processes (default: one per core; 0: this process). Or a function that gives `Workers`.
         timeout: time limit per instance, in seconds.
         progress: shows the progress, such as `wmspec.progress_bar`.
         tell: receives warnings.

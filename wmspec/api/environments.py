@@ -89,7 +89,7 @@ class Problem:
 
     @property
     def truth(self) -> dict[str, Any]:
-        """The arguments with which replies are marked, as JSON values."""
+        """The data with which replies are marked (truth, tolerance), as JSON values."""
         return self.ask.truth
 
     @property
@@ -185,7 +185,7 @@ def environment(
 
     Args:
         task: a task, or the path of a spec of one task.
-        difficulty: from 0 (easiest) to 1 (hardest): the ranks of the instances by the `difference` of their question.
+        difficulty: the range of ranks to keep; `difference` ranks questions from 0 (easiest) to 1 (hardest).
         levels: only these levels of factors, by factor (SI; named levels by their names).
         split: only instances of "train", "validation" or "test", the first two without the hold-outs of the spec.
         shares: of the splits in percent, such as "train=80,validation=10,test=10".

@@ -209,7 +209,7 @@ class Episode:
 
 
 def open_stage(path: str | PathLike[str]) -> Usd.Stage:
-    """A USD stage from anywhere. Raises WmsError if there is no such file, or if USD cannot open it."""
+    """Open a USD stage of any tool. Raises WmsError if there is no such file, or if USD cannot open it."""
     path = Path(path)
     if not path.is_file():
         reason = "it is a folder, not a file" if path.is_dir() else "there is no such file"
@@ -228,11 +228,11 @@ def run(
 ) -> Episode:
     """Execute a stage, or the stage in a file, in an engine; for a `duration` (s) other than its own, if it is given.
 
-    What only shows and cannot be drawn, and what can be executed nearly as it is meant, has a stand-in that the
-    episode's `notes` tell; if it is to be `strict`, that is refused.
+    Visual content that cannot be drawn, and content that can only be approximated, is replaced and listed in the
+    episode's `notes`; with `strict`, it is refused.
 
     Raises:
-        StageError: the stage holds what cannot be executed; its `diagnostics` are all of it.
+        StageError: the stage has content that cannot be executed; `diagnostics` of the error lists all of it.
         WmsError: the stage has no duration, the engine is unknown, or the engine fails.
     """
     opened = open_stage(stage) if isinstance(stage, str | PathLike) else stage

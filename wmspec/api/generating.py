@@ -47,9 +47,9 @@ class DatasetOptions(TypedDict, total=False):
     `per_task`: number of random instances per task, by default that of WM-ABench for its tasks and all instances
     for others; `full`: all instances. `profile`: "wm-abench" for the paper's tasks as the paper asks them. `part`:
     (i, n), only share i of n. `dimensions`: only tasks of these. `backend`: engines, separated by commas, or "all";
-    the first is the reference, whose episode is shown. `rows`: one row for each of the "questions", answered in all
-    engines, or one for each question in each of the "engines". `renderer`: one engine that draws all episodes, by
-    default the quickest; with rows of engines, each draws its own by default. `consensus`: keep a question if "all"
+    the first is the reference, whose episode is shown. `rows`: "questions" for one row per question, answered in
+    all engines, or "engines" for one row per question and engine. `renderer`: one engine that draws all episodes, by
+    default the quickest; with "engines", each draws its own by default. `consensus`: keep a question if "all"
     engines agree, if the "majority" agrees, or always ("none"). `seed`: random seed of tasks given by path. `size`
     (pixels), `look` and `samples`: see `RenderOptions`. `film`: frames per second of films of closed sets, None for no
     films; `film_size`: their width and height (pixels); `film_for`: how long (s) they go on after the context, at
@@ -99,7 +99,7 @@ def generate(
     tell: Tell = warn,
     **options: Unpack[DatasetOptions],
 ) -> Summary:
-    """Generate a dataset from tasks in the folder `output`: Parquet with pictures, a manifest and a card.
+    """Generate a dataset of tasks into the folder `output`: Parquet with pictures, a manifest and a card.
 
     The same call resumes an interrupted run.
 
@@ -113,8 +113,8 @@ def generate(
         executor: "local" processes or a "ray" cluster. The dataset is the same.
         address: of the Ray cluster, such as "auto" or "10.0.0.5:6379"; this machine only by default.
         progress: shows the progress, such as `wmspec.progress_bar`.
-        tell: receives warnings, notices of damaged files that are generated again and of groups that require more
-            instances than `per_task`, and questions for which gates change the balance of answers.
+        tell: receives warnings. They include damaged files that are generated again, groups with more instances than
+            `per_task`, and questions whose gates unbalance the answers.
         **options: see `DatasetOptions`.
 
     Returns:

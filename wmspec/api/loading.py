@@ -62,7 +62,7 @@ def load(
 def load_all(*paths: PathOrText, seed: int = 0, tell: Tell = warn, strict: bool = False) -> tuple[Task, ...]:
     """Load all tasks of spec files and folders, in order; without paths, the tasks of WM-ABench.
 
-    With `strict`, what an asset's file has and cannot be read exactly is an error.
+    With `strict`, content of an asset file that cannot be read exactly is an error.
 
     Raises:
         SpecError: specs have mistakes; `diagnostics` lists all of them.

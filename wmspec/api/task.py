@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Factor:
-    """A factor or a nuisance, with `values` and `bounds` in the SI `unit`; "" if it has none.
+    """A factor or a nuisance. `values` and `bounds` are in the SI `unit`, which is "" for numbers without one.
 
     `values` is None for a continuous domain, `bounds` for a discrete one. `about` is its dimension: color, shape, size,
     position, material, world or other, as declared in the spec or derived from what it changes.
@@ -92,7 +92,7 @@ class Task(Sequence["Instance"]):
 
     @property
     def file(self) -> str:
-        """The file for messages."""
+        """The name of the spec's file, as messages show it."""
         return str(self.path or self.source.name)
 
     @cached_property
@@ -117,9 +117,9 @@ class Task(Sequence["Instance"]):
 
     @property
     def counterfactuals(self) -> tuple[str, ...]:
-        """The names of the counterfactuals, with the number of the question if several questions have some.
+        """The names of the counterfactuals; if several questions have counterfactuals, with the number of the question.
 
-        What-ifs are among them, by the words of their change, such as `without_ball`.
+        What-ifs are included; their names describe the change, such as `without_ball`.
         """
         return tuple(self._changes)
 
@@ -147,7 +147,7 @@ class Task(Sequence["Instance"]):
 
     @property
     def paper(self) -> wm_abench.Column | None:
-        """The column of WM-ABench that the task rebuilds, or None."""
+        """The task of WM-ABench (a column of its tables) that this task rebuilds, or None."""
         return wm_abench.column(self.name)
 
     def sample(self, count: int) -> tuple[Instance, ...]:
@@ -291,7 +291,7 @@ class Instance:
     def ask(self, engine: str, **options: Unpack[RenderOptions]) -> InstanceQuestions:
         """Execute the instance in an engine and return its questions; `options` are those of the renderer.
 
-        In a closed set, all siblings are asked; if one fails, none has questions.
+        If the options form a closed set, all instances of the set are executed; if one is rejected, none has questions.
         """
         from wmspec.api.episode import executor
         from wmspec.api.rendering import renderer_of

@@ -52,8 +52,8 @@ def verify(
 
     Args:
         folder: the dataset.
-        sample: number of rows, and of rejected questions, to draw; by default as many as find a change in 5 % of them
-            with a probability of 99 %. At least one row of each task is drawn, and whole groups of closed sets.
+        sample: number of rows, and of rejected questions, to draw; by default as many as detect with 99 % probability
+            that 5 % of the rows changed. At least one row of each task is drawn, and whole groups of closed sets.
         every: generate all questions again.
         sample_seed: draws the sample of an earlier verification again; by default a new one.
         other_machine: accept small differences of numbers and pictures although the versions are the same, since the

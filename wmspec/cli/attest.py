@@ -21,8 +21,8 @@ def attest_command(
 ) -> None:
     """Attest a DATASET that stays private.
 
-    Writes for publication: seal.json with hashes of seed, specs and rows, and debug/, a dataset of a tenth of the tasks
-    with seed 0. With --check, compares a dataset with a seal; exits with 1 if they differ.
+    Writes for publication: seal.json (hashes of seed, specs and rows) and debug/ (a dataset of a tenth of the tasks
+    with seed 0). With --check, compares a dataset with a seal; exits with 1 if they differ.
     """
     from wmspec.api import progress_bar
     from wmspec.api.attesting import attest, check

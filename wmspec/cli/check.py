@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     is_flag=False,
     flag_value=4,
     metavar="[N]",
-    help="Make N random instances of each task through all gates.  [N: 4]",
+    help="Make N random instances of each task, and apply all gates.  [N: 4]",
 )
 @click.option(
     "--backend",
@@ -66,13 +66,13 @@ def check_command(
 ) -> None:
     """Check specs: syntax, names, units, types, the design, and a sample of scenes. `-` reads standard input.
 
-    Exits with 2 if there is an error. With --try it also exits with 2 if a question keeps no instance, or if at least 8
-    kept instances of 4 groups all have the same answer.
+    Exits with 2 if there is an error. With --try it also exits with 2 if a question keeps no instance, or if all
+    kept instances have the same answer (at least 8 instances, from at least 4 groups).
 
     The result of a file is kept in the user's cache (WMSPEC_CACHE_DIR, else ~/.cache/wmspec) and returned again until
     the file, a library or file that it uses, or wmspec changes.
 
-    Text is coloured on a terminal unless NO_COLOR is set. Code hosts display SARIF next to the lines.
+    Text is coloured on a terminal unless NO_COLOR is set. Code hosts display SARIF beside the lines of a spec.
     """
     from wmspec.api.checking import check_files, check_text
     from wmspec.core.disk_cache import disabled

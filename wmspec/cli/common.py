@@ -88,7 +88,7 @@ def look_options(command: F) -> F:
         show_default=True,
         help="`parity` is equal in all engines; `photo` is path-traced by Mitsuba.",
     )
-    samples = click.option("--samples", type=click.IntRange(1, 4096), help="Samples per pixel, for the look photo.")
+    samples = click.option("--samples", type=click.IntRange(1, 4096), help="Samples per pixel, with --look photo.")
     return look(samples(command))
 
 

@@ -33,8 +33,8 @@ def compile_command(
 ) -> None:
     """Write an instance as USD and in the native formats of engines.
 
-    The stage is a base layer for the task, an override layer for the instance, and one for each counterfactual over
-    that. The native files (a model, or a script) run in their engine without wmspec.
+    The stage has a base layer (the task), an override layer (the instance), and above it one layer for each
+    counterfactual. The native files (a model, or a script) run in their engine without wmspec.
     """
     from wmspec.runtime.engines.registry import select_backends
 

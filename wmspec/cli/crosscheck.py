@@ -62,7 +62,7 @@ MAX_PRINTED = 20
     help="Fail if fewer instances pass.",
 )
 @click.option(
-    "--max-time", default="", metavar="TIME", help="Begin no instance after this time, such as 5m; tasks take turns."
+    "--max-time", default="", metavar="TIME", help="Begin no instance after this time, such as 5m. Tasks alternate."
 )
 @click.option(
     "--cache", "cache_folder", metavar="DIR", help="Folder of results of earlier runs.  [default: the user's cache]"
@@ -104,8 +104,8 @@ def crosscheck_command(
 ) -> None:
     """Execute the same instances in several engines and compare trajectories, events and answers.
 
-    Exits with 1 if a question that either engine would be asked has another answer in the other, or if an engine cannot
-    execute an instance. With --strict, and for tasks without questions, trajectories must be within tolerance too.
+    Exits with 1 if engines answer a question differently that one of them would keep, or if an engine cannot execute
+    an instance. With --strict, and for tasks without questions, trajectories must be within tolerance too.
     Also exits with 1 if no instance was compared; the first internal error is printed in full.
 
     An instance that was executed before, by the same versions of wmspec and of the engines, is not executed again.

@@ -42,12 +42,12 @@ SURPRISES = ("surprise:", "surprises:")
 )
 @click.option(
     "--prompt",
-    help="default, frames, clip, montage, numbers, paper, or a file.  [default: frames with films, else default]",
+    help="default, frames, clip, montage, numbers, paper, or a file.  [default: frames for films, else default]",
 )
 @click.option(
     "--ablate",
     type=click.Choice(["pictures", "question", "truth", "options", "wording"]),
-    help="Omit all pictures, all except the options, the true option, all options, or change the options' words.",
+    help="Omit all pictures, all but the options, the true option, or all options; or reword the options.",
 )
 @click.option(
     "--structured", is_flag=True, help="Constrain answers to the labels by a JSON schema, if the server offers it."
@@ -68,7 +68,7 @@ SURPRISES = ("surprise:", "surprises:")
 @click.option("--image-size", type=click.IntRange(16, 8192), metavar="N", help="Longest side of pictures, in pixels.")
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
 @click.option("--engine", multiple=True, metavar="NAME", help="Only rows of this engine.")
-@click.option("--split", type=click.Choice(["train", "validation", "test"]), help="Only this split of control groups.")
+@click.option("--split", type=click.Choice(["train", "validation", "test"]), help="Only this split; groups stay whole.")
 @split_options
 @click.option(
     "--limit",
@@ -94,7 +94,7 @@ SURPRISES = ("surprise:", "surprises:")
 @click.option(
     "--begins",
     type=click.Choice(["context", "first", "after"]),
-    help="What clips begin with: the context, its last picture, or what comes after.  [default: by matching]",
+    help="What clips begin with: the context, its last picture, or what comes after.  [default: found in each clip]",
 )
 @click.option("--masks", default="", metavar="sam2:FOLDER", help="Find objects in clips by this model, not by colour.")
 @click.option("--cache", type=_PATH, metavar="FILE", help="File in which replies are cached.")
@@ -106,8 +106,8 @@ def evaluate_command(dataset: Path | None, rescore: Path | None, as_json: bool, 
     """Ask a model the questions of a dataset, and store and score its replies.
 
     An interrupted run resumes with the same command. The key of a server is read from OPENAI_API_KEY and written
-    nowhere. Exits with 1 if requests failed, with the first cause in full (the same command retries them), or if no
-    reply could be read.
+    nowhere. Exits with 1 if no reply could be read or requests failed; it prints the first cause, and the same command
+    retries them.
     """
     if rescore is not None:
         _rescore(rescore, as_json)

@@ -36,7 +36,7 @@ TOOLS = ("inspect", "lmms-eval", "vlmevalkit", "hf", "chat", "questions", "video
     metavar="N",
     help="Maximum number of questions, spread evenly over tasks and engines.",
 )
-@click.option("--frames", is_flag=True, help="For video: also write every frame that is shown as a PNG file.")
+@click.option("--frames", is_flag=True, help="For video: also write a PNG file of each shown frame.")
 def export_command(
     dataset: Path,
     tool: str,
@@ -50,13 +50,12 @@ def export_command(
     limit: int | None,
     frames: bool,
 ) -> None:
-    """Export a dataset as a folder for Inspect, lmms-eval, VLMEvalKit or Hugging Face `datasets`, or without answers.
+    """Export a dataset for Inspect, lmms-eval, VLMEvalKit or Hugging Face `datasets`, or its questions without answers.
 
-    `chat` is training data in splits by control groups (--shares, --holdout), with answers. `questions` are published
-    in place of a private dataset: without answers, under ids hidden by --secret, a file that is made if it is not
-    there. `wmspec submit`, `score` and `leaderboard` do the rest. `video` has the inputs of video models: the
-    films that are shown and prompts, and nothing of the answers. `physics-iq` has the films in the layout of that
-    benchmark, with the answers.
+    `chat` is training data in splits by control groups (--shares, --holdout), with answers. `questions` replaces
+    a private dataset in public: without answers, with ids hidden by --secret (a file, created if missing).
+    `wmspec submit`, `score` and `leaderboard` do the rest. `video` has the inputs of video models: prompts and the
+    shown films, without answers. `physics-iq` has the films in the layout of that benchmark, with the answers.
 
     Other folders have requests equal to those of `wmspec evaluate`, the parser of replies, and a README.
 

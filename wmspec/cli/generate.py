@@ -43,13 +43,13 @@ if TYPE_CHECKING:
     "--renderer",
     "-r",
     default="",
-    help="Render with this engine.  [default: the quickest of the engines; with --rows engines, each its own]",
+    help="Render with this engine.  [default: the quickest; with --rows engines, each draws its own]",
 )
 @click.option(
     "--per-task",
     type=click.IntRange(1),
-    help="Number of random instances per task; control groups are whole, so there may be more or fewer.  "
-    "[default: as many as the paper has of its tasks, all of others]",
+    help="Number of random instances per task; control groups stay whole, so the number may differ.  "
+    "[default: the paper's number for its tasks, else all]",
 )
 @click.option("--shard", metavar="I/N", default="1/1", help="Generate only share I of N of each task's instances.")
 @click.option(
@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 @click.option(
     "--profile",
     type=click.Choice(["wm-abench"]),
-    help="The paper's 44 tasks as the paper asks them: one kind of question, and its number of pictures.",
+    help="The paper's 44 tasks as in the paper: one kind of question each, and the paper's number of pictures.",
 )
 @click.option(
     "--split",
@@ -85,7 +85,7 @@ if TYPE_CHECKING:
     "--film-for",
     type=click.FloatRange(0, 60, min_open=True),
     metavar="SECONDS",
-    help="Let films go on at least so long after what is shown, for models with a fixed length.",
+    help="Continue films at least this long after the shown part, for models whose clips have a fixed length.",
 )
 @look_options
 @seed_option
@@ -158,14 +158,14 @@ def generate_command(
     Each question is executed in every engine of --backend and must have the same answer there. The first engine is the
     reference: its episode is drawn and shown. The column `agreement` has the answers of all engines.
 
-    An interrupted run resumes with the same command: finished instances are kept, and only those in progress (two
-    instances or two closed sets per worker) are repeated.
+    An interrupted run resumes with the same command: finished instances are kept, and only those in progress (at
+    most two instances, or two sets of matched instances, per worker) are repeated.
 
     Several machines: each generates its share into its own folder (-o part-2 --shard 2/8). The same command without
     --shard joins them (-o whole --reuse part-1 --reuse part-2 ...). On a Ray cluster, use --executor ray.
 
     Exits with 1 if no question was kept, or if more than a tenth of the instances ended as internal errors, crashes or
-    timeouts; the first cause is printed in full. With --dry-run, only the latter counts.
+    timeouts; the first cause is printed in full. With --dry-run, only errors count.
     """
     from wmspec.api import generate, progress_bar
     from wmspec.api.agreement import worker_settings

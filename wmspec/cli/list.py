@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 @click.option("--sizes", is_flag=True, help="Print the number of independent groups per factor and nuisance.")
 @json_option
 def list_command(specs: tuple[Path, ...], dimension: tuple[str, ...], sizes: bool, as_json: bool) -> None:
-    """List tasks with their dimensions, factors and numbers of instances (× questions), beside the paper's cases.
+    """List tasks: dimensions, factors, numbers of instances (× questions), and the paper's numbers of cases.
 
-    Instances of a group share all draws, so the number of groups is a sample size. `color (3 in 60)` is a factor with
-    three levels that is crossed in 60 groups. `--sizes` includes nuisances.
+    Instances of a group share all random values, so the sample size is the number of groups. `color (3 in 60)` is a
+    factor with three levels that is crossed in 60 groups. `--sizes` includes nuisances.
 
     Without SPECS: the tasks of WM-ABench. `wmspec list specs/gallery` and `specs/paradigms` list further shipped tasks.
     """

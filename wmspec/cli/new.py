@@ -25,7 +25,7 @@ def _list(context: click.Context, _: click.Parameter, requested: bool) -> None:
 @click.option("--template", "-t", default="prediction", show_default=True, help="Template; see --list.")
 @click.option("--list", is_flag=True, is_eager=True, expose_value=False, callback=_list, help="List the templates.")
 def new_command(name: str, template: str) -> None:
-    """Write a first spec to NAME.wms, which checks and generates as it is. NAME may have a folder before it.
+    """Write a first spec to NAME.wms; `check` and `generate` accept it as it is. NAME may have a folder before it.
 
     An existing file is never overwritten.
     """

@@ -35,7 +35,7 @@ from wmspec.core.diagnostics import WmsError
     multiple=True,
     type=click.Path(path_type=Path),
     metavar="RESULTS",
-    help="Results of the same models on another dataset: print how far both rank the models alike. Repeatable.",
+    help="Results of the same models on another dataset: print how similar the two rankings are. Repeatable.",
 )
 @click.option(
     "--equate",
@@ -43,14 +43,14 @@ from wmspec.core.diagnostics import WmsError
     multiple=True,
     type=click.Path(path_type=Path),
     metavar="RESULTS",
-    help="Results on an earlier set of the same design: print what scores would be there. Repeatable.",
+    help="Results on an earlier set of the same design: convert the scores to its scale. Repeatable.",
 )
 @click.option(
     "--holdout",
     "holdouts",
     multiple=True,
     metavar="LEVELS",
-    help="Levels that training never saw together, such as shape=cone,color=blue: seen and unseen apart. Repeatable.",
+    help="Levels never combined in training, such as shape=cone,color=blue: reported separately. Repeatable.",
 )
 @click.option("--name", "names", multiple=True, metavar="ID=NAME", help="Display name of a model. Repeatable.")
 @json_option

@@ -73,7 +73,7 @@ def run_command(
 ) -> None:
     """Execute an instance of a spec, a USD stage, or a URDF, MJCF or mesh file, and print final positions and contacts.
 
-    A URDF or mesh file is let go on a ground, for 2 s or --for TIME. MJCF stays where it is.
+    A URDF or mesh file falls onto an added ground, for 2 s or --for TIME. MJCF gets no ground.
 
     Exits with 1 if some of several engines refuse it; results of the others are printed.
     """

@@ -41,8 +41,8 @@ def score_command(
 ) -> None:
     """Score a submission with the private DATASET, and write a signed receipt.
 
-    QUESTIONS is the folder that was published. The receipt holds digests of questions and submission, the model, its
-    outcomes, and scores with intervals. `wmspec leaderboard` refuses receipts that were edited.
+    QUESTIONS is the folder that was published. The receipt holds the model, its outcomes, scores with intervals, and
+    digests of questions and submission. `wmspec leaderboard` refuses receipts that were edited.
     """
     from wmspec.dataset.build.reader import DatasetReader
     from wmspec.eval.models.results import write as write_results

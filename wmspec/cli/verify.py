@@ -24,7 +24,7 @@ MAX_PRINTED = 10
     "--sample",
     type=click.IntRange(1),
     help="Number of rows, and of rejected questions, to generate again.  "
-    "[default: as many as find a change in 5 % of them with a probability of 99 %]",
+    "[default: as many as detect with 99 % probability that 5 % of the rows changed]",
 )
 @click.option("--all", "every", is_flag=True, help="Generate all questions again.")
 @click.option("--sample-seed", type=int, help="Draw the sample of an earlier run again.  [default: a new sample]")
@@ -42,7 +42,7 @@ MAX_PRINTED = 10
 def verify_command(ctx: click.Context, /, dataset: Path, as_json: bool, **options: Any) -> None:
     """Recompute a DATASET from the specs and seed in its manifest and compare.
 
-    Checks ids, order, counts and factors of every row and every file of the folder, and generates a random sample of
+    Checks every file of the folder, and ids, order, counts and factors of every row, and generates a random sample of
     questions again. If versions differ, numbers and pictures may differ a little; this is reported. Exits with 1 if
     anything else differs.
     """

@@ -140,7 +140,7 @@ def _excerpt(place: Place, paint: Paint) -> Iterator[str]:
 
 
 class WmsError(Exception):
-    """Invalid input or a missing capability of the machine: one diagnostic, or several with `of`.
+    """Invalid input or a missing capability of the machine: one diagnostic, or several (`WmsError.of`).
 
     The command line prints it and exits with code 2. Pickling preserves it.
     """
@@ -172,7 +172,7 @@ class WmsError(Exception):
 
     @property
     def portable(self) -> str:
-        """As `str`, with the names of files without their folders: for what is kept in a dataset."""
+        """The text of `str(error)` with names of files without folders, to store in a dataset."""
         return "\n".join(diagnostic.portable for diagnostic in self.diagnostics)
 
     def render(self, paint: Paint = unpainted) -> str:

@@ -196,33 +196,35 @@ _FORM: dict[str, PropertySpec] = {
     "shape": PropertySpec((SHAPE,), "its form", "cube"),
     "size": PropertySpec(
         (A_LENGTH, POINT3, POINT2),
-        "the edge, or the diameter and also the height; a box or wedge may have three edges, a plane two",
+        "the edge of a cube, or the diameter of a round shape, which is also its height; three lengths of a box or wedge, two of a plane",
         "10 cm",
         above=0,
     ),
-    "radius": PropertySpec((A_LENGTH,), "of a round object, instead of half its size", optional=True, above=0),
-    "height": PropertySpec((A_LENGTH,), "of a cylinder, cone or capsule, instead of its size", optional=True, above=0),
+    "radius": PropertySpec((A_LENGTH,), "radius of a round shape, instead of half its size", optional=True, above=0),
+    "height": PropertySpec(
+        (A_LENGTH,), "height of a cylinder, cone or capsule, instead of its size", optional=True, above=0
+    ),
     **_SHAPE_PARAMETERS,
     "color": PropertySpec(
-        (COLOR,), "its colour, which tints its material; instead of its material's own", optional=True
+        (COLOR,), "colour, which tints the material; replaces the material's own colour", optional=True
     ),
-    "material": PropertySpec((MATERIAL,), "what it seems to be made of: its pattern and its gloss", "plastic"),
-    "image": PropertySpec((TEXT,), "a picture on its surface: a PNG or JPEG file beside the spec", optional=True),
+    "material": PropertySpec((MATERIAL,), "material, as drawn: pattern and gloss", "plastic"),
+    "image": PropertySpec((TEXT,), "image on the surface: a PNG or JPEG file beside the spec", optional=True),
     "repeats": PropertySpec(
         (Vector(NUMBER, 2),),
-        "how often the picture is repeated on a metre, or on what a mesh's own coordinates call 1; laid out once if left out",
+        "repetitions of the image per metre, or per unit of a mesh's own texture coordinates; default: the image once",
         optional=True,
         above=0,
     ),
     "roughness": PropertySpec(
         (A_NUMBER,),
-        "of its surface, 0 is polished; surroundings are reflected in the look `photo` only; instead of its material's",
+        "roughness of the surface (0: polished), instead of the material's; only the look `photo` draws reflections of the surroundings",
         optional=True,
         least=0,
         most=1,
     ),
     "metallic": PropertySpec(
-        (A_NUMBER,), "1 for bare metal; instead of its material's", optional=True, least=0, most=1
+        (A_NUMBER,), "1 for bare metal, instead of the material's value", optional=True, least=0, most=1
     ),
 }
 _MESH: dict[str, PropertySpec] = {
@@ -233,26 +235,24 @@ _MESH: dict[str, PropertySpec] = {
     ),
     "scale": PropertySpec(
         (A_NUMBER, TRIPLE),
-        "of the mesh, along all axes of the object or each; below 0 it is mirrored",
+        "scale of the mesh, along all axes or each; a negative scale mirrors it",
         "1",
         nonzero=True,
     ),
     "units": PropertySpec(
-        (UNITS,), "the unit of the mesh's lengths; metres, and what a COLLADA file says, if left out", optional=True
+        (UNITS,), "unit of the mesh's lengths; default: metres, or the unit that a COLLADA file states", optional=True
     ),
-    "up": PropertySpec(
-        (UP,), "the axis of the mesh that points up; y for glb and gltf, else z, if left out", optional=True
-    ),
+    "up": PropertySpec((UP,), "axis of the mesh that points up; default: y for glb and gltf, else z", optional=True),
     "collision": PropertySpec(
         (COLLISION,),
-        "how a mesh is touched: as its hull, in convex pieces, as its upright box, as a ball around it, or, if it is fixed, as the surface that it is",
+        "collision shape of a mesh: its convex hull, convex pieces, its upright bounding box, its bounding sphere, or, if it is fixed, its surface",
         "hull",
     ),
 }
 _TURN: dict[str, PropertySpec] = {
-    "yaw": PropertySpec((AN_ANGLE,), "how far it is turned about the vertical, anticlockwise from above", "0 deg"),
-    "pitch": PropertySpec((AN_ANGLE,), "how far it is then tilted about its own y axis", "0 deg"),
-    "roll": PropertySpec((AN_ANGLE,), "how far it is then tilted about its own x axis", "0 deg"),
+    "yaw": PropertySpec((AN_ANGLE,), "rotation about the vertical, anticlockwise as seen from above", "0 deg"),
+    "pitch": PropertySpec((AN_ANGLE,), "rotation about its own y axis, after the yaw", "0 deg"),
+    "roll": PropertySpec((AN_ANGLE,), "rotation about its own x axis, after yaw and pitch", "0 deg"),
 }
 
 PROPERTIES: dict[str, dict[str, PropertySpec]] = {
@@ -260,87 +260,87 @@ PROPERTIES: dict[str, dict[str, PropertySpec]] = {
         **_FORM,
         **_MESH,
         "file": PropertySpec((TEXT,), "a mesh (obj, stl, ply, off, glb, gltf, dae, or `thing.usda#/PRIM`) or an asset (urdf, xml, usd) beside the spec, instead of a shape", optional=True),
-        "strict": PropertySpec((TRUTH,), "whether what cannot be read exactly from the file of an asset is an error", optional=True),
-        "inertia": PropertySpec((INERTIA_SOURCE,), "`file` keeps inertias of an asset that no body of its mass and size can have", optional=True),
-        "mass": PropertySpec((Quantity(MASS),), "its mass, instead of its density", optional=True, above=0),
-        "density": PropertySpec((Quantity(DENSITY),), "its mass per volume", "600 kg/m^3", above=0),
-        "centre": PropertySpec((POINT3,), "its centre of mass, from its middle; instead of that of its form", optional=True),
-        "moments": PropertySpec((Vector(INERTIA, 3),), "its moments of inertia about that, along its own axes; instead of those of its form", optional=True, above=0),
-        "axes": PropertySpec((TURNS,), "how these axes are turned: yaw, pitch and roll", "(0, 0, 0)"),
-        "friction": PropertySpec((A_NUMBER,), "friction; a touching pair has the geometric mean", "0.5", least=0, most=5),
-        "restitution": PropertySpec((A_NUMBER,), "bounciness; a touching pair has the geometric mean", "0.1", least=0, most=1),
-        "damping": PropertySpec((Quantity(NUMBER / TIME),), "share of its speed that the air takes, per time", "0 Hz", least=0, most=100),
-        "spin_damping": PropertySpec((Quantity(NUMBER / TIME),), "share of its turning that the air takes, per time; as `damping` if left out", optional=True, least=0, most=100),
-        "velocity": PropertySpec((Vector(SPEED, 3),), "how fast it goes at the start, along the axes of the world", optional=True),
-        "spin": PropertySpec((Vector(ANGULAR_SPEED, 3),), "how fast it turns at the start, about the axes of the world", optional=True),
-        "surface_velocity": PropertySpec((Vector(SPEED, 3),), "of a belt, which is fixed: how fast its surface runs along its own axes, and carries what touches it", optional=True),
-        "passes": PropertySpec((List(OBJECT),), "the objects that it passes through", optional=True),
-        "on": PropertySpec((OBJECT,), "what it rests on; `on: table at (x, y)` says where, from its middle", optional=True),
-        "inside": PropertySpec((OBJECT,), "what it rests in: on the lowest part of it below the place", optional=True),
-        "at": PropertySpec((POINT2, POINT3, PLACE), "where its middle is: (x, y) on what it rests on or on the ground, or (x, y, z)", "(0 m, 0 m)"),
-        "scatter": PropertySpec((POINT2,), "the edges of a field around `at` in which its place is drawn", optional=True, least=0),
-        "gap": PropertySpec((A_LENGTH,), "the least distance from others that are scattered on the same thing", "1 cm", least=0),
+        "strict": PropertySpec((TRUTH,), "whether content of an asset file that cannot be read exactly is an error", optional=True),
+        "inertia": PropertySpec((INERTIA_SOURCE,), "`file` keeps inertias of an asset file even if no body of that mass and size can have them", optional=True),
+        "mass": PropertySpec((Quantity(MASS),), "mass, instead of a density", optional=True, above=0),
+        "density": PropertySpec((Quantity(DENSITY),), "mass per volume", "600 kg/m^3", above=0),
+        "centre": PropertySpec((POINT3,), "centre of mass relative to its middle, instead of that of its shape", optional=True),
+        "moments": PropertySpec((Vector(INERTIA, 3),), "moments of inertia about the centre of mass, along its own axes, instead of those of its shape", optional=True, above=0),
+        "axes": PropertySpec((TURNS,), "rotation of the axes of `moments`: yaw, pitch and roll", "(0, 0, 0)"),
+        "friction": PropertySpec((A_NUMBER,), "coefficient of friction; a contact has the geometric mean of both", "0.5", least=0, most=5),
+        "restitution": PropertySpec((A_NUMBER,), "coefficient of restitution; a contact has the geometric mean of both", "0.1", least=0, most=1),
+        "damping": PropertySpec((Quantity(NUMBER / TIME),), "linear damping: the share of its speed that is lost per time", "0 Hz", least=0, most=100),
+        "spin_damping": PropertySpec((Quantity(NUMBER / TIME),), "angular damping; default: as `damping`", optional=True, least=0, most=100),
+        "velocity": PropertySpec((Vector(SPEED, 3),), "velocity at the start, in world axes", optional=True),
+        "spin": PropertySpec((Vector(ANGULAR_SPEED, 3),), "angular velocity at the start, about world axes", optional=True),
+        "surface_velocity": PropertySpec((Vector(SPEED, 3),), "of a fixed object that acts as a belt: velocity of its surface, in its own axes", optional=True),
+        "passes": PropertySpec((List(OBJECT),), "objects with which it does not collide", optional=True),
+        "on": PropertySpec((OBJECT,), "the object on which it rests; `on: table at (x, y)` gives the place, relative to the middle of the table", optional=True),
+        "inside": PropertySpec((OBJECT,), "the object in which it rests, on the lowest part below its place", optional=True),
+        "at": PropertySpec((POINT2, POINT3, PLACE), "place of its middle: (x, y) on its support or the ground, or (x, y, z)", "(0 m, 0 m)"),
+        "scatter": PropertySpec((POINT2,), "side lengths of a rectangle around `at` in which its place is random", optional=True, least=0),
+        "gap": PropertySpec((A_LENGTH,), "least distance from other scattered objects on the same support", "1 cm", least=0),
         **_TURN,
-        "fixed": PropertySpec((TRUTH,), "whether it can never move", "false"),
-        "solid": PropertySpec((TRUTH,), "whether it can be touched; what cannot is a mark, fixed or carried by actions", "true"),
-        "drawn": PropertySpec((TRUTH,), "whether it can be seen; what only carries a camera need not be", "true"),
-        "present": PropertySpec((TRUTH,), "whether it is there at all", "true"),
-        "called": PropertySpec((TEXT,), "what texts call it, without article and colour: `\"crate\"`; else its shape, or its own name", optional=True),
-        "plural": PropertySpec((TEXT,), "what several of them are called, if that is not its name with an s", optional=True),
+        "fixed": PropertySpec((TRUTH,), "whether it never moves", "false"),
+        "solid": PropertySpec((TRUTH,), "whether it collides; an object that does not is fixed or moved by actions", "true"),
+        "drawn": PropertySpec((TRUTH,), "whether it is visible", "true"),
+        "present": PropertySpec((TRUTH,), "whether it exists in the instance", "true"),
+        "called": PropertySpec((TEXT,), "its noun in texts, without article and colour, such as `\"crate\"`; default: its shape or name", optional=True),
+        "plural": PropertySpec((TEXT,), "plural of its noun, if it is not formed with an s", optional=True),
     },
     "part": {
         **_FORM,
         **_MESH,
-        "at": PropertySpec((POINT3,), "where its middle is, from the middle of the object's ground", "(0 m, 0 m, 0 m)"),
+        "at": PropertySpec((POINT3,), "place of its middle, relative to the middle of the object's bottom", "(0 m, 0 m, 0 m)"),
         **_TURN,
-        "friction": PropertySpec((A_NUMBER,), "its own, instead of that of its object", optional=True, least=0, most=5),
-        "restitution": PropertySpec((A_NUMBER,), "its own, instead of that of its object", optional=True, least=0, most=1),
-        "solid": PropertySpec((TRUTH,), "whether it can be touched; what cannot weighs nothing", optional=True),
-        "drawn": PropertySpec((TRUTH,), "whether it can be seen", optional=True),
+        "friction": PropertySpec((A_NUMBER,), "own value, instead of the object's", optional=True, least=0, most=5),
+        "restitution": PropertySpec((A_NUMBER,), "own value, instead of the object's", optional=True, least=0, most=1),
+        "solid": PropertySpec((TRUTH,), "whether it collides; a part that does not has no mass", optional=True),
+        "drawn": PropertySpec((TRUTH,), "whether it is visible", optional=True),
     },
     "camera": {
-        "at": PropertySpec((POINT3,), "where it is"),
-        "look_at": PropertySpec((POINT3,), "what it looks at", "(0 m, 0 m, 0 m)"),
-        "fov": PropertySpec((AN_ANGLE,), "its vertical field of view", "40 deg", above=0, most=2.6),
-        "far": PropertySpec((A_LENGTH,), "how far it sees; 50 m if left out", optional=True, above=0, most=1000),
-        "ride": PropertySpec((OBJECT, ROBOT), "the object that carries it; then `at` and `look_at` are seen from there", optional=True),
+        "at": PropertySpec((POINT3,), "position of the camera"),
+        "look_at": PropertySpec((POINT3,), "the point at which it looks", "(0 m, 0 m, 0 m)"),
+        "fov": PropertySpec((AN_ANGLE,), "vertical field of view", "40 deg", above=0, most=2.6),
+        "far": PropertySpec((A_LENGTH,), "largest visible distance; default: 50 m", optional=True, above=0, most=1000),
+        "ride": PropertySpec((OBJECT, ROBOT), "the object that carries it; `at` and `look_at` are then relative to that object", optional=True),
     },
     "light": {
-        "direction": PropertySpec((TRIPLE,), "where its light goes", "(0.35, 0.45, -1)"),
-        "diffuse": PropertySpec((A_NUMBER,), "how much light comes from the sun", "0.4", least=0, most=2),
-        "ambient": PropertySpec((A_NUMBER,), "how much light comes from everywhere", "0.6", least=0, most=2),
-        "shadows": PropertySpec((TRUTH,), "whether things throw shadows in it; it shines through ceilings if they do not", "true"),
+        "direction": PropertySpec((TRIPLE,), "direction in which its light travels", "(0.35, 0.45, -1)"),
+        "diffuse": PropertySpec((A_NUMBER,), "strength of the directed light", "0.4", least=0, most=2),
+        "ambient": PropertySpec((A_NUMBER,), "strength of the ambient light", "0.6", least=0, most=2),
+        "shadows": PropertySpec((TRUTH,), "whether objects cast shadows; without shadows it shines through ceilings", "true"),
     },
     "world": {
-        "gravity": PropertySpec((Quantity(ACCELERATION),), "downwards", "9.81 m/s^2", least=0),
-        "background": PropertySpec((COLOR,), "what is seen where nothing is", "mist"),
+        "gravity": PropertySpec((Quantity(ACCELERATION),), "gravitational acceleration, downwards", "9.81 m/s^2", least=0),
+        "background": PropertySpec((COLOR,), "colour where no object is seen", "mist"),
     },
     "joint": {
-        "of": PropertySpec((OBJECT,), "the object that it moves"),
-        "to": PropertySpec((OBJECT,), "what that is joined to; the world if left out", optional=True),
-        "at": PropertySpec((POINT3,), "where it is in the world, at the start"),
-        "axis": PropertySpec((TRIPLE,), "of a hinge or slider, in the world, at the start", "(0, 0, 1)"),
-        "low": PropertySpec((AN_ANGLE, A_LENGTH), "its lower limit", optional=True),
-        "high": PropertySpec((AN_ANGLE, A_LENGTH), "its upper limit", optional=True),
-        "start": PropertySpec((AN_ANGLE, A_LENGTH), "of an asset's joint: where it is at the start", optional=True),
-        "target": PropertySpec((AN_ANGLE, A_LENGTH), "where its drive takes it", optional=True),
-        "stiffness": PropertySpec((A_NUMBER,), "of its drive, SI units per radian or metre", "0", least=0),
-        "damping": PropertySpec((A_NUMBER,), "of its drive, SI units", "0", least=0),
-        "pace": PropertySpec((A_NUMBER,), "the speed that its drive's damping keeps it at, SI units", optional=True),
-        "strength": PropertySpec((A_NUMBER,), "the most that its drive exerts, SI units; as much as it takes if left out", optional=True, above=0),
+        "of": PropertySpec((OBJECT,), "the object that the joint moves"),
+        "to": PropertySpec((OBJECT,), "the object to which it is joined; default: the world", optional=True),
+        "at": PropertySpec((POINT3,), "position in the world at the start"),
+        "axis": PropertySpec((TRIPLE,), "axis of a hinge or slider, in the world at the start", "(0, 0, 1)"),
+        "low": PropertySpec((AN_ANGLE, A_LENGTH), "lower limit", optional=True),
+        "high": PropertySpec((AN_ANGLE, A_LENGTH), "upper limit", optional=True),
+        "start": PropertySpec((AN_ANGLE, A_LENGTH), "of an asset's joint: its coordinate at the start", optional=True),
+        "target": PropertySpec((AN_ANGLE, A_LENGTH), "target of its drive", optional=True),
+        "stiffness": PropertySpec((A_NUMBER,), "stiffness of its drive, SI units per radian or metre", "0", least=0),
+        "damping": PropertySpec((A_NUMBER,), "damping of its drive, SI units", "0", least=0),
+        "pace": PropertySpec((A_NUMBER,), "target speed of its drive's damping, SI units", optional=True),
+        "strength": PropertySpec((A_NUMBER,), "largest force or torque of its drive, SI units; default: no limit", optional=True, above=0),
         "armature": PropertySpec((A_NUMBER,), "inertia of a rotor that turns or slides with its coordinate alone, kg m^2 or kg", optional=True, least=0),
-        "touching": PropertySpec((TRUTH,), "whether the two that it joins can touch each other; they cannot if left out", optional=True),
-        "present": PropertySpec((TRUTH,), "whether it is there at all; it needs its objects", "true"),
+        "touching": PropertySpec((TRUTH,), "whether the two joined objects collide; default: they do not", optional=True),
+        "present": PropertySpec((TRUTH,), "whether it exists in the instance; the objects that it joins must exist", "true"),
     },
     "robot": {
-        "on": PropertySpec((OBJECT,), "what it stands on", optional=True),
-        "at": PropertySpec((POINT2, POINT3), "where it stands", "(0 m, 0 m)"),
-        "yaw": PropertySpec((AN_ANGLE,), "where it faces, anticlockwise from +x", "0 deg"),
-        "color": PropertySpec((COLOR,), "its colour", "white"),
-        "model": PropertySpec((TEXT,), "of an arm: the file that `wmspec import-arm` wrote", optional=True),
-        "roads": PropertySpec((List(OBJECT),), "of a car: the objects that it drives on, which cross each other", optional=True),
-        "lane": PropertySpec((A_LENGTH,), "of a car: how wide the lanes of its roads are", "3.5 m", above=0),
-        "keeps": PropertySpec((DIRECTION,), "of a car: to which side of a road it keeps, `left` or `right`", "right", among=("left", "right")),
+        "on": PropertySpec((OBJECT,), "the object on which it stands", optional=True),
+        "at": PropertySpec((POINT2, POINT3), "place where it stands", "(0 m, 0 m)"),
+        "yaw": PropertySpec((AN_ANGLE,), "direction that it faces, anticlockwise from +x", "0 deg"),
+        "color": PropertySpec((COLOR,), "colour", "white"),
+        "model": PropertySpec((TEXT,), "of an arm: a file written by `wmspec import-arm`", optional=True),
+        "roads": PropertySpec((List(OBJECT),), "of a car: the objects that are its roads, which cross each other", optional=True),
+        "lane": PropertySpec((A_LENGTH,), "of a car: width of the lanes of its roads", "3.5 m", above=0),
+        "keeps": PropertySpec((DIRECTION,), "of a car: the side of the road on which it drives, `left` or `right`", "right", among=("left", "right")),
     },
 }  # fmt: skip
 
@@ -355,7 +355,7 @@ SETTINGS: dict[str, Type] = {
 
 #: Quantities in which engines may disagree.
 TOLERANCES: dict[str, PropertySpec] = {
-    "rest": PropertySpec((A_LENGTH,), "a body that has never moved", least=0),
+    "rest": PropertySpec((A_LENGTH,), "position of a body that has never moved", least=0),
     "drift": PropertySpec(
         (Quantity(SPEED),), "a body in motion that has met nothing yet, for each second of motion", least=0
     ),
@@ -405,7 +405,7 @@ CLAUSES: dict[str, SyntaxForm] = {
     "margin": SyntaxForm("margin VALUE apart by BOUND", "rejects instances that are too close to call"),
     "distinct": SyntaxForm("distinct by 5 cm", "rejects instances of which two options look alike"),
     "within": SyntaxForm("within 0.1 s", "the error up to which a number is right"),
-    "hide": SyntaxForm("may hide OBJECTS", "these objects need not be visible in any picture"),
+    "hide": SyntaxForm("may hide OBJECTS", "these objects may be invisible in all pictures"),
     "seen": SyntaxForm(
         "seen OBJECTS at [0 s]", "these objects must be visible at these times, and may be hidden at others"
     ),
@@ -427,7 +427,9 @@ LEGIBILITY: dict[str, str] = {
 CONTINUOUS_DOMAINS = (
     SyntaxForm("-5 deg .. 5 deg", "uniform over the interval; `uniform(-5 deg, 5 deg)` is the same"),
     SyntaxForm("log_uniform(100 g, 10 kg)", "log-uniform over the interval"),
-    SyntaxForm("normal(0 deg, 2 deg)", "normal, with this mean and standard deviation, truncated at three of these"),
+    SyntaxForm(
+        "normal(0 deg, 2 deg)", "normal, with this mean and standard deviation, truncated at three standard deviations"
+    ),
 )
 
 #: Property names of other languages and their names here.

@@ -41,26 +41,26 @@ BOUNDS: dict[str, Bound] = {
     ),
     "step_in_widths": Bound(
         "", 0.25, "the same, in widths of the mover along its path",
-        "a choice: pictures are compared by eye, and less of a shift is lost in the outline of the mover",
+        "a choice: pictures are compared by eye, and a smaller shift goes unnoticed within the outline of the mover",
     ),
     "path": Bound(
         "px", 30, "the path of a mover over all shown pictures of a camera",
         "a choice: two and a half steps show direction and speed",
     ),
     "lead": Bound(
-        "px", 8, "how far apart two compared movers get, each from where it starts",
+        "px", 8, "the difference of the distances of two compared movers from their first places",
         "the just noticeable difference of speeds is 5 % (McKee 1981): 8 px of 160",
     ),
     "intervals": Bound(
         "", 0.9, "the difference of two compared durations, in intervals between pictures",
-        "pictures date an event to the interval between two of them; a tenth is for the sampling of motion",
+        "pictures date an event to the interval between two of them; a tenth is allowed for the sampling of motion",
     ),
     "place": Bound(
-        "px", 8, "how far apart two places are, when the answer depends on which of them it is",
+        "px", 8, "the distance of two places, when the answer depends on which of them it is",
         f"{_ACUITY}; 8 px are 13 arc minutes",
     ),
     "length": Bound(
-        "px", 8, "the difference of two compared lengths or sizes, as drawn at the place of the first",
+        "px", 8, "the difference of two compared lengths or sizes, both drawn at the place of the first object",
         "the just noticeable difference of lengths is some per cent (Ono 1967): 8 px of 160 are 5 %",
     ),
     "size": Bound(
@@ -68,7 +68,7 @@ BOUNDS: dict[str, Bound] = {
         f"{_ACUITY}; 12 px are 19 arc minutes, nine times that",
     ),
     "number": Bound(
-        "", 30, "how many things are counted",
+        "", 30, "the number of counted objects",
         "a person counts about 3 things a second (Trick and Pylyshyn 1994): 30 in ten seconds", at_most=True,
     ),
     "color": Bound(
@@ -80,14 +80,14 @@ BOUNDS: dict[str, Bound] = {
     ),
     "material": Bound("ΔE00", 6, "the difference of the mean colours of two compared materials", _GLANCE),
     "texture": Bound(
-        "L*", 6, "the difference of two compared materials in spread or grain of lightness, if more than in colour",
+        "L*", 6, "the difference of two materials in spread or grain of lightness, where it exceeds that in colour",
         "the same scale: 6 of lightness are a ΔE00 of 4 to 8",
     ),
     "option_place": Bound(
-        "px", 8, "how far something is moved from one option picture to another",
+        "px", 8, "the distance by which an object is moved from one option picture to another",
         f"{_ACUITY}; 8 px are 13 arc minutes",
     ),
-    "option_color": Bound("ΔE00", 6, "how much a colour differs from one option picture to another", _GLANCE),
+    "option_color": Bound("ΔE00", 6, "the difference of a colour from one option picture to another", _GLANCE),
     "option_turn": Bound(
         "deg", 30, "how far something is turned from one option picture to another",
         "studies of mental rotation use steps of 20 degrees (Shepard and Metzler 1971)",
