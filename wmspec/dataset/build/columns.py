@@ -37,7 +37,7 @@ _OBJECTS = pa.list_(
 COLUMNS: Columns = {
     "id": (
         pa.string(),
-        "the task, and a hash of seed, instance and question, and of the engine if there is one row for each",
+        "the task, and a hash of seed, instance and question; also of the engine, if each engine has a row",
     ),
     "task": (pa.string(), "the task"),
     "dimension": (pa.string(), "what is tested, from broad to narrow"),
@@ -49,8 +49,8 @@ COLUMNS: Columns = {
     "engine": (
         pa.string(),
         (
-            "the reference engine, which executed the episode that is shown: the first of the engines, for which "
-            "`all` lists MuJoCo first, because it is the quickest; the others confirm its answer (`agreement`)"
+            "the reference engine, which executed the episode that is shown: the first one listed (of `all`, MuJoCo, "
+            "the quickest); the others confirm its answer (`agreement`)"
         ),
     ),
     "renderer": (pa.string(), "the engine that drew the pictures"),
@@ -61,29 +61,29 @@ COLUMNS: Columns = {
     "context_objects": (
         _OBJECTS,
         (
-            "of each picture shown (from 0): the objects that can move or are in the question, by name, the words for "
-            "their looks, their middles (m) and turns (a quaternion), the share of the picture that shows them, where "
-            "(0 to 1, from the left and from the top) and in what mean colour (sRGB, 0 to 1)"
+            "for each picture shown (from 0), the objects that can move or are in the question: name, words for the "
+            "look, middle (m), orientation (quaternion), share of the picture, place in it (0 to 1, from the left and "
+            "the top), mean colour (sRGB, 0 to 1)"
         ),
     ),
     "option_text": (_TEXTS, "the options, if they are words; null if they are pictures, empty for an open question"),
     "option_image": (IMAGES, "the options, if they are pictures; empty if they are words"),
-    "option_kind": (_TEXTS, "what each option is: truth, label, counterfactual; of a closed set state, action, both"),
+    "option_kind": (_TEXTS, "kind of each option: truth, label, counterfactual; in a closed set: state, action, both"),
     "option_name": (_TEXTS, "the name of each option: of the label's value or of the counterfactual"),
     "option_change": (_TEXTS, "what each counterfactual changed: its kind, what, from what, to what"),
-    "option_objects": (_OBJECTS, "the same of each option that is a picture"),
+    "option_objects": (_OBJECTS, "as `context_objects`, for each option that is a picture"),
     "answer": (pa.int64(), "the place (from 0) of the true option; null for an open question"),
     "answer_value": (pa.string(), "the answer, measured on the executed episode, in words"),
     "answer_number": (pa.float64(), "the answer, if it is a number"),
     "answer_unit": (pa.string(), "the SI unit of that number; empty for plain numbers"),
-    "answer_within": (pa.float64(), "for an open question: how far off a number is still right"),
+    "answer_within": (pa.float64(), "for an open question: the largest error of a right number"),
     "answer_standing": (pa.bool_(), "whether the answer holds from the start, whatever happens"),
     "answer_moments": (
         pa.int64(),
-        "how many moments it takes to see the answer: 1 if any shows it, 2 for a change, 3 for its course",
+        "number of moments needed to see the answer: 1 if any shows it, 2 for a change, 3 for the course of a change",
     ),
     "difference": (_STRENGTH, "how strong the stimulus is: the quantity, its SI unit, its value"),
-    "margin": (pa.float64(), "how far the answer is from turning, in multiples of the required margin"),
+    "margin": (pa.float64(), "distance of the answer from changing, in multiples of the required margin"),
     "legibility": (
         _LEGIBILITY,
         "how clearly the pictures show what decides the answer: each measure, its unit, its value, and its bound",
@@ -92,8 +92,8 @@ COLUMNS: Columns = {
     "agreement": (
         _VOTES,
         (
-            "of each engine: the option that its outcome picks, its answer, or why it rejects, and the largest "
-            "distance (m) of a body from its place in the engine of the row, at the same time"
+            "for each engine: the option that its outcome selects and its answer, or why it rejects the question; and "
+            "the largest distance (m) of a body from its place in the reference engine at the same time"
         ),
     ),
     "seed": (pa.int64(), "the seed of the design"),
@@ -103,9 +103,7 @@ COLUMNS: Columns = {
 EARLIER_TYPES: dict[str, tuple[pa.DataType, ...]] = {"agreement": (_EARLIER_VOTES,)}
 
 #: Additional columns for questions with named outcomes.
-OUTCOMES: Columns = {
-    "option_outcome": (_TEXTS, "of what kind each option is as an outcome; null where the question names none")
-}
+OUTCOMES: Columns = {"option_outcome": (_TEXTS, "kind of outcome of each option; null where the question names none")}
 
 #: Additional columns for questions about what would have been.
 WHAT_IFS: Columns = {
@@ -115,7 +113,7 @@ WHAT_IFS: Columns = {
 
 #: Additional columns for questions with balanced answers.
 REDRAWN: Columns = {
-    "redrawn": (pa.int64(), "how often the nuisances of the block were drawn before these, for the balance of answers")
+    "redrawn": (pa.int64(), "number of draws of the block's nuisances that were discarded to balance the answers")
 }
 
 #: Additional columns for questions with objects that may be hidden.
@@ -142,22 +140,22 @@ FILMS: Columns = {
     "film_camera": (pa.string(), "its camera"),
     "film_rate": (pa.int64(), "its frames per second"),
     "film_start": (pa.float64(), "the time (s) of its first frame"),
-    "film_context": (pa.int64(), "how many of its frames are shown"),
+    "film_context": (pa.int64(), "number of its frames that are shown as context"),
     "film_answer": (pa.int64(), "which frame (from 0) is nearest to the time of the answer"),
     "film_offset": (pa.float64(), "how much later (s) that frame is than the answer"),
     "film_moving": (pa.int64(), "in how many frames of the context something moves"),
     "film_text": (pa.string(), "the scene in words, for video models"),
     "action_text": (pa.string(), "the action in words, for models that receive the last picture of the context only"),
-    "film_bodies": (_TEXTS, "the names of all bodies; the films of ids have their places here, plus 1"),
+    "film_bodies": (_TEXTS, "names of all bodies; pixels in films of ids are the place in this list, plus 1"),
     "film_objects": (_TEXTS, "the objects whose places tell the films of the options apart"),
     "film_engines": (_TEXTS, "the other engines that have films of the futures, in half the size"),
     "option_film": (_TEXTS, "the path of the film of each option"),
-    "film_split": (pa.int64(), "of `answer possible`: how many frames come before what may be impossible"),
+    "film_split": (pa.int64(), "for `answer possible`: number of frames before the event that may be impossible"),
     "film_apart": (
         pa.list_(pa.float64()),
         (
-            "how far the futures of each two options are apart, row by row (object widths: the mean of that over the "
-            "whole way and that of the last three frames)"
+            "distance of the futures of each two options, as a matrix by rows (object widths; mean of the distance "
+            "over the whole film and that in the last three frames)"
         ),
     ),
     "film_track": (
@@ -172,7 +170,10 @@ DEPTH: Columns = {
 
 #: Additional columns for the picture channel `ids`.
 IDS: Columns = {
-    "context_ids": (IMAGES, "of each picture shown: the place (from 1) in `context_names` of what is seen, 16 bits"),
+    "context_ids": (
+        IMAGES,
+        "for each picture shown: the place (from 1) in `context_names` of the object at each pixel, 16 bits",
+    ),
     "context_names": (_TEXTS, "the names of all objects"),
 }
 

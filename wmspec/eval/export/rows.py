@@ -38,7 +38,7 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "answer": (pa.int64(), "the place of the true option; null for an open question"),
     "answer_number": (pa.float64(), "of an open question: the true number"),
     "answer_unit": (pa.string(), "its SI unit"),
-    "answer_within": (pa.float64(), "how far off a number is still right"),
+    "answer_within": (pa.float64(), "the largest error of a right number"),
 }
 
 # `datasets` before version 4 does not know "List"; later versions read both.

@@ -31,7 +31,7 @@ COLUMNS = {
     "difference": "how strong the stimulus is, a number",
     "quantity": "of what that is the number, such as `size(left) / size(right)`",
     "unit": "the unit of the difference, or of an open question's answer",
-    "within": "of an open question: how far off a number is still right",
+    "within": "of an open question: the largest error of a right number",
     "source": "where the pictures are from",
     "license": "under which licence they are",
 }
@@ -335,9 +335,9 @@ class _Row:
         if options and within is not None:
             self._wrong("within", "the question has options", "leave it empty")
         elif not options and within is None and self._right:
-            self._wrong("within", "it is empty", "write how far off a number is still right, or write options")
+            self._wrong("within", "it is empty", "write the largest error of a right number, or write options")
         elif within is not None and within < 0:
-            self._wrong("within", "it is negative", "write how far off a number is still right")
+            self._wrong("within", "it is negative", "write the largest error of a right number")
         return within
 
     def _quantity(self) -> str:
