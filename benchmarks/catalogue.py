@@ -32,6 +32,8 @@ RECORD = Path(__file__).with_suffix(".json")
 PAGE = Path(__file__).parent.parent / "docs/benchmarks/catalogue.md"
 #: Rows that `wmspec verify` executes again.
 SAMPLE = 20
+#: The share that is a whole spec.
+WHOLE = "1/1"
 #: Figures that are summed over the pieces of a spec.
 FIGURES = ("instances", "questions", "size")
 HEAD = """# The whole catalogue in three engines
@@ -61,7 +63,7 @@ class Piece:
     pixels: int
     versions: dict[str, str]
     date: str
-    shard: str = "1/1"
+    shard: str = WHOLE
 
     @property
     def share(self) -> Fraction:
@@ -74,7 +76,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="for datasets")
     parser.add_argument("--specs", nargs="*", metavar="NAME", help="such as perception/vision/color")
-    parser.add_argument("--shard", default="1/1", metavar="I/N", help="only share I of N of each spec's instances")
+    parser.add_argument("--shard", default=WHOLE, metavar="I/N", help="only share I of N of each spec's instances")
     parser.add_argument("--size", type=int, default=256, help="pixels on a side")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--minutes", type=float, default=60.0)
@@ -90,11 +92,11 @@ def main() -> None:
     until = time.monotonic() + 60 * options.minutes
     for name in options.specs or paths:
         pieces = recorded()
-        if any(piece.spec == name and piece.shard in (options.shard, "1/1") for piece in pieces):
+        if any(piece.spec == name and piece.shard in (options.shard, WHOLE) for piece in pieces):
             continue
         if time.monotonic() > until:
             break
-        file = "-".join((name.replace("/", "-"), *options.shard.split("/"))).removesuffix("-1-1")
+        file = (name if options.shard == WHOLE else f"{name}/{options.shard}").replace("/", "-")
         pieces.append(generated(name, paths[name], options.folder / file, options))
         if options.audits:
             audit(options.folder / file, options.audits / file, options.workers)
@@ -115,7 +117,7 @@ def generated(name: str, spec: Path, out: Path, options: argparse.Namespace) -> 
     resumed = out.exists()
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     run, workers = [sys.executable, "-m", "wmspec"], ["-j", str(options.workers)]
-    shard = [] if options.shard == "1/1" else ["--shard", options.shard]
+    shard = [] if options.shard == WHOLE else ["--shard", options.shard]
     command = [*run, "generate", str(spec), "-o", str(out), "-b", "all", "--size", str(options.size), *shard, *workers]
     done = subprocess.run([*command, "--json"], check=True, stdout=subprocess.PIPE, text=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)

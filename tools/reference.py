@@ -192,12 +192,18 @@ def schemas() -> Iterator[str]:
         if verbs:
             yield "### Verbs of a WmsAction\n"
             yield "`wms:verb` (token) is one of:\n"
-            parts = (VERB_LINE.fullmatch(verb) for verb in verbs)
-            rows = ((f"`{part[1]}`", _code(part[2]), _code(part[3])) for part in parts if part)
-            yield from table(("verb", "bodies", "effect"), rows)
+            yield from table(("verb", "bodies", "effect"), map(_verb, verbs))
+
+
+def _verb(line: str) -> tuple[str, ...]:
+    """Return a row of the table of verbs. Raises ValueError for a line of another form."""
+    if (part := VERB_LINE.fullmatch(line)) is None:
+        raise ValueError(f"expected `verb (bodies): effect.`, found {line!r}")
+    return f"`{part[1]}`", _code(part[2]), _code(part[3])
 
 
 def _type(one: Sdf.PropertySpec) -> str:
+    """Return the type of an attribute, or `rel` of a relationship."""
     return str(one.typeName) if isinstance(one, Sdf.AttributeSpec) else "rel"
 
 
