@@ -217,7 +217,7 @@ def test_completion_is_by_kind(tmp_path: Path) -> None:
 def test_hover_equals_the_reference(tmp_path: Path) -> None:
     async def work(editor: Session) -> None:
         editor.open(GOOD)
-        assert "its mass per volume" in await editor.hover("densi")
+        assert "mass per volume" in await editor.hover("densi")
         assert "how fast it sets off" in await editor.hover("(block), spee")
         assert "gives the object a velocity" in await editor.hover("push = lau")
         assert "whether the two touch" in await editor.hover("conta")
