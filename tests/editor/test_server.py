@@ -218,9 +218,9 @@ def test_hover_equals_the_reference(tmp_path: Path) -> None:
     async def work(editor: Session) -> None:
         editor.open(GOOD)
         assert "mass per volume" in await editor.hover("densi")
-        assert "how fast it sets off" in await editor.hover("(block), spee")
+        assert "initial speed" in await editor.hover("(block), spee")
         assert "gives the object a velocity" in await editor.hover("push = lau")
-        assert "whether the two touch" in await editor.hover("conta")
+        assert "whether two objects touch" in await editor.hover("conta")
         assert "unit of speed" in await editor.hover("50 cm")
         assert "a color" in await editor.hover("[re")
         assert "let step" in await editor.hover("speed_of_0 + st")
