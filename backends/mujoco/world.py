@@ -52,6 +52,9 @@ class World:
         self.ways: dict[int, Any] = {}
         self.clear: Any = None
         self.start, self.margins = self.data.qpos.copy(), model.pair_margin.copy()
+        self.applied = list(self.data.xfrc_applied)  # views of the rows
+        self.lift = np.concatenate([-HEAVY * model.opt.gravity, np.zeros(3)])
+        self.resets = {body: self.reset_views(body) for body in range(len(self.bodies)) if self.ids[body] >= 0}
         self.drives = {limb.joint: limb.drive for tree in assembly.trees for limb in tree if limb.drive}
         for limb in (limb for tree in assembly.trees for limb in tree):
             begun = rates(limb, assembly.bodies[limb.body])
@@ -126,7 +129,7 @@ class World:
     def push(self, body: int, force: Any, torque: Any) -> None:
         """Apply a force and a torque at the centre of mass of a dynamic body during the next step."""
         self.stir()
-        self.data.xfrc_applied[self.ids[body]] += [*force, *torque]
+        self.applied[self.ids[body]] += [*force, *torque]
         self.pushed = True
 
     def aim(self, joint: int, target: float) -> None:
@@ -159,17 +162,25 @@ class World:
         self.rest(body)
         if at is not None:
             self.data.qpos[self.qpos[body] : self.qpos[body] + 7] = at
-        self.push(body, -HEAVY * self.model.opt.gravity, np.zeros(3))
+        self.applied[self.ids[body]] += self.lift
+        self.pushed = True
 
     def rest(self, body: int) -> None:
         """Reset the joint of a body to its start, at rest."""
-        for joint in range(self.model.body_jntnum[self.ids[body]]):
-            kind = self.model.jnt_type[self.model.body_jntadr[self.ids[body]] + joint]
-            places, speeds = {0: (7, 6), 1: (4, 3)}.get(int(kind), (1, 1))
-            at, speed = self.qpos[body], self.qvel[body]
-            self.data.qpos[at : at + places] = self.start[at : at + places]
-            self.data.qvel[speed : speed + speeds] = 0
+        for place, start, speed in self.resets[body]:
+            place[:] = start
+            speed[:] = 0.0
         self.current = False
+
+    def reset_views(self, body: int) -> list[tuple[Any, Any, Any]]:
+        """Return for the joint of a body views of its position and velocity, with its start between them."""
+        if not self.model.body_jntnum[self.ids[body]]:
+            return []
+        kind = int(self.model.jnt_type[self.model.body_jntadr[self.ids[body]]])
+        places, speeds = {0: (7, 6), 1: (4, 3)}.get(kind, (1, 1))
+        at, speed = self.qpos[body], self.qvel[body]
+        place = slice(at, at + places)
+        return [(self.data.qpos[place], self.start[place], self.data.qvel[speed : speed + speeds])]
 
     def free(self, body: int) -> None:
         """Release a held body."""

@@ -57,6 +57,7 @@ class World:
         self.states: dict[int, Any] = {}
         self.met: set[tuple[int, int]] = set()
         self.places: dict[int, tuple[float, ...]] = {}
+        self.poses: dict[int, tuple[Any, Any]] = {}
         self.skipped: int | None = None
         self.lanes = lanes(assembly.bodies)
         self.apart = set(assembly.non_colliding_pairs)
@@ -270,7 +271,7 @@ class World:
         place = tuple(self.bodies[body].start if at is None else at)
         if self.places.get(body) != place:
             self.stir()
-            self.places[body] = place
+            self.places[body], self.poses[body] = place, (np.array(place), frame(place))
             if body not in self.trees:
                 self.parts[body].set_kinematic(True)
                 if at is not None:
@@ -282,8 +283,11 @@ class World:
         """Reset a held body to its place."""
         self.states.clear()
         if body not in self.trees:
-            place = np.array(self.places[body])
-            self.drive(body, place, place)
+            place, pose = self.poses[body]
+            if self.targets.get(body) is not place:
+                self.drive(body, place, place)
+            else:
+                self.parts[body].set_kinematic_target(pose)
             return
         for branch in split_at_ball_joints(self.trees[body]):
             part = self.parts[branch[0].body]
