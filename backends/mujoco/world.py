@@ -52,7 +52,8 @@ class World:
         self.ways: dict[int, Any] = {}
         self.clear: Any = None
         self.start, self.margins = self.data.qpos.copy(), model.pair_margin.copy()
-        self.applied = list(self.data.xfrc_applied)  # views of the rows
+        self.forces = self.data.xfrc_applied  # a view, as are its rows
+        self.applied = list(self.forces)
         self.lift = np.concatenate([-HEAVY * model.opt.gravity, np.zeros(3)])
         self.resets = {body: self.reset_views(body) for body in range(len(self.bodies)) if self.ids[body] >= 0}
         self.drives = {limb.joint: limb.drive for tree in assembly.trees for limb in tree if limb.drive}
@@ -237,7 +238,7 @@ class World:
         if self.warned.tobytes() != self.calm:
             raise FloatingPointError(warning_text(self.warned, self.data.time))
         if self.pushed:
-            self.data.xfrc_applied[:] = 0
+            self.forces.fill(0.0)
             self.pushed = False
         self.current = False
 
