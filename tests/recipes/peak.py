@@ -1,4 +1,4 @@
-"""The function of a measure: `peak` is how high an object's middle ever is."""
+"""The function of a measure: `peak` is the greatest height of an object's middle."""
 
 from __future__ import annotations
 

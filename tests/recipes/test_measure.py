@@ -10,7 +10,7 @@ from tools.reference import reference
 from wmspec.lang.check.tables.functions import FUNCTIONS, Function
 from wmspec.lang.check.types.types import A_LENGTH, OBJECT
 
-ROW = Function("how high its middle ever is", (OBJECT,), A_LENGTH, "tests.recipes.peak:peak")
+ROW = Function("the greatest height of its middle", (OBJECT,), A_LENGTH, "tests.recipes.peak:peak")
 SPEC = """
 use room
 task throws : custom {
