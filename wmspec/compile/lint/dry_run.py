@@ -27,6 +27,7 @@ from wmspec.compile.lint.rule import Linter
 from wmspec.compile.lint.scene_rules import LintScene
 from wmspec.compile.lint.task_rules import LintTask
 from wmspec.compile.stage import episode
+from wmspec.compile.stage.object_cache import ObjectCache
 from wmspec.core.diagnostics import Report
 from wmspec.lang.check.ir.ir import Counterfactual, TaskSpec
 from wmspec.lang.parse.load import with_source_text
@@ -72,13 +73,14 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
             thing.kind == "action" and bool(thing.of) for thing in spec.things
         )
         built = max(MIN_SCENES, SAMPLE_SIZE * ENTITY_BUDGET // max(ENTITY_BUDGET, work))
-        budget = _ChangeBudget(work)
+        budget, objects = _ChangeBudget(work), ObjectCache()
         for count, (values, instance) in enumerate(zip(tried[:built], instances, strict=False)):
             with linter.collecting():
                 _lint_scene(
                     LintScene(values, depend, design, instance),
                     linter,
                     budget if count < max(MIN_SCENES // 2, built // 3) else None,
+                    objects,
                 )
         for question in spec.questions:
             with linter.collecting():
@@ -88,13 +90,15 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
     return design
 
 
-def _lint_scene(scene: LintScene, linter: Linter, budget: _ChangeBudget | None) -> None:
+def _lint_scene(scene: LintScene, linter: Linter, budget: _ChangeBudget | None, objects: ObjectCache) -> None:
     """Lint the scene of an instance, with its counterfactuals if there is a `budget` for them.
+
+    `objects` has the prims of earlier scenes.
 
     Raises WmsError if it cannot be built.
     """
     spec, instance = scene.values.spec, scene.instance
-    stage = episode.build_document(scene.values)
+    stage = episode.build_document(scene.values, objects)
     linter.check(scene, scene_rules.RULES)
     linter.check(scene, plausible_rules.RULES)
     linter.check(scene, action_rules.RULES)
@@ -108,4 +112,4 @@ def _lint_scene(scene: LintScene, linter: Linter, budget: _ChangeBudget | None) 
             if (change.change == "levels" or change.owner in things) and budget and budget.allows(change):
                 with linter.collecting():
                     otherwise = replace(scene, values=Evaluator(spec, instance.values, change, instance.key))
-                    linter.check(ChangedScene(question, change, scene, stage, otherwise), change_rules.RULES)
+                    linter.check(ChangedScene(question, change, scene, stage, otherwise, objects), change_rules.RULES)

@@ -13,6 +13,8 @@ from wmspec.compile.layout.geometry import pieces
 from wmspec.compile.layout.solids import PlacedShape
 from wmspec.compile.robots.arm import Array
 from wmspec.compile.robots.planning import matrix
+from wmspec.core.space import scale
+from wmspec.sim.shapes.shape import AXES
 
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 
@@ -60,6 +62,6 @@ def part_boxes(values: Evaluator, name: str, frame: Array) -> Iterator[Box]:
 
 def local_corners(piece: PlacedShape) -> tuple[Array, Array]:
     """Return the corners (3,) m of the box around a solid, in its own frame."""
-    axes = np.eye(3)
-    low, high = (np.array([sign * piece.solid.reach(tuple(sign * axis)) for axis in axes]) for sign in (-1.0, 1.0))
-    return low, high
+    low = [-piece.solid.reach(scale(-1.0, axis)) for axis in AXES]
+    high = [piece.solid.reach(axis) for axis in AXES]
+    return np.array(low), np.array(high)

@@ -73,11 +73,12 @@ def _object_collision(
     reach, arm, frames = made.reaches[action.name], made.arms[action.of].arm, links[:, -1]
     led, carried = _moved_pieces(made, action, before, frames), supported_objects(made, rigid_group(made, action))
     leads = MOTION_START.get(action.verb, 0.0) * made.duration(action)  # then supported objects move along
+    behind = _link_motions(arm, links)
     for name, box in _obstacles(made, action, carried):
         when = _first_overlap(hand, [box], reach, BOX_SLACK) if _is_near(frames, box) else None
         what = "its hand"
         if when is None:
-            when, what = _link_contact(arm, links, box, reach), "a link of it"
+            when, what = _link_contact(behind, box, reach), "a link of it"
         if name in carried:
             when = when if when is not None and when < leads else None
         elif when is None and (made.values.flag(name, "fixed") or action.verb == "place"):
@@ -131,21 +132,41 @@ def _is_near(frames: Array, box: Box) -> bool:
     )
 
 
-def _link_contact(arm: Arm, links: Array, box: Box, reach: Reach) -> float | None:
-    """Return when (s) a link behind the hand, with frames (n, k, 4, 4), first enters a fixed box, or None."""
-    first = len(links)
+@dataclass(frozen=True, eq=False)
+class _LinkMotion:
+    """A link behind the hand: points (m, 3) in its frames (n, 4, 4), and the `radius` of a ball around them."""
+
+    points: Array
+    frames: Array
+    center: Array
+    radius: float
+
+
+def _link_motions(arm: Arm, links: Array) -> list[_LinkMotion]:
+    """Return the links behind the hand, whose frames are among `links` (n, k, 4, 4)."""
+    found = []
     for number, points in link_points(arm):
-        middle = points.mean(axis=0)
-        round_ = float(np.linalg.norm(points - middle, axis=1).max())
-        frames = links[:first, number]
-        centers = frames[:, :3, :3] @ middle + frames[:, :3, 3]
-        outside = np.maximum(np.abs((centers - box.center) @ box.axes[0]) - box.half, 0.0)
-        for i in np.flatnonzero(np.linalg.norm(outside, axis=1) < round_).tolist():
-            seen = (points @ frames[i, :3, :3].T + frames[i, :3, 3] - box.center) @ box.axes[0]
+        middle, frames = points.mean(axis=0), links[:, number]
+        radius = float(np.linalg.norm(points - middle, axis=1).max())
+        found.append(_LinkMotion(points, frames, frames[:, :3, :3] @ middle + frames[:, :3, 3], radius))
+    return found
+
+
+def _link_contact(links: Sequence[_LinkMotion], box: Box, reach: Reach) -> float | None:
+    """Return when (s) a link first enters a fixed box, or None."""
+    if not links:
+        return None
+    centers, radii = np.array([link.center for link in links]), np.array([link.radius for link in links])
+    outside = np.maximum(np.abs((centers - box.center) @ box.axes[0]) - box.half, 0.0)
+    near = np.linalg.norm(outside, axis=2) < radii[:, None]
+    first = len(reach.times)
+    for link, close in zip(links, near, strict=True):
+        for i in np.flatnonzero(close[:first]).tolist():
+            seen = (link.points @ link.frames[i, :3, :3].T + link.frames[i, :3, 3] - box.center) @ box.axes[0]
             if (np.abs(seen) < box.half - BOX_SLACK).all(axis=1).any():
                 first = i
                 break
-    return reach.times[first] if first < len(links) else None
+    return reach.times[first] if first < len(reach.times) else None
 
 
 @dataclass(frozen=True, eq=False)
