@@ -9,7 +9,7 @@ from itertools import product
 from math import prod
 from typing import Any
 
-from wmspec.compile.design.depend import Dependencies
+from wmspec.compile.design.depend import dependencies
 from wmspec.compile.design.describe import format_levels
 from wmspec.compile.design.levels import Level
 from wmspec.compile.layout.evaluator import Evaluator
@@ -108,7 +108,7 @@ def constraints(spec: TaskSpec) -> tuple[Constraint, ...]:
 def _constraints(spec: TaskSpec) -> Iterator[Constraint]:
     """Yield the constraints of `require`s, then those of conditional domains."""
     domains = {f.name: f.domain.values for f in spec.factors if not f.nuisance and isinstance(f.domain, Choices)}
-    depend = Dependencies(spec)
+    depend = dependencies(spec)
     order = [f.name for f in spec.factors]
     conditional = [f for f in spec.factors if isinstance(f.domain, Choices) and f.domain.when is not None]
     for number, require in enumerate(spec.requires):

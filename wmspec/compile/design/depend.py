@@ -51,13 +51,16 @@ class Dependencies:
         self._domains = {f.name: f.domain for f in spec.factors}
         self._next: dict[str, frozenset[str]] = {"end": self._direct(spec.horizon)}
         self._all: dict[str, frozenset[str]] = {}
+        self._expressions: dict[int, tuple[Expr, frozenset[str]]] = {}  # by `id`, which the expression keeps unique
         for observation in spec.observations:
             name = f"observe.{observation.camera}"
             self._next[name] = self._next.get(name, frozenset()) | self._direct(observation.times)
 
     def expression(self, expr: Expr) -> frozenset[str]:
         """Return the factors, nuisances and `owner.property`s that an expression depends on."""
-        return self._reached(self._direct(expr))
+        if id(expr) not in self._expressions:
+            self._expressions[id(expr)] = expr, self._reached(self._direct(expr))
+        return self._expressions[id(expr)][1]
 
     def sources(self, sources: Iterable[str]) -> frozenset[str]:
         """Return all dependencies of these sources, including themselves."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from wmspec.compile.design.depend import Dependencies
+from wmspec.compile.design.depend import dependencies
 from wmspec.compile.design.design import Design
 from wmspec.compile.design.what_ifs import what_ifs
 from wmspec.compile.layout.evaluator import Evaluator
@@ -62,7 +62,7 @@ class _ChangeBudget:
 
 def dry_run(spec: TaskSpec, report: Report) -> Design | None:
     """Report errors in the values of a spec; returns its design, or None if it has none."""
-    linter, depend, design = Linter(), Dependencies(spec), None
+    linter, depend, design = Linter(), dependencies(spec), None
     with linter.collecting():
         linter.check(LintTask(spec, depend), (*task_rules.RULES, *giveaway_rules.TASK_RULES))
         design = Design(spec)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from wmspec.compile.design.depend import Dependencies
+from wmspec.compile.design.depend import dependencies
 from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.design.what_ifs import possible_what_ifs
 from wmspec.compile.layout.evaluator import Evaluator
@@ -73,7 +73,7 @@ class _BatchKey:
     """Keys of the instances of a task that share episodes."""
 
     def __init__(self, design: Design) -> None:
-        spec, depend = design.spec, Dependencies(design.spec)
+        spec, depend = design.spec, dependencies(design.spec)
         changes = [change for question in spec.questions for change in question.counterfactuals]
         changes += [change for question in spec.questions for change in possible_what_ifs(question, depend)]
         changed = {source for change in changes for name in changed_by(change) for source in depend.source(name)}
