@@ -6,9 +6,10 @@ from pathlib import Path
 import pytest
 
 from wmspec.cli.trial import REMEDIES
+from wmspec.compile.lint import overlap
 from wmspec.dataset.build.card import REASONS
 from wmspec.lang.check.tables.functions import FUNCTIONS
-from wmspec.runtime.questions import observed, outcome, robustness, runs, trajectory
+from wmspec.runtime.questions import observed, outcome, picture_balance, robustness, trajectory
 from wmspec.runtime.questions import visibility_gate as gate
 from wmspec.runtime.questions.kinds import pictures
 from wmspec.runtime.questions.model import FAILED, Reason
@@ -28,8 +29,8 @@ PAGE = " ".join((Path(__file__).parents[2] / "docs/questions.md").read_text().sp
         f"more than {math.degrees(trajectory.MIN_CIRCLE):.0f} degrees",
         f"sharper than {math.degrees(trajectory.SHARP_CORNER):.0f} degrees",
         f"it turns by more than {math.degrees(trajectory.MIN_ARC):.0f}",
-        f"no sphere of more than {runs.MAX_OVERLAP * 1000:g} mm",
-        f"{pictures.MIN_DIFFERENT_SHARE * 256**2:.0f} of 256 × 256 pixels show another",
+        f"no sphere of more than {overlap.MAX_OVERLAP * 1000:g} mm",
+        f"{picture_balance.MIN_DIFFERENT_SHARE * 256**2:.0f} of 256 × 256 pixels show another",
         f"equally near (to {pictures.DISTANCE_TOLERANCE * 1e6:g} micrometre)",
         f"nudges once by {robustness.DEFAULT_NUDGE * 1000:g} mm",
         f"{gate.MIN_VISIBLE_SHARE * 256**2:.0f} of 256 × 256 pixels and a contrast of {gate.MIN_CONTRAST:g}",

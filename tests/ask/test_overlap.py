@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wmspec.runtime.questions.runs import MAX_OVERLAP, _near, _touched
+from wmspec.compile.lint.overlap import MAX_OVERLAP
+from wmspec.runtime.questions.runs import _near, _touched
 from wmspec.sim.scene.model import Body, Geom, Pose
 from wmspec.sim.scene.model.bounds import bounds
 from wmspec.sim.scene.model.transform import apply, compose

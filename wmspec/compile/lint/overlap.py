@@ -17,7 +17,8 @@ from wmspec.sim.shapes import Shape
 if TYPE_CHECKING:  # imported late: most scenes need the axes only, and importing numpy slows their check
     from wmspec.sim.scene import model
 
-#: Permitted overlap (m), for rounding and for contact with curved surfaces.
+#: Permitted initial overlap (m), for rounding and for contact with curved surfaces. Engines eject bodies with a deeper
+#: one, each in another way.
 MAX_OVERLAP = 1e-3
 
 #: Separating axes of a solid: the directions of its edges.

@@ -28,7 +28,7 @@ MAX_MESH_SIZE, MIN_MESH_SIZE = 50.0, 5e-4
 #: Maximum plausible launch speed (m/s).
 MAX_LAUNCH_SPEED = 40.0
 #: Minimum visible size, as a share of the picture's side: 6 of 256 pixels.
-MIN_VISIBLE_SHARE = 6 / 256
+MIN_SIDE_SHARE = 6 / 256
 _AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
@@ -64,7 +64,7 @@ def camera_far_away(scene: LintScene) -> Iterator[Breach]:
     values = scene.values
     boxes = list(relevant_boxes(values))
     for camera in _fixed_cameras(values):
-        if boxes and all(_covered_share(values, camera, box) < MIN_VISIBLE_SHARE for box in boxes):
+        if boxes and all(_covered_share(values, camera, box) < MIN_SIDE_SHARE for box in boxes):
             what = f"every object that is moved or asked about is too small to be seen from `{camera}` {scene.where}"
             place = next(o.place for o in values.spec.observations if o.camera == camera)
             yield Breach(what, place, "move the camera nearer, or narrow its `fov:`", about=camera)
@@ -83,9 +83,7 @@ def object_far_away(scene: LintScene) -> Iterator[Breach]:
     needed = set().union(*(required_objects(question, values, needed) for question in values.spec.questions))
     for name in (t.name for t in things if t.name in needed):
         boxes = list(swept_boxes(values, name))
-        if cameras and all(
-            _covered_share(values, camera, box) < MIN_VISIBLE_SHARE for camera in cameras for box in boxes
-        ):
+        if cameras and all(_covered_share(values, camera, box) < MIN_SIDE_SHARE for camera in cameras for box in boxes):
             what = f"`{name}` is too small to be seen from `{cameras[0]}` {scene.where}"
             yield Breach(what, values.source_location(name, "at"), "check its unit", about=name)
 

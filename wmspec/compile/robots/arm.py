@@ -64,6 +64,8 @@ class Arm:
         return np.concatenate([np.cross(axes, tip[:3, 3] - joints[:, :3, 3]), axes], axis=1).T, tip
 
 
+#: Maximum length (m) of the pad at the end of a finger.
+MAX_PAD_LENGTH = 0.019
 #: Copied, since that takes a seventh of the time of `np.eye`, and planning needs many.
 _IDENTITY = np.eye(4)
 

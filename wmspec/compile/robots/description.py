@@ -12,7 +12,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from wmspec.compile.robots.arm import Arm, Array, axis_rotation, translation
+from wmspec.compile.robots.arm import MAX_PAD_LENGTH, Arm, Array, axis_rotation, translation
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_text
@@ -24,7 +24,6 @@ from wmspec.sim.scene.model.transform import compose, inverse, quaternion, rotat
 Triple = tuple[float, float, float]
 Above0 = Annotated[float, Field(gt=0)]
 MAX_HINGES = 12  # of an arm
-MAX_PAD_LENGTH = 0.019  # m: at the end of a finger
 
 
 class Hand(BaseModel):

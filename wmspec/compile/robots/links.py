@@ -6,11 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 
-from wmspec.compile.robots.arm import Arm, Array, axis_rotation, translation
+from wmspec.compile.robots.arm import MAX_PAD_LENGTH, Arm, Array, axis_rotation, translation
 from wmspec.sim.scene.model.transform import quaternion
 from wmspec.sim.shapes.facets import smooth
-
-MAX_PAD_LENGTH = 0.019  # m: at the end of a finger
 
 
 def body(stage: Usd.Stage, path: str, frame: Array, *, moves: bool) -> str:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.layout.evaluator import Evaluator
+from wmspec.compile.lint.overlap import MAX_OVERLAP
 from wmspec.core.diagnostics import EngineError, WmsError
 from wmspec.core.memoize import cached_on
 from wmspec.core.rng import uniform
@@ -28,9 +29,6 @@ from wmspec.sim.scene.model.transform import compose as placed
 from wmspec.sim.scene.model.transform import rotate
 from wmspec.sim.scene.physics.overlap import overlap
 from wmspec.sim.scene.render.appearance import appearance_at, vanish_times, vanished_bodies
-
-#: m: bodies with a deeper initial overlap are ejected, differently in every engine.
-MAX_OVERLAP = 0.001
 
 #: s: closer times are the same.
 _MOMENT = 1e-9

@@ -20,6 +20,7 @@ from wmspec.runtime.questions.changes import change_of
 from wmspec.runtime.questions.kinds.kind import Kind, OptionImage, OptionSet
 from wmspec.runtime.questions.measure import Measured
 from wmspec.runtime.questions.model import TRUTH, Answer, Option, OptionKind, Picture, Reject
+from wmspec.runtime.questions.picture_balance import MIN_DIFFERENT_SHARE
 from wmspec.runtime.questions.question_context import AnswerSlot, QuestionContext
 from wmspec.runtime.questions.runs import Run
 from wmspec.runtime.questions.visible_object import visible_objects
@@ -28,8 +29,6 @@ from wmspec.sim.scene.model.digest import digest
 from wmspec.sim.scene.render.appearance import appearance_at
 from wmspec.sim.scene.render.visible_rotation import symmetry_axis, visible_angle_about
 
-#: Share of pixels below which two option pictures count as equal.
-MIN_DIFFERENT_SHARE = 100 / 256**2
 #: Largest movement of an outcome under a nudge, relative to the nearest other option.
 MAX_MOVED_SHARE = 1 / 3
 #: Decimals to which places (m) and rotations of geoms are compared.
