@@ -51,6 +51,18 @@ def test_twins_share_one_trace(engine: str) -> None:
     assert executor.trace(one) is executor.trace(other)
 
 
+@pytest.mark.parametrize(("times", "executed"), [(1, 4), (2, 2)])
+def test_the_cache_holds_a_number_of_bytes(times: int, executed: int) -> None:
+    """Two scenes in turn, twice, where `times` traces of the size of the first have room."""
+    installed("mujoco")
+    first, second = scene_of(7), scene_of(8)
+    size = sum(a.nbytes for a in vars(TraceCache("mujoco").trace(first)).values() if isinstance(a, np.ndarray))
+    executor = TraceCache("mujoco", times * size)
+    for scene in (first, second, first, second):
+        executor.trace(scene)
+    assert executor.executed == executed
+
+
 @pytest.mark.parametrize("engine", ENGINES)
 def test_twins_may_share_a_file(engine: str) -> None:
     """Executed one by one they give the same bits."""
