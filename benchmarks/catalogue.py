@@ -68,7 +68,7 @@ class Piece:
     @property
     def share(self) -> Fraction:
         """The share of the instances of the spec."""
-        return Fraction(1, int(self.shard.partition("/")[2]))
+        return Fraction(1, parts(self.shard))
 
 
 def main() -> None:
@@ -107,6 +107,11 @@ def main() -> None:
         print(row([piece for piece in pieces if piece.spec == name]), flush=True)
 
 
+def parts(shard: str) -> int:
+    """Return the number of shares of which `shard`, such as `1/4`, is one."""
+    return int(shard.partition("/")[2])
+
+
 def recorded() -> list[Piece]:
     """Return the pieces of earlier runs."""
     return [Piece(**piece) for piece in json.loads(RECORD.read_text())] if RECORD.exists() else []
@@ -121,8 +126,7 @@ def generated(name: str, spec: Path, out: Path, options: argparse.Namespace) -> 
     command = [*run, "generate", str(spec), "-o", str(out), "-b", "all", "--size", str(options.size), *shard, *workers]
     done = subprocess.run([*command, "--json"], check=True, stdout=subprocess.PIPE, text=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    sample = -(-SAMPLE // int(options.shard.partition("/")[2]))
-    verify = [*run, "verify", str(out), "--sample", str(sample), *workers]
+    verify = [*run, "verify", str(out), "--sample", str(-(-SAMPLE // parts(options.shard))), *workers]
     subprocess.run(verify, check=True, stdout=subprocess.DEVNULL)
     tasks = json.loads(done.stdout)
     reasons = Counter[str]()

@@ -52,10 +52,9 @@ class World:
         self.ways: dict[int, Any] = {}
         self.clear: Any = None
         self.start, self.margins = self.data.qpos.copy(), model.pair_margin.copy()
-        self.forces = self.data.xfrc_applied  # a view, as are its rows
-        self.applied = list(self.forces)
+        self.forces = self.data.xfrc_applied  # a view
         self.lift = np.concatenate([-HEAVY * model.opt.gravity, np.zeros(3)])
-        self.resets = {body: self.reset_views(body) for body in range(len(self.bodies)) if self.ids[body] >= 0}
+        self.reset_views: dict[int, tuple[Any, Any, Any]] = {}
         self.drives = {limb.joint: limb.drive for tree in assembly.trees for limb in tree if limb.drive}
         for limb in (limb for tree in assembly.trees for limb in tree):
             begun = rates(limb, assembly.bodies[limb.body])
@@ -130,7 +129,7 @@ class World:
     def push(self, body: int, force: Any, torque: Any) -> None:
         """Apply a force and a torque at the centre of mass of a dynamic body during the next step."""
         self.stir()
-        self.applied[self.ids[body]] += [*force, *torque]
+        self.forces[self.ids[body]] += [*force, *torque]
         self.pushed = True
 
     def aim(self, joint: int, target: float) -> None:
@@ -163,25 +162,26 @@ class World:
         self.rest(body)
         if at is not None:
             self.data.qpos[self.qpos[body] : self.qpos[body] + 7] = at
-        self.applied[self.ids[body]] += self.lift
+        self.forces[self.ids[body]] += self.lift
         self.pushed = True
 
     def rest(self, body: int) -> None:
         """Reset the joint of a body to its start, at rest."""
-        for place, start, speed in self.resets[body]:
-            place[:] = start
-            speed[:] = 0.0
+        if body not in self.reset_views:
+            self.reset_views[body] = self.joint_views(body)
+        position, start, velocity = self.reset_views[body]
+        position[:], velocity[:] = start, 0.0
         self.current = False
 
-    def reset_views(self, body: int) -> list[tuple[Any, Any, Any]]:
-        """Return for the joint of a body views of its position and velocity, with its start between them."""
-        if not self.model.body_jntnum[self.ids[body]]:
-            return []
-        kind = int(self.model.jnt_type[self.model.body_jntadr[self.ids[body]]])
-        places, speeds = {0: (7, 6), 1: (4, 3)}.get(kind, (1, 1))
+    def joint_views(self, body: int) -> tuple[Any, Any, Any]:
+        """Return views of position, start and velocity of the joint of a body; they are empty without a joint."""
+        places = speeds = 0
+        if self.model.body_jntnum[self.ids[body]]:
+            kind = int(self.model.jnt_type[self.model.body_jntadr[self.ids[body]]])
+            places, speeds = {0: (7, 6), 1: (4, 3)}.get(kind, (1, 1))
         at, speed = self.qpos[body], self.qvel[body]
         place = slice(at, at + places)
-        return [(self.data.qpos[place], self.start[place], self.data.qvel[speed : speed + speeds])]
+        return self.data.qpos[place], self.start[place], self.data.qvel[speed : speed + speeds]
 
     def free(self, body: int) -> None:
         """Release a held body."""

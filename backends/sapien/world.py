@@ -56,8 +56,7 @@ class World:
         self.rest_detector = Rest(assembly.bodies, assembly.step)
         self.states: dict[int, Any] = {}
         self.met: set[tuple[int, int]] = set()
-        self.places: dict[int, tuple[float, ...]] = {}
-        self.poses: dict[int, tuple[Any, Any]] = {}
+        self.places: dict[int, tuple[tuple[float, ...], Any, Any]] = {}  # of held bodies, with array and SAPIEN's pose
         self.skipped: int | None = None
         self.lanes = lanes(assembly.bodies)
         self.apart = set(assembly.non_colliding_pairs)
@@ -269,9 +268,9 @@ class World:
     def hold(self, body: int, at: Any = None) -> None:
         """Reset a dynamic body to its start or to `at`, and make a free one kinematic."""
         place = tuple(self.bodies[body].start if at is None else at)
-        if self.places.get(body) != place:
+        if body not in self.places or self.places[body][0] != place:
             self.stir()
-            self.places[body], self.poses[body] = place, (np.array(place), frame(place))
+            self.places[body] = place, np.array(place), frame(place)
             if body not in self.trees:
                 self.parts[body].set_kinematic(True)
                 if at is not None:
@@ -283,7 +282,7 @@ class World:
         """Reset a held body to its place."""
         self.states.clear()
         if body not in self.trees:
-            place, pose = self.poses[body]
+            _, place, pose = self.places[body]
             if self.targets.get(body) is not place:
                 self.drive(body, place, place)
             else:

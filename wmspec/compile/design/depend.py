@@ -51,7 +51,7 @@ class Dependencies:
         self._domains = {f.name: f.domain for f in spec.factors}
         self._next: dict[str, frozenset[str]] = {"end": self._direct(spec.horizon)}
         self._all: dict[str, frozenset[str]] = {}
-        self._expressions: dict[int, tuple[Expr, frozenset[str]]] = {}  # by `id`, which the expression keeps unique
+        self._expressions: dict[int, tuple[Expr, frozenset[str]]] = {}  # by `id`; keeping them keeps it unique
         for observation in spec.observations:
             name = f"observe.{observation.camera}"
             self._next[name] = self._next.get(name, frozenset()) | self._direct(observation.times)

@@ -13,7 +13,6 @@ from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.scene_rules import LintScene, late_action, objects_inside_one_another, picture_outside
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import build_document
-from wmspec.compile.stage.object_cache import ObjectCache
 from wmspec.core.diagnostics import Note
 from wmspec.lang.check.ir.ir import Counterfactual, Question
 
@@ -23,14 +22,13 @@ _DERIVED = ("pose", "way", "form", "there", "start")
 
 @dataclass(frozen=True)
 class ChangedScene:
-    """A counterfactual of a question: the scene, its stage, the changed scene, and the prims of earlier scenes."""
+    """A counterfactual of a question: the scene, its stage, and the changed scene."""
 
     question: Question
     change: Counterfactual
     scene: LintScene
     stage: Document
     otherwise: LintScene
-    objects: ObjectCache
 
     @cached_property
     def differing(self) -> Mapping[str, frozenset[str]]:
@@ -40,7 +38,7 @@ class ChangedScene:
     @cached_property
     def other_stage(self) -> Document:
         """The changed stage. Raises WmsError if it cannot be built."""
-        return build_document(self.otherwise.values, self.objects)
+        return build_document(self.otherwise.values, self.otherwise.objects)
 
 
 @rule("WMS304", "error")

@@ -77,10 +77,9 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
         for count, (values, instance) in enumerate(zip(tried[:built], instances, strict=False)):
             with linter.collecting():
                 _lint_scene(
-                    LintScene(values, depend, design, instance),
+                    LintScene(values, depend, design, instance, objects),
                     linter,
                     budget if count < max(MIN_SCENES // 2, built // 3) else None,
-                    objects,
                 )
         for question in spec.questions:
             with linter.collecting():
@@ -90,15 +89,13 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
     return design
 
 
-def _lint_scene(scene: LintScene, linter: Linter, budget: _ChangeBudget | None, objects: ObjectCache) -> None:
+def _lint_scene(scene: LintScene, linter: Linter, budget: _ChangeBudget | None) -> None:
     """Lint the scene of an instance, with its counterfactuals if there is a `budget` for them.
-
-    `objects` has the prims of earlier scenes.
 
     Raises WmsError if it cannot be built.
     """
     spec, instance = scene.values.spec, scene.instance
-    stage = episode.build_document(scene.values, objects)
+    stage = episode.build_document(scene.values, scene.objects)
     linter.check(scene, scene_rules.RULES)
     linter.check(scene, plausible_rules.RULES)
     linter.check(scene, action_rules.RULES)
@@ -112,4 +109,4 @@ def _lint_scene(scene: LintScene, linter: Linter, budget: _ChangeBudget | None, 
             if (change.change == "levels" or change.owner in things) and budget and budget.allows(change):
                 with linter.collecting():
                     otherwise = replace(scene, values=Evaluator(spec, instance.values, change, instance.key))
-                    linter.check(ChangedScene(question, change, scene, stage, otherwise, objects), change_rules.RULES)
+                    linter.check(ChangedScene(question, change, scene, stage, otherwise), change_rules.RULES)

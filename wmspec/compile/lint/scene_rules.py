@@ -18,6 +18,7 @@ from wmspec.compile.lint.overlap import overlaps
 from wmspec.compile.lint.question_rules import answer_picture_time, is_posed
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.compile.lint.visibility import blind_cameras
+from wmspec.compile.stage.object_cache import ObjectCache
 from wmspec.core.diagnostics import Note
 from wmspec.core.places import Location
 from wmspec.lang.check.expressions.measured import is_measured
@@ -33,12 +34,13 @@ _CONTACTS = ("contact", "contact_time", "touches_first")
 
 @dataclass(frozen=True)
 class LintScene:
-    """The values of an instance, with or without a counterfactual."""
+    """The values of an instance, with or without a counterfactual; `objects` caches prims of the task's scenes."""
 
     values: Evaluator
     depend: Dependencies
     design: Design
     instance: Instance
+    objects: ObjectCache
 
     @property
     def where(self) -> str:

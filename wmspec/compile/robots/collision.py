@@ -73,7 +73,7 @@ def _object_collision(
     reach, arm, frames = made.reaches[action.name], made.arms[action.of].arm, links[:, -1]
     led, carried = _moved_pieces(made, action, before, frames), supported_objects(made, rigid_group(made, action))
     leads = MOTION_START.get(action.verb, 0.0) * made.duration(action)  # then supported objects move along
-    behind = _link_motions(arm, links)
+    behind = _LinkMotions.of(arm, links)
     for name, box in _obstacles(made, action, carried):
         when = _first_overlap(hand, [box], reach, BOX_SLACK) if _is_near(frames, box) else None
         what = "its hand"
@@ -133,36 +133,35 @@ def _is_near(frames: Array, box: Box) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class _LinkMotion:
-    """A link behind the hand: points (m, 3) in its frames (n, 4, 4), and the `radius` of a ball around them."""
+class _LinkMotions:
+    """The k links behind the hand at n times.
 
-    points: Array
-    frames: Array
-    center: Array
-    radius: float
+    `points` (m, 3) of each in its `frames` (n, 4, 4), and a ball around them: `centers` (k, n, 3), `radii` (k, 1).
+    """
+
+    points: Sequence[Array]
+    frames: Sequence[Array]
+    centers: Array
+    radii: Array
+
+    @classmethod
+    def of(cls, arm: Arm, links: Array) -> _LinkMotions:
+        """Return the motions of the links behind the hand, given the frames (n, l, 4, 4) of all links."""
+        points, frames = [p for _, p in link_points(arm)], [links[:, number] for number, _ in link_points(arm)]
+        middles = [p.mean(axis=0) for p in points]
+        centers = [f[:, :3, :3] @ middle + f[:, :3, 3] for f, middle in zip(frames, middles, strict=True)]
+        radii = [np.linalg.norm(p - middle, axis=1).max() for p, middle in zip(points, middles, strict=True)]
+        return cls(points, frames, np.array(centers).reshape(-1, len(links), 3), np.array(radii).reshape(-1, 1))
 
 
-def _link_motions(arm: Arm, links: Array) -> list[_LinkMotion]:
-    """Return the links behind the hand, whose frames are among `links` (n, k, 4, 4)."""
-    found = []
-    for number, points in link_points(arm):
-        middle, frames = points.mean(axis=0), links[:, number]
-        radius = float(np.linalg.norm(points - middle, axis=1).max())
-        found.append(_LinkMotion(points, frames, frames[:, :3, :3] @ middle + frames[:, :3, 3], radius))
-    return found
-
-
-def _link_contact(links: Sequence[_LinkMotion], box: Box, reach: Reach) -> float | None:
+def _link_contact(links: _LinkMotions, box: Box, reach: Reach) -> float | None:
     """Return when (s) a link first enters a fixed box, or None."""
-    if not links:
-        return None
-    centers, radii = np.array([link.center for link in links]), np.array([link.radius for link in links])
-    outside = np.maximum(np.abs((centers - box.center) @ box.axes[0]) - box.half, 0.0)
-    near = np.linalg.norm(outside, axis=2) < radii[:, None]
+    outside = np.maximum(np.abs((links.centers - box.center) @ box.axes[0]) - box.half, 0.0)
+    near = np.linalg.norm(outside, axis=2) < links.radii
     first = len(reach.times)
-    for link, close in zip(links, near, strict=True):
+    for points, frames, close in zip(links.points, links.frames, near, strict=True):
         for i in np.flatnonzero(close[:first]).tolist():
-            seen = (link.points @ link.frames[i, :3, :3].T + link.frames[i, :3, 3] - box.center) @ box.axes[0]
+            seen = (points @ frames[i, :3, :3].T + frames[i, :3, 3] - box.center) @ box.axes[0]
             if (np.abs(seen) < box.half - BOX_SLACK).all(axis=1).any():
                 first = i
                 break

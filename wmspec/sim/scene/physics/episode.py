@@ -396,9 +396,8 @@ def apply_events(world: World, episode: Episode, i: int) -> list[Kick]:
         pair = {passage.body, passage.through}
         others = (p for p in episode.passages if {p.body, p.through} == pair)
         world.collide(passage.body, passage.through, not any(p.first <= i < p.last for p in others))
-    jumps = [jump for jump in episode.jumps if jump.step == i]
-    away = {hold.body for hold in episode.holds if hold.first <= i < hold.until} if jumps else ()
-    for jump in (jump for jump in jumps if jump.body not in away):
+    away = {hold.body for hold in episode.holds if hold.first <= i < hold.until}
+    for jump in (jump for jump in episode.jumps if jump.step == i and jump.body not in away):
         state = np.asarray(world.state(jump.body))
         pose = jump.landing(np.array(episode.mounts[jump.body]), state)
         world.kick(jump.body, state[7:10], state[10:], pose)
