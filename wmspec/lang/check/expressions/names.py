@@ -127,7 +127,7 @@ def _known_mistake(check: Expressions, name: str, expected: tuple[Type, ...]) ->
     if name in NOT_RIGID:
         return RIGID_REMEDY
     if name in ("yes", "no"):
-        return f"truth values are `true` and `false`; a text has quotation marks: `\"{name}\"`"
+        return f'truth values are `true` and `false`; a text has quotation marks: `"{name}"`'
     if name == "idx":
         return "in a set, `index` is the number of the member, from 0"
     if name in LIBRARY_SHAPES:
