@@ -31,7 +31,7 @@ from wmspec.lang.parse.files import catalogue_folders
 RECORD = Path(__file__).with_suffix(".json")
 PAGE = Path(__file__).parent.parent / "docs/benchmarks/catalogue.md"
 #: Rows of a spec that `wmspec verify` executes again; each share of it executes its part of them.
-SAMPLE = 20
+SAMPLE = 8
 #: The share that is a whole spec.
 WHOLE = "1/1"
 #: Figures that are summed over the pieces of a spec.
