@@ -82,6 +82,15 @@ def test_tasks_from_the_cache_are_the_tasks(path: Path, hits: list[bool]) -> Non
     assert hits == [False, False, True]
 
 
+def test_a_check_caches_the_tasks(hits: list[bool]) -> None:
+    with disk_cache.disabled():
+        fresh = load_all(CATALOGUE[0])
+    check_files(CATALOGUE)
+    hits.clear()
+    assert load_all(CATALOGUE[0]) == fresh
+    assert hits == [True]
+
+
 def test_warnings_come_from_the_cache_too(tmp_path: Path, hits: list[bool]) -> None:
     spec = tmp_path / "spec.wms"
     spec.write_text("use tabletop\ntask t : custom { let unused = 1  observe front at [0 s] }\n")
@@ -116,7 +125,7 @@ def test_every_dependency_changes_the_result(tmp_path: Path, hits: list[bool], m
         for _ in range(2):
             assert seen(check_files([spec])) == seen(plain)
             assert loaded(spec) == task
-        assert hits[:4] == [False] * 4, "an old result was returned"
+        assert hits[:3] == [False] * 3, "an old result was returned"
 
 
 def loaded(spec: Path) -> object:

@@ -14,6 +14,7 @@ pytest.importorskip("statsmodels")
 pytest.importorskip("matplotlib")
 
 from tests.report.made import Knows, Rater, answers, dataset, rows, write
+from tests.shared import Shared
 from wmspec.dataset.build.rows import Row
 from wmspec.eval.report.questions import Questions
 from wmspec.eval.report.replies import Replies, replies
@@ -76,11 +77,14 @@ class Made:
 
 
 @pytest.fixture(scope="session")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
-    folder = dataset(tmp_path_factory.mktemp("dataset"))
-    questions = rows(folder)
-    few = [row for row in questions if row["index"] % 3 == 0]
-    table = pd.concat([answers(questions, *RATERS), answers(few, *PEOPLE)], ignore_index=True)
-    results = write(tmp_path_factory.mktemp("results") / "all.parquet", table)
-    read = replies(table, Questions.read(folder))
-    return Made(folder, results, questions, read, analyse(read, "made", lambda name, count: None))
+def made(shared: Shared) -> Made:
+    def make() -> Made:
+        folder = shared.folder("report/dataset", dataset)
+        questions = rows(folder)
+        few = [row for row in questions if row["index"] % 3 == 0]
+        table = pd.concat([answers(questions, *RATERS), answers(few, *PEOPLE)], ignore_index=True)
+        results = shared.folder("report/results", lambda place: write(place / "all.parquet", table)) / "all.parquet"
+        read = replies(table, Questions.read(folder))
+        return Made(folder, results, questions, read, analyse(read, "made", lambda name, count: None))
+
+    return shared.value("report/made", make)

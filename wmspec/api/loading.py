@@ -106,9 +106,8 @@ def diagnose(*paths: PathOrText, text: str | None = None) -> Diagnosis:
 
 def diagnose_file(file: Path | Source) -> tuple[Diagnosis, Program]:
     """Return the diagnosis of one spec and its parsed program. Raises WmsError if the file cannot be read."""
-    report = Report()  # per file, so that mistakes in one do not prevent the check of another
-    program = _program(file, report)
-    tasks = [_task(spec, program, file) for spec in check_program(program, report)]
+    report = Report()
+    program, tasks = _load(file, 0, report)
     return _diagnosis(report, tasks, tried=True), program
 
 
@@ -191,10 +190,6 @@ def _text(text: str) -> Source:
     return Source("<text>", text.replace("\r\n", "\n"))
 
 
-def _program(spec: Path | Source, report: Report) -> Program:
-    return load_program(spec, report) if isinstance(spec, Path) else load_source(spec, Path(), report)
-
-
 def _tasks(specs: Iterable[Path | Source], seed: int, tell: Tell, strict: bool = False) -> tuple[Task, ...]:
     report = Report()
     tasks = tuple(task for spec in specs for task in _checked(spec, seed, report))
@@ -220,14 +215,20 @@ def _checked(spec: Path | Source, seed: int, report: Report) -> list[Task]:
     if entry is not None and (cached := entry.read(_specs)) is not None:
         report.include(cached.diagnostics)
         return [Task(task, cached.source, cached.libraries, entry.path, seed, cached.files) for task in cached.value]
+    return _load(spec, seed, report)[1]
+
+
+def _load(spec: Path | Source, seed: int, report: Report) -> tuple[Program, list[Task]]:
+    """Return the parsed program and the checked tasks of a spec; the tasks of a file without mistakes are cached."""
     own = Report()  # per file, so that mistakes in one do not prevent the check of another
     with files_searched() as searched:
-        program = _program(spec, own)
+        program = load_program(spec, own) if isinstance(spec, Path) else load_source(spec, Path(), own)
         checked = check_program(program, own)
     report.merge(own)
-    if entry is not None and not own.failed:
-        entry.write(program, searched, own.diagnostics, b64encode(node_pickle.dumps(tuple(checked))).decode())
-    return [_task(each, program, spec, seed, frozenset(searched.files)) for each in checked]
+    if isinstance(spec, Path) and not own.failed:
+        value = b64encode(node_pickle.dumps(tuple(checked))).decode()
+        spec_cache.Entry("spec", spec).write(program, searched, own.diagnostics, value)
+    return program, [_task(each, program, spec, seed, frozenset(searched.files)) for each in checked]
 
 
 def _specs(encoded: str) -> tuple[TaskSpec, ...]:

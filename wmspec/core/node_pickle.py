@@ -16,8 +16,15 @@ from wmspec.core.places import Source, Span
 def dumps(made: object) -> bytes:
     """Return nodes, and tuples and dictionaries of them, as bytes; a source text becomes a reference."""
     file = io.BytesIO()
-    _Writer(file).dump(made)
+    writer = pickle.Pickler(file, protocol=5)
+    writer.dispatch_table = {Source: lambda _: (_source, ())}
+    writer.dump(made)
     return file.getvalue()
+
+
+def _source() -> Source:
+    """Stand for the source text, which the reader of the cache has."""
+    raise NotImplementedError
 
 
 def loads(content: bytes, module: ModuleType, source: Source | None = None) -> Any:
@@ -36,15 +43,6 @@ def loads(content: bytes, module: ModuleType, source: Source | None = None) -> A
             gc.enable()
 
 
-class _Writer(pickle.Pickler):
-    def __init__(self, file: io.BytesIO) -> None:
-        super().__init__(file, protocol=5)
-
-    def persistent_id(self, made: object) -> str | None:
-        """Replace the text itself by a reference: the reader of the cache has it."""
-        return "source" if isinstance(made, Source) else None
-
-
 class _Reader(pickle.Unpickler):
     def __init__(self, content: bytes, module: ModuleType, source: Source | None) -> None:
         super().__init__(io.BytesIO(content))
@@ -52,12 +50,14 @@ class _Reader(pickle.Unpickler):
         self._source = source
 
     def find_class(self, module: str, name: str) -> Any:
+        if (module, name) == (__name__, _source.__name__):
+            return self._given_source
         found = vars(self._modules[module]).get(name) if module in self._modules else None
         if isinstance(found, type) and found.__module__ == module and issubclass(found, Node | Span):
             return found
         raise pickle.UnpicklingError(f"{module}.{name} is no node")
 
-    def persistent_load(self, _: str) -> Source:
+    def _given_source(self) -> Source:
         if self._source is None:
             raise pickle.UnpicklingError("there is no source text")
         return self._source
