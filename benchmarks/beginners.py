@@ -11,13 +11,10 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import dataclass
-from pathlib import Path
 
-from wmspec.compile.lint.dry_run import dry_run
-from wmspec.core.diagnostics import Diagnostic, Report
-from wmspec.core.places import Location, Source, Span
-from wmspec.lang.check.statements.task import check_program
-from wmspec.lang.parse.load import load_source
+from wmspec.api.loading import diagnose
+from wmspec.core.diagnostics import Diagnostic
+from wmspec.core.places import Location, Span
 
 #: A spec without mistakes; each mistake replaces one piece of it.
 SPEC = """use room
@@ -166,10 +163,7 @@ MISTAKES = tuple(
 
 def diagnostics(text: str) -> tuple[Diagnostic, ...]:
     """Return all diagnostics of a text."""
-    report = Report()
-    for spec in check_program(load_source(Source("first.wms", text), Path(), report), report):
-        dry_run(spec, report)
-    return report.diagnostics
+    return diagnose(text=text).diagnostics
 
 
 def score(mistake: Mistake) -> Score:

@@ -13,14 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.render import body
 from wmspec.runtime.engines.registry import backend, names
-from wmspec.sim.scene.model import Body, Camera, Geom, Light, Pose, Scene, Shot, Surface
-from wmspec.sim.scene.model.transform import identity
+from wmspec.sim.scene.model import Camera, Light, Pose, Scene, Shot
 from wmspec.sim.scene.render.camera import look_at
 from wmspec.sim.shapes import Box, Cylinder, Sphere
 
 SIZE, WARM = 64, 20
-UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 def main() -> None:
@@ -68,16 +67,7 @@ def still() -> Scene:
     shapes = (Box((2.0, 2.0, 0.05)), Sphere(0.06), Cylinder(0.05, 0.12), Box((0.05,) * 3))
     places = ((0, 0, -0.05), (-0.2, 0, 0.06), (0, 0.1, 0.06), (0.2, 0, 0.05))
     bodies = tuple(
-        Body(
-            f"thing{i}",
-            f"/thing{i}",
-            "dynamic" if i else "static",
-            Pose(np.array(at, float), UPRIGHT),
-            (Geom(f"thing{i}", shape, identity(), Surface((0.3 + 0.2 * i, 0.5, 0.4))),),
-            None,
-            np.zeros(3),
-            np.zeros(3),
-        )
+        body(f"thing{i}", "dynamic" if i else "static", at, shape, (0.3 + 0.2 * i, 0.5, 0.4))
         for i, (shape, at) in enumerate(zip(shapes, places, strict=True))
     )
     eye = Camera("eye", look_at((0, -1.2, 0.8), (0, 0, 0)), math.radians(40), 0.05, 20.0)

@@ -306,22 +306,13 @@ def specs() -> tuple[Spec, ...]:
     return tuple(Spec(text, tuple(t for t in tokens_and_comments(text) if t.type != "COMMENT")) for text in texts())
 
 
-def checked(text: str) -> tuple[Diagnostic, ...]:
-    """Return the errors of a spec, without scenes."""
-    report = Report()
-    try:
-        check_program(load_source(Source("mutant.wms", text), ROOT / "docs", report), report)
-    except WmsError as error:
-        report.include(error.diagnostics)
-    return tuple(d for d in report.diagnostics if d.severity == "error")
-
-
-def tried(text: str) -> tuple[Diagnostic, ...]:
-    """Return the errors of the scenes of a checked spec."""
+def checked(text: str, *, scenes: bool = False) -> tuple[Diagnostic, ...]:
+    """Return the errors of a spec, without or with those of its scenes."""
     report = Report()
     try:
         for spec in check_program(load_source(Source("mutant.wms", text), ROOT / "docs", report), report):
-            dry_run(spec, report)
+            if scenes:
+                dry_run(spec, report)
     except WmsError as error:
         report.include(error.diagnostics)
     return tuple(d for d in report.diagnostics if d.severity == "error")
@@ -342,7 +333,7 @@ def mutant(number: int) -> Mutant:
 def outcome(made: Mutant) -> Outcome:
     """Check a mutant."""
     began = time.process_time()
-    errors = checked(made.text) or tried(made.text)
+    errors = checked(made.text) or checked(made.text, scenes=True)
     seconds = time.process_time() - began
     located = fixed = False
     if errors:

@@ -13,24 +13,20 @@ from __future__ import annotations
 import argparse
 import os
 import time
-from pathlib import Path
 
 os.environ.setdefault("MUJOCO_GL", "egl")
 
 import mujoco
 import numpy as np
 
+import wmspec
 from wmspec.backends.mujoco.mjcf import mjcf
 from wmspec.backends.mujoco.physics import prepare
 from wmspec.compile.design.design import Design
-from wmspec.core.diagnostics import Report
-from wmspec.core.places import Source
 from wmspec.dataset.build.batching import batches
 from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.worker import CacheStats, Job, make_instances
 from wmspec.lang.check.ir.record import to_json
-from wmspec.lang.check.statements.task import check_program
-from wmspec.lang.parse.load import load_source
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.caches.trace_cache import TraceCache
 from wmspec.runtime.questions.robustness import DEFAULT_NUDGE
@@ -68,9 +64,7 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=256)
     parser.add_argument("--native", type=int, default=12)
     chosen = parser.parse_args()
-    report = Report()
-    (spec,) = check_program(load_source(Source("strike.wms", TASK), Path(), report), report)
-    report.stop_if_failed()
+    spec = wmspec.load(text=TASK, tell=lambda _: None).spec
     job = Job((("strike", to_json(spec)),), 0, ("mujoco",), (chosen.size, chosen.size), "none")
     design, pair = Design(spec), EnginePair(TraceCache("mujoco"), RenderCache("mujoco", 8, 8))
     order = [piece for unit in batches(spec, 0, range(len(design))) for piece in unit]

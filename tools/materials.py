@@ -6,23 +6,17 @@ python tools/materials.py [OUTPUT]
 from __future__ import annotations
 
 import sys
-import tempfile
 from pathlib import Path
 
 from PIL import Image
 
-from wmspec.compile.design.design import Design
-from wmspec.compile.stage.episode import document
-from wmspec.compile.stage.layers import compose
-from wmspec.core.diagnostics import Report
+from tools.worlds import scene
 from wmspec.dataset.build import typeset
 from wmspec.dataset.build.typeset import Style
-from wmspec.lang.check.statements.task import check
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.engines.registry import default
 from wmspec.sim.materials import MATERIALS
 from wmspec.sim.scene.model import Look, Shot
-from wmspec.sim.usd import read
 
 OUTPUT = Path(__file__).parent.parent / "docs/images/materials.jpg"
 SIDE = 190
@@ -48,15 +42,9 @@ task one : custom {{
 
 def picture(name: str, color: str, look: Look) -> Image.Image:
     """Return a picture of three objects of a material."""
-    with tempfile.TemporaryDirectory() as folder:
-        spec = Path(folder) / "one.wms"
-        spec.write_text(SPEC.format(name=name, color=color))
-        report = Report()
-        tasks = check(spec, report)
-        report.stop_if_failed()
-    scene = read(compose(document(tasks[0], Design(tasks[0])[0])))
+    what = scene(SPEC.format(name=name, color=color))
     studio = RenderCache(default(), SIDE, SIDE, look)
-    frame = studio.draw(scene, Shot("near", tuple(body.pose for body in scene.bodies)))
+    frame = studio.draw(what, Shot("near", tuple(body.pose for body in what.bodies)))
     studio.close()
     return Image.fromarray(frame.rgb)
 

@@ -6,22 +6,16 @@ python tools/pixels.py [OUTPUT]
 from __future__ import annotations
 
 import sys
-import tempfile
 from pathlib import Path
 
 from PIL import Image
 
-from wmspec.compile.design.design import Design
-from wmspec.compile.stage.episode import document
-from wmspec.compile.stage.layers import compose
-from wmspec.core.diagnostics import Report
+from tools.worlds import scene
 from wmspec.dataset.build import typeset
 from wmspec.dataset.build.typeset import Style
-from wmspec.lang.check.statements.task import check
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.engines.registry import info, names
 from wmspec.sim.scene.model import Look, Scene, Shot
-from wmspec.sim.usd import read
 
 OUTPUT = Path(__file__).parent.parent / "docs/images/pixels.jpg"
 PLACES = {
@@ -57,21 +51,10 @@ task still : custom {{
 """
 
 
-def still(place: str) -> Scene:
-    """Return a scene of six objects in an environment."""
-    with tempfile.TemporaryDirectory() as folder:
-        spec = Path(folder) / "still.wms"
-        spec.write_text(STILL.format(place=place, ground=PLACES[place], camera=CAMERA))
-        report = Report()
-        tasks = check(spec, report)
-        report.stop_if_failed()
-        return read(compose(document(tasks[0], Design(tasks[0])[0])))
-
-
-def picture(scene: Scene, engine: str, look: Look) -> Image.Image:
+def picture(what: Scene, engine: str, look: Look) -> Image.Image:
     """Return a picture of the initial scene."""
     studio = RenderCache(engine, SIDE, SIDE, look)
-    frame = studio.draw(scene, Shot(CAMERA, tuple(body.pose for body in scene.bodies)))
+    frame = studio.draw(what, Shot(CAMERA, tuple(body.pose for body in what.bodies)))
     studio.close()
     return Image.fromarray(frame.rgb)
 
@@ -81,9 +64,9 @@ def sheet() -> Image.Image:
     label, name, wide = Style(20, bold=True), Style(17), 150
     heads = [typeset.paragraph(f"{engine}, {look}", label, SIDE) for engine, look in LOOKS]
     rows = [typeset.hstack([typeset.blank(wide, 1), *heads], 8)]
-    for place in PLACES:
-        scene = still(place)
-        pictures = [picture(scene, *look) for look in LOOKS]
+    for place, ground in PLACES.items():
+        what = scene(STILL.format(place=place, ground=ground, camera=CAMERA))
+        pictures = [picture(what, *look) for look in LOOKS]
         rows.append(typeset.hstack([typeset.paragraph(place, name, wide), *pictures], 8, middle=True))
         print(place, flush=True)
     return typeset.pad(typeset.vstack(rows, 8), 16)

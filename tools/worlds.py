@@ -15,7 +15,6 @@ import math
 import random
 import re
 import sys
-import tempfile
 from collections.abc import Iterable, Iterator
 from itertools import combinations
 from pathlib import Path
@@ -25,13 +24,8 @@ import numpy as np
 from PIL import Image
 
 import wmspec
-from wmspec.compile.design.design import Design
-from wmspec.compile.stage.episode import document
-from wmspec.compile.stage.layers import compose
-from wmspec.core.diagnostics import Report
 from wmspec.dataset.build import typeset
 from wmspec.dataset.build.typeset import Style
-from wmspec.lang.check.statements.task import check
 from wmspec.lang.parse.files import library_folder, read_source
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.engines.registry import default, names
@@ -86,13 +80,7 @@ PLACES = {
 
 def scene(text: str) -> Scene:
     """Return the first instance of a spec."""
-    with tempfile.TemporaryDirectory() as folder:
-        spec = Path(folder) / "one.wms"
-        spec.write_text(text)
-        report = Report()
-        tasks = check(spec, report)
-        report.stop_if_failed()
-        return read(compose(document(tasks[0], Design(tasks[0])[0])))
+    return read(wmspec.load(text=text, tell=lambda _: None)[0].stage())
 
 
 def templates(library: str) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -20,7 +21,7 @@ from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.audit import balance
 from wmspec.dataset.audit.audit import audit
-from wmspec.dataset.audit.cases import FullSizePictures, units
+from wmspec.dataset.audit.cases import full_size_pictures, units
 from wmspec.dataset.audit.duplicates import duplicate_findings, duplicates, mark_faint
 from wmspec.dataset.audit.model import Audit, Finding
 from wmspec.dataset.build.files import digest
@@ -76,7 +77,7 @@ def doubled(folder: Path) -> list[Finding]:
     dataset = DatasetReader.open(folder)
     (task,) = dataset.tasks
     (unit,) = units(dataset, task, 2000)
-    return duplicate_findings(unit, mark_faint(unit, duplicates(unit), FullSizePictures(dataset, task)))
+    return duplicate_findings(unit, mark_faint(unit, duplicates(unit), partial(full_size_pictures, dataset, task)))
 
 
 def balanced(folder: Path) -> list[Finding]:

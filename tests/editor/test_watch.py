@@ -13,7 +13,7 @@ import pytest
 
 from tests.browser import PATIENCE, barriers
 from tests.engines import installed
-from wmspec.api.loading import diagnose_text
+from wmspec.api.loading import TextCheck
 from wmspec.core.diagnostics import WmsError
 from wmspec.editor.page import PageServer
 from wmspec.editor.start import first_spec
@@ -85,11 +85,11 @@ def test_file_may_vanish_before_its_mistakes_are_reported(tmp_path: Path, monkey
     path = tmp_path / "gone.wms"
     path.write_text("task t : custom { objekt }")
 
-    def then_gone(text: str, at: Path) -> object:
+    def then_gone(text: str, at: Path) -> TextCheck:
         path.write_bytes(b"\xff\xfe")
-        return diagnose_text(text, at)
+        return TextCheck(text, at)
 
-    monkeypatch.setattr("wmspec.editor.watch.diagnose_text", then_gone)
+    monkeypatch.setattr("wmspec.editor.watch.TextCheck", then_gone)
     watch = Watch(path, PreviewOptions("mujoco", instances=1, size=32))
     page = Page(path, watch, PageServer(watch, 0))
     worker = threading.Thread(target=watch.run)

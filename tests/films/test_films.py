@@ -19,8 +19,8 @@ from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.films import read_ids
 from wmspec.dataset.build.reader import DatasetReader
-from wmspec.dataset.film.codec import decode, decode_ids, encode, encode_ids
-from wmspec.dataset.film.distances import film_distance, mask_points, object_points, pairwise, shrunk_ids
+from wmspec.dataset.film.codec import decode, encode, encode_ids
+from wmspec.dataset.film.distances import film_distance, mask_points, nearest_pixels, object_points, pairwise
 from wmspec.dataset.film.timing import FilmSettings, film_times
 
 
@@ -28,12 +28,13 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {p.relative_to(folder).as_posix(): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
 
 
-def test_films_and_ids_are_lossless() -> None:
+def test_films_and_ids_are_lossless(tmp_path: Path) -> None:
     random = np.random.default_rng(0)
     frames = random.integers(0, 256, (5, 48, 64, 3), dtype=np.uint8)
     ids = random.integers(-1, 700, (5, 48, 64)).astype(np.int16)
     assert (decode(encode(frames, 24)) == frames).all()
-    assert (decode_ids(encode_ids(ids, 24)) == ids).all()
+    (tmp_path / "0.ids.mkv").write_bytes(encode_ids(ids, 24))
+    assert (read_ids(tmp_path, "0.mkv", (64, 48)) == ids).all()
     assert encode(frames, 24) == encode(frames, 24)
 
 
@@ -41,7 +42,7 @@ def test_films_and_ids_are_lossless() -> None:
 def test_bodies_are_read_at_another_size_as_they_are_decoded(most: int, tmp_path: Path) -> None:
     ids = np.random.default_rng(0).integers(-1, most, (5, 48, 70), endpoint=True).astype(np.int16)
     (tmp_path / "0.ids.mkv").write_bytes(encode_ids(ids, 24))
-    assert (read_ids(tmp_path, "0.mkv", (32, 20)) == shrunk_ids(ids, (32, 20))).all()
+    assert (read_ids(tmp_path, "0.mkv", (32, 20)) == nearest_pixels(ids, (32, 20))).all()
     assert (read_ids(tmp_path, "0.mkv", (70, 48), 3) == ids[:3]).all()
 
 
@@ -112,10 +113,10 @@ def test_a_film_is_what_the_engine_draws(films: Path) -> None:
     row = next(row for row in dataset.rows("shove") if row["film"])
     episode = load(SHOVE)[row["index"]].run("mujoco")
     frames = decode((films / row["film"]).read_bytes())
-    ids = decode_ids((films / row["film"].replace(".mkv", ".ids.mkv")).read_bytes())
     last = row["film_start"] + (row["film_context"] - 1) / row["film_rate"]
     assert last == pytest.approx(0.4)
     size = OPTIONS["film_size"]
+    ids = read_ids(films, row["film"], size)  # type: ignore[arg-type]
     assert (frames[row["film_context"] - 1] == episode.frame("eye", last, size=size, renderer="mujoco")).all()  # type: ignore[arg-type]
     end = row["film_start"] + row["film_answer"] / row["film_rate"]
     assert (ids[-1] == episode.ids("eye", end, size=size, renderer="mujoco")).all()  # type: ignore[arg-type]

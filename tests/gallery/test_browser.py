@@ -205,7 +205,7 @@ def test_a_page_alone_has_its_pictures_inside(alone: Any) -> None:
 
 
 def test_a_thousand_questions_load_and_are_sifted(browser: Any, dataset: DatasetReader, tmp_path: Path) -> None:
-    some = list(records(dataset, 20, lambda task, png: "missing.png"))
+    some = list(records(dataset, 20, lambda png: "missing.png"))
     many = [some[i % len(some)] | {"id": f"{some[i % len(some)]['task']}/{i}"} for i in range(1000)]
     (tmp_path / "many.html").write_text(html(about(dataset) | {"questions": many}))
     tab = browser.new_page()

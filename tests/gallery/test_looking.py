@@ -111,7 +111,7 @@ def test_ways_are_those_of_what_moves() -> None:
 
 
 def test_ways_are_drawn(browser: Any, dataset: DatasetReader, tmp_path: Path) -> None:
-    def put(task: str, content: bytes) -> str:
+    def put(content: bytes) -> str:
         (tmp_path / f"{hash(content)}.png").write_bytes(content)
         return f"{hash(content)}.png"
 
@@ -231,7 +231,7 @@ def test_notes_are_saved_as_json_and_are_no_markup(compared: tuple[Any, Path]) -
 
 def test_no_text_of_a_dataset_or_of_a_reply_is_markup(browser: Any, dataset: DatasetReader, tmp_path: Path) -> None:
     bad = "</script><script>alert(1)</script><img src=x onerror=alert(2)>{{ script }}"
-    some = list(records(dataset, 2, lambda task, content: "data:,"))
+    some = list(records(dataset, 2, lambda content: "data:,"))
     for question in some:
         for run in question["runs"]:
             run["text"] = run["value"] = bad

@@ -17,7 +17,7 @@ from wmspec.eval.gallery.records import about, records
 
 
 def test_every_instance_once_with_every_engine(dataset: DatasetReader) -> None:
-    found = list(records(dataset, 100, lambda task, png: "x"))
+    found = list(records(dataset, 100, lambda png: "x"))
     assert len({q["id"] for q in found}) == len(found) == dataset.manifest["rows"] / 3
     for question in found:
         assert [run["engine"] for run in question["runs"]] == list(dataset.engines)
@@ -27,9 +27,9 @@ def test_every_instance_once_with_every_engine(dataset: DatasetReader) -> None:
 
 
 def test_few_are_spread_over_the_task(dataset: DatasetReader) -> None:
-    few = list(records(dataset, 4, lambda task, png: "x"))
+    few = list(records(dataset, 4, lambda png: "x"))
     assert len(few) == 8
-    every = [q["index"] for q in records(dataset, 100, lambda task, png: "x") if q["task"] == "collide"]
+    every = [q["index"] for q in records(dataset, 100, lambda png: "x") if q["task"] == "collide"]
     some = [q["index"] for q in few if q["task"] == "collide"]
     assert some == [every[i * len(every) // 4] for i in range(4)]
 
@@ -44,7 +44,7 @@ def test_an_engine_that_differs_is_seen(dataset: DatasetReader, monkeypatch: pyt
             yield row
 
     monkeypatch.setattr(DatasetReader, "rows", differing)
-    assert {q["agreement"] for q in records(dataset, 5, lambda task, png: "x")} == {"some differ"}
+    assert {q["agreement"] for q in records(dataset, 5, lambda png: "x")} == {"some differ"}
 
 
 def test_the_same_bytes_again(dataset: DatasetReader, tmp_path: Path) -> None:

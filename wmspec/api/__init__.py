@@ -35,34 +35,20 @@ if TYPE_CHECKING:
     from wmspec.core.diagnostics import WmsError as WmsError
     from wmspec.runtime.engines.registry import register as register
 
-#: Public name -> the module that defines it.
-HOMES = {
-    "Agreement": "wmspec.api.agreement",
-    "DatasetOptions": "wmspec.api.generating",
-    "Diagnosis": "wmspec.api.loading",
-    "Environment": "wmspec.api.environments",
-    "Episode": "wmspec.api.episode",
-    "Factor": "wmspec.api.task",
-    "Instance": "wmspec.api.task",
-    "InstanceQuestions": "wmspec.api.task",
-    "Problem": "wmspec.api.environments",
-    "RenderOptions": "wmspec.api.rendering",
-    "SpecError": "wmspec.core.diagnostics",
-    "Task": "wmspec.api.task",
-    "Track": "wmspec.api.episode",
-    "WmsError": "wmspec.core.diagnostics",
-    "crosscheck": "wmspec.api.agreement",
-    "diagnose": "wmspec.api.loading",
-    "environment": "wmspec.api.environments",
-    "generate": "wmspec.api.generating",
-    "load": "wmspec.api.loading",
-    "load_all": "wmspec.api.loading",
-    "load_episode": "wmspec.api.episode",
-    "open_stage": "wmspec.api.episode",
-    "progress_bar": "wmspec.api.progress",
-    "register": "wmspec.runtime.engines.registry",
-    "run": "wmspec.api.episode",
+_NAMES = {
+    "wmspec.api.agreement": ("Agreement", "crosscheck"),
+    "wmspec.api.environments": ("Environment", "Problem", "environment"),
+    "wmspec.api.episode": ("Episode", "Track", "load_episode", "open_stage", "run"),
+    "wmspec.api.generating": ("DatasetOptions", "generate"),
+    "wmspec.api.loading": ("Diagnosis", "diagnose", "load", "load_all"),
+    "wmspec.api.progress": ("progress_bar",),
+    "wmspec.api.rendering": ("RenderOptions",),
+    "wmspec.api.task": ("Factor", "Instance", "InstanceQuestions", "Task"),
+    "wmspec.core.diagnostics": ("SpecError", "WmsError"),
+    "wmspec.runtime.engines.registry": ("register",),
 }
+#: Public name -> the module that defines it.
+HOMES = {name: module for module, names in _NAMES.items() for name in names}
 
 __all__ = list(HOMES)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 from collections.abc import Iterable, Sequence
+from functools import cache
 from pathlib import Path
 
 from wmspec.api.task import Task
@@ -18,31 +19,17 @@ def changed_tasks(tasks: Iterable[Task], revision: str) -> tuple[Task, ...]:
     """
     if revision.startswith("-"):
         raise WmsError(f"--changed-since {revision}: expected a git revision, such as origin/main")
-    changes = _Changes(revision)
-    return tuple(task for task in tasks if changes.concern(task))
+    repository = cache(lambda folder: Path(_git(folder, "rev-parse", "--show-toplevel").removesuffix("\n")).resolve())
+    changed_files = cache(lambda top: _changed_files(top, revision))
 
-
-class _Changes:
-    """The changed files of each repository."""
-
-    def __init__(self, revision: str) -> None:
-        self._revision = revision
-        self._repositories: dict[Path, Path] = {}
-        self._files: dict[Path, frozenset[Path]] = {}
-
-    def concern(self, task: Task) -> bool:
+    def concerned(task: Task) -> bool:
         """Whether a file of the task has changed; a text without a file counts as changed."""
         if task.path is None:
             return True
-        folder = task.path.resolve().parent
-        if folder not in self._repositories:
-            top = _git(folder, "rev-parse", "--show-toplevel").removesuffix("\n")
-            self._repositories[folder] = Path(top).resolve()
-        repository = self._repositories[folder]
-        if repository not in self._files:
-            self._files[repository] = _changed_files(repository, self._revision)
-        files = (task.path, *task.libraries, *task.assets)
-        return any(path.resolve() in self._files[repository] for path in files)
+        changed = changed_files(repository(task.path.resolve().parent))
+        return any(path.resolve() in changed for path in (task.path, *task.libraries, *task.assets))
+
+    return tuple(filter(concerned, tasks))
 
 
 def _changed_files(repository: Path, revision: str) -> frozenset[Path]:

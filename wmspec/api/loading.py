@@ -142,16 +142,6 @@ class TextCheck:
         return _diagnosis(self._report, self._tasks, tried)
 
 
-def diagnose_text(text: str, path: Path, *, tried: bool = True) -> tuple[Diagnosis, tuple[Task, ...]]:
-    """Return the diagnosis of an unsaved text of the file at `path`, and its tasks if it has no mistakes.
-
-    Without `tried`, no scenes are built.
-    """
-    check = TextCheck(text, path)
-    diagnosis = check.diagnosis(tried=tried)
-    return diagnosis, check.tasks if diagnosis.passed else ()
-
-
 def _diagnosis(report: Report, tasks: Sequence[Task], tried: bool) -> Diagnosis:
     """Return the diagnosis of the tasks; with `tried`, a sample of their scenes is built first."""
     from wmspec.compile.lint.dry_run import dry_run

@@ -82,13 +82,14 @@ def verify(
     drawn = draw_sample(plan, records, sample, every, seed)
     chosen = replace(plan, tasks=drawn.tasks)
     with progress(drawn.size, "verifying") as advance:
-        made = regenerate(dataset, chosen, records, worker_settings(workers, timeout, plan.engines), advance)
+        settings = worker_settings(workers, timeout, plan.engines)
+        questions, found = regenerate(dataset, chosen, records, settings, advance)
     there, here = plan.versions, _installed_versions(plan)
     others = {name: (there.get(name, "none"), v) for name, v in here.items() if there.get(name) != v}
     exact = not others and not other_machine
-    differences += made.differences
+    differences += found
     return Verification(
-        questions=made.questions,
+        questions=questions,
         planned=sum(len(task.indices) * len(task.spec.questions) for task in plan.tasks) * len(plan.row_engines),
         differences=tuple(strict(differences) if exact else differences),
         versions=others,

@@ -33,14 +33,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON."
 dimension_option = click.option(
     "--dimension", multiple=True, metavar="PATH", help="Only tasks of this dimension, such as perception.motion."
 )
-task_option = click.option("--task", default="", metavar="NAME", help="Task, if the file has several.")
-instance_option = click.option(
-    "--instance", "-i", default=0, show_default=True, metavar="I", help="Index of the instance."
-)
 size_option = click.option("--size", default="384", show_default=True, help="Picture size in pixels: 384, or 320x240.")
-redraw_option = click.option(
-    "--redraw", default=0, metavar="N", type=click.IntRange(0), help="Use the N-th re-sample of the nuisances."
-)
 
 
 def by_size(sizes: Mapping[str, int]) -> dict[int, list[str]]:
@@ -77,6 +70,18 @@ def read_stdin() -> Source:
         return Source("<stdin>", sys.stdin.buffer.read().decode("utf-8").replace("\r\n", "\n"))
     except UnicodeDecodeError as error:
         raise WmsError(f"<stdin>: not UTF-8 text (byte {error.start}); a .wms file is plain UTF-8 text") from None
+
+
+def instance_options(command: F) -> F:
+    """Add the options that choose an instance: `--task`, `--instance`, `--redraw` and `--seed`."""
+    task = click.option("--task", default="", metavar="NAME", help="Task, if the file has several.")
+    instance = click.option(
+        "--instance", "-i", default=0, show_default=True, metavar="I", help="Index of the instance."
+    )
+    redraw = click.option(
+        "--redraw", default=0, metavar="N", type=click.IntRange(0), help="Use the N-th re-sample of the nuisances."
+    )
+    return task(instance(redraw(seed_option(command))))
 
 
 def look_options(command: F) -> F:

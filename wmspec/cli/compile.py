@@ -6,26 +6,14 @@ from pathlib import Path
 
 import click
 
-from wmspec.cli.common import (
-    instance_option,
-    load_instance,
-    make_folder,
-    redraw_option,
-    seed_option,
-    spec_argument,
-    task_option,
-    write_text,
-)
+from wmspec.cli.common import instance_options, load_instance, make_folder, spec_argument, write_text
 from wmspec.core.diagnostics import WmsError
 
 
 @click.command("compile")
 @spec_argument
 @click.option("--backend", "-b", default="", help="Engines to write native files for: comma-separated names, or all.")
-@task_option
-@instance_option
-@redraw_option
-@seed_option
+@instance_options
 @click.option("--output", "-o", type=click.Path(path_type=Path), help="Output folder.")
 @click.option("--ir", is_flag=True, help="Print the checked task as JSON (see `wmspec schema`) and write no files.")
 def compile_command(

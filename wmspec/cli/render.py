@@ -13,15 +13,12 @@ import click
 
 from wmspec.cli.common import (
     exit_if_failed,
-    instance_option,
+    instance_options,
     load_instance,
     look_options,
     make_folder,
     parse_size,
-    redraw_option,
-    seed_option,
     size_option,
-    task_option,
 )
 from wmspec.cli.run import duration_option, parse_duration, print_notes
 from wmspec.core.crash import Crash
@@ -47,10 +44,7 @@ FILM_SUFFIXES = (".gif", ".mp4")
     help="Engines that execute: comma-separated names, or all.  [default: first installed]",
 )
 @click.option("--renderer", "-r", default="", help="Engine that draws, if different from the executing one.")
-@task_option
-@instance_option
-@redraw_option
-@seed_option
+@instance_options
 @duration_option
 @size_option
 @look_options

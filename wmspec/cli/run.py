@@ -10,16 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import (
-    instance_option,
-    json_option,
-    load_instance,
-    paint,
-    redraw_option,
-    seed_option,
-    task_option,
-    tell,
-)
+from wmspec.cli.common import instance_options, json_option, load_instance, paint, tell
 from wmspec.core.diagnostics import EngineError, StageError, WmsError
 from wmspec.core.limits import EPISODE_SECONDS
 from wmspec.core.places import FilePlace
@@ -44,10 +35,7 @@ duration_option = click.option(
 @click.command("run")
 @click.argument("source", type=click.Path(path_type=Path), metavar="SPEC|STAGE|FILE")
 @click.option("--backend", "-b", default="", help="Engines: comma-separated names, or all.  [default: first installed]")
-@task_option
-@instance_option
-@redraw_option
-@seed_option
+@instance_options
 @duration_option
 @click.option(
     "--output",

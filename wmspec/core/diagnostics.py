@@ -229,6 +229,20 @@ class Report:
         """Record a diagnostic."""
         self.include([Diagnostic(message, place, help, code, notes, severity)])
 
+    def add_repeated(
+        self,
+        named: Iterable[tuple[str, Place]],
+        message: str,
+        help: str = "give one of them another name",
+        note: str = "declared here first",
+    ) -> None:
+        """Record each name that is declared again; in the message, `{}` stands for it."""
+        first: dict[str, Place] = {}
+        for name, place in named:
+            if name in first:
+                self.add("WMS202", message.format(name), place, help, (Note(note, first[name]),))
+            first.setdefault(name, place)
+
     def include(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Record the diagnostics of an error or another report."""
         for d in diagnostics:

@@ -46,22 +46,6 @@ from wmspec.lang.parse.parser import parse_expression
 
 _BLOCKS = {kind.upper(): kind for kind in (*PROPERTIES, *SETS)} | {"TEMPLATE": "object"}
 _OPEN = ("LPAR", "LSQB", "LBRACE")
-_TYPED: dict[str, tuple[Type, ...]] = {
-    "IF": (TRUTH,),
-    "AND": (TRUTH,),
-    "OR": (TRUTH,),
-    "NOT": (TRUTH,),
-    "REQUIRE": (TRUTH,),
-    "ENSURE": (TRUTH,),
-    "HORIZON": (A_TIME,),
-    "REPEAT": (A_NUMBER,),
-    "OF": (A_NUMBER,),
-    "FOR": (A_TIME,),
-    "AFTER": (ACTION,),
-    "WITH": (ACTION,),
-    "WHEN": (TRUTH,),
-    "STABLE": (A_NUMBER,),
-}
 
 
 @dataclass(frozen=True)
@@ -83,6 +67,22 @@ class ExpectedInput:
 
 
 ANYTHING = ExpectedInput(types=None)
+#: What is expected after symbols that decide it alone.
+_FIXED: dict[str, ExpectedInput] = {
+    **dict.fromkeys(("IF", "AND", "OR", "NOT", "REQUIRE", "ENSURE", "WHEN"), ExpectedInput((TRUTH,))),
+    **dict.fromkeys(("REPEAT", "OF", "STABLE"), ExpectedInput((A_NUMBER,))),
+    **dict.fromkeys(("HORIZON", "FOR"), ExpectedInput((A_TIME,))),
+    **dict.fromkeys(("AFTER", "WITH"), ExpectedInput((ACTION,))),
+    **dict.fromkeys(("HIDE", "SEEN"), ExpectedInput((OBJECT, List(OBJECT)))),
+    **dict.fromkeys(("WITHOUT", "ORDER"), ExpectedInput(kind="changed")),
+    "HOLDOUT": ExpectedInput(kind="factor"),
+    "USE": ExpectedInput(kind="library"),
+    "OBSERVE": ExpectedInput(kind="camera"),
+    "ABOUT": ExpectedInput(kind="table", words=FACTOR_DIMENSIONS),
+    "LEGIBILITY": ExpectedInput(kind="table", words=LEGIBILITY),
+    "DESIGN": ExpectedInput(kind="table", words={name: plan.meaning for name, plan in DESIGNS.items()}),
+    "TOLERANCE": ExpectedInput(kind="table", words={name: slot.meaning for name, slot in TOLERANCES.items()}),
+}
 
 
 class Reader:
@@ -104,8 +104,8 @@ class Reader:
         if top < 0:
             return ExpectedInput()
         here, below = self._symbol(top), self._symbol(top - 1)
-        if here in _TYPED:
-            return ExpectedInput(_TYPED[here])
+        if here in _FIXED:
+            return _FIXED[here]
         match here:
             case "DOT":
                 return ExpectedInput(kind="member", of=self._span(top - 1)) if below != "TASK" else ExpectedInput()
@@ -129,7 +129,7 @@ class Reader:
         whole = self._symbol(top) == "RSQB" and self._symbol(top - 4) == "ACTIONS"
         return whole or self._symbol(top - 1) == "ACTION"
 
-    def _after_keyword(self, top: int) -> ExpectedInput:  # noqa: C901, PLR0912  a case for each keyword
+    def _after_keyword(self, top: int) -> ExpectedInput:  # noqa: C901  a case for each keyword
         here, below = self._symbol(top), self._symbol(top - 1)
         match here:
             case "IN":
@@ -143,35 +143,13 @@ class Reader:
                 return ExpectedInput((POINT2, PLACE) if on else (A_TIME, List(A_TIME)))
             case "AS":
                 return ExpectedInput((List(CHANNEL),)) if self._symbol(top - 3) == "AT" else ExpectedInput()
-            case "HOLDOUT":
-                return ExpectedInput(kind="factor")
-            case "USE":
-                return ExpectedInput(kind="library")
             case "ONLY":
                 return ExpectedInput(kind="library_names", of=self._span(top - 1))
-            case "OBSERVE":
-                return ExpectedInput(kind="camera")
-            case "HIDE" | "SEEN":
-                return ExpectedInput((OBJECT, List(OBJECT)))
-            case "WITHOUT" | "ORDER":
-                return ExpectedInput(kind="changed")
             case "ACTION" | "STATE" if below.startswith("__counterfactual") or below == "LBRACE":
                 changing = any(self._symbol(i) == "COUNTERFACTUAL" for i in range(top))
                 return ExpectedInput(kind="changed") if changing else ExpectedInput()
-            case "ABOUT":
-                return ExpectedInput(kind="table", words=FACTOR_DIMENSIONS)
-            case "LEGIBILITY":
-                return ExpectedInput(kind="table", words=LEGIBILITY)
-            case "DESIGN":
-                return ExpectedInput(kind="table", words={name: plan.meaning for name, plan in DESIGNS.items()})
-            case "TOLERANCE":
-                return ExpectedInput(kind="table", words={name: slot.meaning for name, slot in TOLERANCES.items()})
-            case "name" if below == "TOLERANCE":
-                return (
-                    ExpectedInput(TOLERANCES[self._text(top)].types)
-                    if self._text(top) in TOLERANCES
-                    else ExpectedInput()
-                )
+            case "name" if below == "TOLERANCE" and self._text(top) in TOLERANCES:
+                return ExpectedInput(TOLERANCES[self._text(top)].types)
         if here.startswith("__") and "star" in here:
             return self._body(top)
         if here.lower() in SETTINGS:

@@ -73,9 +73,9 @@ def picture(text: str, path: Path, task: str, index: int, engine: str, size: int
 @lru_cache(maxsize=2)
 def _tasks(text: str, path: Path) -> dict[str, Task]:
     """Return the tasks of a text by name, cached; call `changed` when a library changes."""
-    from wmspec.api.loading import diagnose_text
+    from wmspec.api.loading import TextCheck
 
-    return {task.name: task for task in diagnose_text(text, path, tried=False)[1]}
+    return {task.name: task for task in TextCheck(text, path).tasks}
 
 
 def changed() -> None:

@@ -9,9 +9,9 @@ function made(tag, name, ...inside) {
 }
 function cell(it, option) {
   const figure = made("figure", option ? `option${it.true ? " true" : ""}` : "");
-  if (it.picture) { const img = made("img"); img.src = it.picture; img.alt = it.caption; figure.append(img); }
+  if (it.png) { const img = made("img"); img.src = it.png; img.alt = it.caption; figure.append(img); }
   if (it.text) figure.append(made("b", "", it.text));
-  if (it.caption) figure.append(made("figcaption", "", it.true && it.picture ? "true" : it.caption));
+  if (it.caption) figure.append(made("figcaption", "", it.true && it.png ? "true" : it.caption));
   return figure;
 }
 function question(it) {
@@ -30,7 +30,7 @@ function show(state) {
   const words = { checking: "checking", drawing: "drawing", done: errors ? `${errors} mistake${errors === 1 ? "" : "s"}` : "no mistakes" };
   at("phase").textContent = words[state.phase];
   at("phase").className = state.phase !== "done" ? "" : errors ? "bad" : "good";
-  at("tasks").textContent = state.tasks.map((t) => `${t.name}: ${t.instances.toLocaleString("en")} instances`).join(" · ");
+  at("tasks").textContent = state.tasks.map(([name, count]) => `${name}: ${count.toLocaleString("en")} instances`).join(" · ");
   at("diagnostics").replaceChildren(...state.diagnostics.map((d) => made("pre", d.severity, d.text)));
   at("rows").replaceChildren(...state.rows.map(row));
   at("rows").className = state.stale ? "stale" : "";

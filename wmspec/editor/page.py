@@ -10,9 +10,8 @@ from threading import Lock
 from wmspec.core.bounded_server import BoundedServer
 from wmspec.core.diagnostics import Diagnostic, WmsError
 from wmspec.dataset.build.webpage import webpage
-from wmspec.editor.examples import Cell, Row
 from wmspec.editor.trial import try_spec
-from wmspec.editor.watch import State, Watch, picture_name
+from wmspec.editor.watch import Watch, picture_name
 
 HOST = "127.0.0.1"
 #: Seconds without news after which a comment is sent, to detect closed pages.
@@ -90,7 +89,7 @@ class _Handler(BaseHTTPRequestHandler):
             while not watch.stopped.is_set():
                 state = watch.after(version, HEARTBEAT)
                 version = state.version if state else version
-                news = f"data: {json.dumps(record(state))}\n\n" if state else ": still here\n\n"
+                news = f"data: {json.dumps(state, default=plain)}\n\n" if state else ": still here\n\n"
                 self.wfile.write(news.encode())
                 self.wfile.flush()
         except OSError:  # the page was closed
@@ -102,39 +101,11 @@ def page(name: str) -> str:
     return webpage("wmspec.editor", name=name)
 
 
-def record(state: State) -> dict[str, object]:
-    """Return a state as JSON values; pictures are referred to by name."""
-    return {
-        "version": state.version,
-        "phase": state.phase,
-        "stale": state.stale,
-        "tasks": [{"name": name, "instances": count} for name, count in state.tasks],
-        "diagnostics": [_diagnostic(d) for d in state.diagnostics],
-        "rows": [_row(row) for row in state.rows],
-    }
-
-
-def _diagnostic(diagnostic: Diagnostic) -> dict[str, object]:
-    return {"severity": diagnostic.severity, "text": diagnostic.render()}
-
-
-def _row(row: Row) -> dict[str, object]:
-    return {
-        "task": row.task,
-        "index": row.index,
-        "factors": row.factors,
-        "questions": [
-            {
-                "text": each.text,
-                "rejected": each.rejected,
-                "context": [_cell(c) for c in each.context],
-                "options": [_cell(c) for c in each.options],
-            }
-            for each in row.questions
-        ],
-    }
-
-
-def _cell(cell: Cell) -> dict[str, object]:
-    picture = f"pictures/{picture_name(cell.png)}.png" if cell.png else ""
-    return {"caption": cell.caption, "text": cell.text, "picture": picture, "true": cell.true}
+def plain(value: object) -> object:
+    """Return what stands for a value in JSON: the address of a picture, the text of a diagnostic, a record's fields."""
+    match value:
+        case bytes():
+            return f"pictures/{picture_name(value)}.png" if value else ""
+        case Diagnostic():
+            return {"severity": value.severity, "text": value.render()}
+    return vars(value)

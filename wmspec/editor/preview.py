@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from wmspec.api.loading import diagnose_text
+from wmspec.api.loading import TextCheck
 from wmspec.api.task import Instance, Task
 from wmspec.core.diagnostics import WmsError
 from wmspec.editor import examples
@@ -34,7 +34,8 @@ def instance_at(document: Document, offset: int) -> Preview:
 
     Raises WmsError if the text has mistakes or no task.
     """
-    diagnosis, tasks = diagnose_text(document.text, document.path, tried=False)
+    check = TextCheck(document.text, document.path)
+    diagnosis, tasks = check.diagnosis(tried=False), check.tasks
     if not diagnosis.passed:
         raise WmsError.of(d for d in diagnosis.diagnostics if d.severity == "error")
     if not tasks:

@@ -10,7 +10,7 @@ from pathlib import Path
 from threading import Condition, Event
 from typing import Literal
 
-from wmspec.api.loading import diagnose_text
+from wmspec.api.loading import TextCheck
 from wmspec.api.task import Task
 from wmspec.core.diagnostics import Diagnostic, Report, WmsError
 from wmspec.core.places import Source
@@ -43,7 +43,6 @@ class State:
     tasks: tuple[tuple[str, int], ...] = ()
     rows: tuple[examples.Row, ...] = ()
     stale: bool = False
-    trouble: str = ""
 
 
 @dataclass
@@ -102,7 +101,9 @@ class Watch:
         self._publish(replace(self.state, phase="checking", stale=bool(last)))
         try:
             text = read_source(self.path).text
-            diagnosis, tasks = diagnose_text(text, self.path)
+            check = TextCheck(text, self.path)
+            diagnosis = check.diagnosis()
+            tasks = check.tasks if diagnosis.passed else ()
         except WmsError as error:
             self._publish(State(phase="done", diagnostics=error.diagnostics, rows=last, stale=bool(last)))
             return ()

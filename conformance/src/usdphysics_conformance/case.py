@@ -107,3 +107,8 @@ class Case:
         """The case as plain values, for JSON, without its stage."""
         criteria = [criterion.record() for criterion in self.criteria]
         return {"case": self.name, "seconds": self.seconds, "bodies": list(self.bodies.values()), "criteria": criteria}
+
+
+def make_case(name: str, stage: str, seconds: float, *criteria: Criterion) -> Case:
+    """The case of these criteria."""
+    return Case(name, stage, seconds, criteria)

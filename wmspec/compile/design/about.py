@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-
 from wmspec.compile.design.depend import dependencies
 from wmspec.compile.layout.evaluator import Evaluator
-from wmspec.lang.check.ir.evaluate import evaluate, subexpressions
+from wmspec.lang.check.ir.evaluate import evaluate, reachable
 from wmspec.lang.check.ir.ir import Expr, Interpolation, Question, Ref, Value, WhatIf
 
 
@@ -21,7 +19,7 @@ def referenced_objects(question: Question, values: Evaluator) -> set[str]:
     spoken += [question.answer] if question.options is None else [question.answer, question.options]
     things = {t.name: t for t in values.spec.things}
     names: set[str] = set()
-    for part in _subexpressions(spoken, values):
+    for part in reachable(spoken, {let.name: let.value for let in values.spec.lets}):
         if isinstance(part, WhatIf) and part.change.owner:
             names.add(part.change.owner)
         if isinstance(part, Value | Ref):
@@ -32,18 +30,6 @@ def referenced_objects(question: Question, values: Evaluator) -> set[str]:
     if not any(name in things and things[name].kind == "object" for name in names):
         names |= _objects_depending_on(question.answer, values)
     return names
-
-
-def _subexpressions(spoken: Iterable[Expr], values: Evaluator) -> Iterator[Expr]:
-    """Yield all subexpressions, including those of the named values that they refer to."""
-    lets = {let.name: let.value for let in values.spec.lets}
-    waiting, seen = list(spoken), set[str]()
-    while waiting:
-        for part in subexpressions(waiting.pop()):
-            yield part
-            if isinstance(part, Ref) and part.name in lets and part.name not in seen:
-                seen.add(part.name)
-                waiting.append(lets[part.name])
 
 
 def _objects_depending_on(answer: Expr, values: Evaluator) -> set[str]:

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
 from math import prod
-from typing import Protocol
 
 from wmspec.compile.design.columns import MAX_LISTED, Column, balanced_order
 from wmspec.compile.design.levels import Level
@@ -22,39 +21,6 @@ from wmspec.core.rng import Permutation
 
 #: Maximum number of groups of unequal size; their start indices are listed in memory.
 MAX_UNEQUAL = 100_000
-
-
-class Blocks(Protocol):
-    """The partition of a design into blocks, and the position of each instance in its block."""
-
-    @property
-    def count(self) -> int:
-        """Number of blocks."""
-
-    @property
-    def size(self) -> int:
-        """Number of instances in all blocks."""
-
-    def locate(self, index: int) -> tuple[int, int]:
-        """Return the block of an instance and its position in the block."""
-
-    def values(self, block: int, place: int) -> dict[str, Level]:
-        """Return the values of all factors at a position of a block."""
-
-    def index(self, values: Mapping[str, Level], block: int) -> int | None:
-        """Return the index of the instance with these values in a block, or None if there is none."""
-
-    def members(self, block: int) -> range:
-        """Return the indices of the instances of a block."""
-
-    def crossed(self, block: int) -> tuple[str, ...]:
-        """Return the factors that vary within a block."""
-
-    def locate_turn(self, block: int) -> tuple[int, int]:
-        """Return the turn of a block, and the number of earlier blocks of this turn."""
-
-    def in_turn(self, turn: int, number: int) -> int:
-        """Return the block of a turn that has `number` earlier ones."""
 
 
 @dataclass(frozen=True)
@@ -214,6 +180,10 @@ class Groups:
             return None
         sizes = (turn.size(number) for turn, number in map(self._turn, range(self.count)))
         return (0, *accumulate(sizes))
+
+
+#: The partition of a design into blocks, and the position of each instance in its block.
+Blocks = RepeatedPlan | Groups
 
 
 class TooManyTied(Exception):

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import chain
-from typing import Protocol
 
+from wmspec.compile.design.constraint_chain import Chain
 from wmspec.compile.design.levels import Level, quantile
 from wmspec.core.rng import Permutation, bits, uniform
 from wmspec.lang.check.ir.ir import Factor
@@ -17,24 +17,6 @@ from wmspec.lang.check.ir.ir import Factor
 MAX_BALANCED = 128
 #: Maximum number of combinations kept in a list; larger columns compute each one on demand.
 MAX_LISTED = 4096
-
-
-class Column(Protocol):
-    """One or more factors with `size` numbered combinations of values."""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names of the factors."""
-
-    @property
-    def size(self) -> int:
-        """Number of combinations."""
-
-    def values(self, rank: int) -> tuple[Level, ...]:
-        """Return combination number `rank`."""
-
-    def rank(self, values: Sequence[Level]) -> int | None:
-        """Return the number of a combination, or None if the column omits it."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +74,10 @@ class Strata:
     def rank(self, values: Sequence[Level]) -> int | None:
         """Return the stratum of a value, or None if it is not the value drawn there."""
         return self._ranks.get(tuple(values))
+
+
+#: One or more factors with `size` numbered combinations of values.
+Column = Chain | FreeFactor | Strata
 
 
 class Spread:

@@ -59,27 +59,11 @@ class Dependencies:
     def expression(self, expr: Expr) -> frozenset[str]:
         """Return the factors, nuisances and `owner.property`s that an expression depends on."""
         if id(expr) not in self._expressions:
-            self._expressions[id(expr)] = expr, self._reached(self._direct(expr))
+            self._expressions[id(expr)] = expr, self.sources(self._direct(expr))
         return self._expressions[id(expr)][1]
 
     def sources(self, sources: Iterable[str]) -> frozenset[str]:
         """Return all dependencies of these sources, including themselves."""
-        return self._reached(sources)
-
-    def source(self, source: str) -> frozenset[str]:
-        """Return all dependencies of a source, including itself."""
-        if source not in self._all:
-            self._all[source] = self._reached((source,))
-        return self._all[source]
-
-    def named(self, expr: Expr) -> frozenset[str]:
-        """Return the names of the entities that an expression may refer to."""
-        return self._named(expr)
-
-    # ------------------------------------------------------------ from one to the next
-
-    def _reached(self, sources: Iterable[str]) -> frozenset[str]:
-        """Return the sources reachable from these."""
         reached: set[str] = set()
         waiting = list(sources)
         while waiting:
@@ -90,6 +74,31 @@ class Dependencies:
                     self._next[source] = self._step(source)
                 waiting += self._next[source]
         return frozenset(reached - self._lets.keys())
+
+    def source(self, source: str) -> frozenset[str]:
+        """Return all dependencies of a source, including itself."""
+        if source not in self._all:
+            self._all[source] = self.sources((source,))
+        return self._all[source]
+
+    def named(self, expr: Expr) -> frozenset[str]:
+        """Return the names of the entities that an expression may refer to."""
+        named: set[str] = set()
+        for part in subexpressions(expr):
+            match part:
+                case Value(value=str(name)) if name in self._things:
+                    named.add(name)
+                case Ref(name=name) if name in self._lets:
+                    named |= self.named(self._lets[name])
+                case Ref(name=name) if isinstance(domain := self._domains.get(name), Choices):
+                    named |= {v for v in domain.values if isinstance(v, str) and v in self._things}
+                case Property(owner=owner, name=name):
+                    for thing in self.named(owner):
+                        if name in self._things[thing].properties:
+                            named |= self.named(self._things[thing].properties[name].value)
+        return frozenset(named)
+
+    # ------------------------------------------------------------ from one to the next
 
     def _step(self, source: str) -> frozenset[str]:
         """Return the direct dependencies of a source."""
@@ -111,11 +120,11 @@ class Dependencies:
                 case Ref(name=name):
                     direct.add(name)
                 case Property(owner=owner, name=name):
-                    direct |= {f"{named}.{name}" for named in self._named(owner)}
+                    direct |= {f"{named}.{name}" for named in self.named(owner)}
                 case Call(function=function, arguments=arguments, options=options) if function in _FUNCTION_READS:
                     for argument in (*arguments, *(option.value for option in options)):
                         direct |= {
-                            f"{n}.{aspect}" for n in self._named(argument) for aspect in _FUNCTION_READS[function]
+                            f"{n}.{aspect}" for n in self.named(argument) for aspect in _FUNCTION_READS[function]
                         }
         return frozenset(direct)
 
@@ -150,7 +159,7 @@ class Dependencies:
             yield from (f"{base}.pose" for base in self._ridden(thing))
         for way in ("on", "inside"):
             if way in thing.properties:
-                yield from (f"{base}.pose" for base in self._named(thing.properties[way].value))
+                yield from (f"{base}.pose" for base in self.named(thing.properties[way].value))
         if "scatter" in thing.properties:
             for other in self._things.values():
                 if "scatter" in other.properties:
@@ -160,7 +169,7 @@ class Dependencies:
 
     def _ridden(self, camera: Entity) -> frozenset[str]:
         """Return the objects that may carry a camera."""
-        return self._named(camera.properties["ride"].value) if "ride" in camera.properties else frozenset()
+        return self.named(camera.properties["ride"].value) if "ride" in camera.properties else frozenset()
 
     def _there(self, action: Entity) -> Iterator[str]:
         """Yield the sources that determine whether an action happens."""
@@ -169,7 +178,7 @@ class Dependencies:
         for role in ACTED_ON:
             if role in action.properties:
                 yield f"{action.name}.{role}"
-                yield from (f"{owner}.present" for owner in self._named(action.properties[role].value))
+                yield from (f"{owner}.present" for owner in self.named(action.properties[role].value))
 
     def _way(self, action: Entity) -> Iterator[str]:
         """Yield the sources of the pose of an action's object when the action begins."""
@@ -178,7 +187,7 @@ class Dependencies:
             arm = "object" in action.properties
             yield from self._robots() if arm else self._travels(self._things[action.of])
             return
-        for owner in self._named(action.properties["object"].value):
+        for owner in self.named(action.properties["object"].value):
             yield f"{owner}.pose"
             for move in self._acting(PLACING, owner):
                 yield from (f"{move.name}.{name}" for name in ("there", "yaw", *move.properties))
@@ -190,15 +199,13 @@ class Dependencies:
             if thing.kind == "robot":
                 yield from (f"{thing.name}.{name}" for name in ("on", "at", "yaw", "model"))
                 if "on" in thing.properties:
-                    yield from (f"{base}.pose" for base in self._named(thing.properties["on"].value))
+                    yield from (f"{base}.pose" for base in self.named(thing.properties["on"].value))
             if thing.kind == "action" and thing.of:
                 yield from (f"{thing.name}.{name}" for name in ("there", "start", *thing.properties))
                 if "joint" in thing.properties:
-                    yield from (
-                        f"{j}.{n}" for j in self._named(thing.properties["joint"].value) for n in ("at", "axis")
-                    )
+                    yield from (f"{j}.{n}" for j in self.named(thing.properties["joint"].value) for n in ("at", "axis"))
                 for name in {"object", "on"} & thing.properties.keys():
-                    for owner in self._named(thing.properties[name].value):
+                    for owner in self.named(thing.properties[name].value):
                         yield from (f"{owner}.{aspect}" for aspect in ("pose", "form", "mass", "density", "friction"))
 
     def _travels(self, robot: Entity) -> Iterator[str]:
@@ -230,25 +237,8 @@ class Dependencies:
         """Yield the actions with these verbs that may apply to an object."""
         for thing in self._things.values():
             acts = thing.kind == "action" and thing.verb in verbs and not thing.of
-            if acts and owner in self._named(thing.properties["object"].value):
+            if acts and owner in self.named(thing.properties["object"].value):
                 yield thing
-
-    def _named(self, expr: Expr) -> frozenset[str]:
-        """Return the names of the entities that an expression may refer to."""
-        named: set[str] = set()
-        for part in subexpressions(expr):
-            match part:
-                case Value(value=str(name)) if name in self._things:
-                    named.add(name)
-                case Ref(name=name) if name in self._lets:
-                    named |= self._named(self._lets[name])
-                case Ref(name=name) if isinstance(domain := self._domains.get(name), Choices):
-                    named |= {v for v in domain.values if isinstance(v, str) and v in self._things}
-                case Property(owner=owner, name=name):
-                    for thing in self._named(owner):
-                        if name in self._things[thing].properties:
-                            named |= self._named(self._things[thing].properties[name].value)
-        return frozenset(named)
 
 
 _COMPOSITE_SOURCES: dict[str, Callable[[Dependencies, Entity], Iterator[str | Expr]]] = {

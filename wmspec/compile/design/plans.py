@@ -8,24 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from math import gcd, prod
-from typing import Protocol
 
 from wmspec.compile.design.columns import Column, Spread
 from wmspec.core.rng import Permutation
 
 Ranks = tuple[int, ...]
-
-
-class Arrangement(Protocol):
-    """The combinations of a design by position, as one rank for each column."""
-
-    size: int
-
-    def ranks(self, position: int) -> Ranks:
-        """Return the ranks at a position."""
-
-    def position(self, ranks: Ranks) -> int | None:
-        """Return the position of a combination, or None if the design omits it."""
 
 
 class Factorial:
@@ -176,3 +163,7 @@ class Latin:
     def position(self, ranks: Ranks) -> int | None:
         """Return the first position of a combination, or None; builds an index of all positions."""
         return self._positions.get(ranks)
+
+
+#: The combinations of a design by position, as one rank for each column.
+Arrangement = Factorial | Listed | Sample | Latin

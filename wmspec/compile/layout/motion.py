@@ -76,8 +76,7 @@ def _carried_on(values: Evaluator, moves: Sequence[Entity], teleport: Entity, po
 
 
 def _start(values: Evaluator, action: Entity) -> float:
-    start = values.number(action.name, "start")
-    return start
+    return values.number(action.name, "start")
 
 
 def placement_after(values: Evaluator, move: Entity, stand: Placement) -> Placement:

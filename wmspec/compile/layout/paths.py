@@ -82,26 +82,6 @@ def _toward(here: Vector, there: Vector, share: float) -> Vector:
     return add(scale(1 - share, here), scale(share, there))
 
 
-def _straight(length: float, _width: float) -> tuple[Vector, ...]:
-    return (ORIGIN, (length, 0.0, 0.0))
-
-
-def _zigzag(length: float, width: float) -> tuple[Vector, ...]:
-    return tuple((length * i / 4, width * (i % 2), 0.0) for i in range(5))
-
-
-def _back_and_forth(length: float, _width: float) -> tuple[Vector, ...]:
-    return (ORIGIN, (length, 0.0, 0.0), ORIGIN)
-
-
-def _square(length: float, _width: float) -> tuple[Vector, ...]:
-    return _polygon(4, length)
-
-
-def _triangle(length: float, _width: float) -> tuple[Vector, ...]:
-    return _polygon(3, length)
-
-
 def _polygon(sides: int, length: float) -> tuple[Vector, ...]:
     """Return a regular polygon traversed to the left, from the middle of a side and back."""
     points = [ORIGIN, (length / 2, 0.0, 0.0)]
@@ -109,10 +89,6 @@ def _polygon(sides: int, length: float) -> tuple[Vector, ...]:
         angle = 2 * math.pi * i / sides
         points.append(add(points[-1], (length * math.cos(angle), length * math.sin(angle), 0.0)))
     return (*points, ORIGIN)
-
-
-def _circle(length: float, _width: float) -> tuple[Vector, ...]:
-    return (*_around((length / 2, 0.0, 0.0), length / 2, math.pi, 3 * math.pi)[:-1], ORIGIN)
 
 
 def _arc(length: float, width: float) -> tuple[Vector, ...]:
@@ -132,11 +108,11 @@ def _around(middle: Vector, radius: float, start: float, stop: float) -> tuple[V
 
 
 _FORMS: dict[str, Callable[[float, float], tuple[Vector, ...]]] = {
-    "straight": _straight,
+    "straight": lambda length, _: (ORIGIN, (length, 0.0, 0.0)),
     "arc": _arc,
-    "zigzag": _zigzag,
-    "circle": _circle,
-    "back_and_forth": _back_and_forth,
-    "square": _square,
-    "triangle": _triangle,
+    "zigzag": lambda length, width: tuple((length * i / 4, width * (i % 2), 0.0) for i in range(5)),
+    "circle": lambda length, _: (*_around((length / 2, 0.0, 0.0), length / 2, math.pi, 3 * math.pi)[:-1], ORIGIN),
+    "back_and_forth": lambda length, _: (ORIGIN, (length, 0.0, 0.0), ORIGIN),
+    "square": lambda length, _: _polygon(4, length),
+    "triangle": lambda length, _: _polygon(3, length),
 }

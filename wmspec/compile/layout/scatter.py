@@ -36,8 +36,7 @@ def scattered_position(values: Evaluator, owner: str) -> tuple[float, float]:
 
 
 def _base(values: Evaluator, owner: str) -> str:
-    base = values.reference(owner, "on") if values.has(owner, "on") else ""
-    return base
+    return values.reference(owner, "on") if values.has(owner, "on") else ""
 
 
 def _scattered_positions(values: Evaluator, base: str) -> dict[str, tuple[float, float]]:

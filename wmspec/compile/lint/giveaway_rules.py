@@ -11,7 +11,6 @@ from wmspec.compile.lint.task_rules import LintTask
 from wmspec.lang.check.ir.evaluate import evaluate, subexpressions
 from wmspec.lang.check.ir.ir import Expr, Interpolation, Property, Question, Ref, TaskSpec, Value, time_of_last_picture
 from wmspec.lang.check.statements.films import answer_camera
-from wmspec.lang.check.statements.question_kinds import asks_possibility
 from wmspec.lang.check.types import units
 
 #: Properties that are visible in every picture.
@@ -73,7 +72,7 @@ def answer_in_appearance(task: LintTask) -> Iterator[Breach]:
 def answer_in_one_picture(task: LintTask) -> Iterator[Breach]:
     """Find possible and impossible episodes whose pictures are not balanced in groups."""
     for question in task.spec.questions:
-        if asks_possibility(question) and not (task.spec.plan.kind == "groups" and task.spec.plan.cross):
+        if question.asks_possible and not (task.spec.plan.kind == "groups" and task.spec.plan.cross):
             what = "a single picture may tell whether the episode is possible"
             remedy = "cross what is before and what is after in groups: `design groups of N { cross: [before, later] }`"
             yield Breach(what, question.place, remedy, about=("possible", question.place))

@@ -218,12 +218,7 @@ def _is_inside(solid: Shape, point: Vector) -> bool:
 def _covered_share(values: Evaluator, camera: str, box: tuple[Vector, Vector]) -> float:
     """Return the maximum share of the picture's height that a box covers."""
     eye, edge = values.vector(camera, "at"), 2 * math.tan(values.number(camera, "fov") / 2)
-    return _diagonal(box) / max(1e-9, edge * _distance(box, eye))
-
-
-def _diagonal(box: tuple[Vector, Vector]) -> float:
-    """Return the diagonal (m) of a box."""
-    return math.dist(*box)
+    return math.dist(*box) / max(1e-9, edge * _distance(box, eye))
 
 
 def _distance(box: tuple[Vector, Vector], eye: Vector) -> float:

@@ -10,7 +10,6 @@ from wmspec.compile.lint.rule import Breach, rule
 from wmspec.lang.check.expressions.measured import is_measured
 from wmspec.lang.check.ir.evaluate import subexpressions
 from wmspec.lang.check.ir.ir import Choices, Expr, Interpolation, Items, Property, TaskSpec, Value
-from wmspec.lang.check.statements.question_kinds import asks_possibility
 
 #: Properties that no picture shows, and those that it shows.
 _INVISIBLE = ("mass", "density", "friction", "restitution")
@@ -50,7 +49,7 @@ def constant_answer(task: LintTask) -> Iterator[Breach]:
     """Find answers that are known beforehand and depend on no factor."""
     varying = {f.name for f in task.spec.factors}
     for question in task.spec.questions:
-        if asks_possibility(question):
+        if question.asks_possible:
             continue  # `require_violation` checks these
         if not is_measured(task.spec, question.answer) and not task.depend.expression(question.answer) & varying:
             message = "the answer to this is the same in every instance"

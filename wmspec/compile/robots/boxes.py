@@ -55,13 +55,11 @@ def box_between(frames: Array, corners: Array) -> Box:
 def part_boxes(values: Evaluator, name: str, frame: Array) -> Iterator[Box]:
     """Yield the boxes around the solids of an object with this frame (4, 4)."""
     for piece in pieces(values, name):
-        placed, (low, high) = frame @ matrix(piece.pose), local_corners(piece)
-        middle = placed[:3, :3] @ ((low + high) / 2) + placed[:3, 3]
-        yield Box(middle[None], placed[None, :3, :3], (high - low) / 2)
+        yield box_between((frame @ matrix(piece.pose))[None], local_corners(piece))
 
 
-def local_corners(piece: PlacedShape) -> tuple[Array, Array]:
-    """Return the corners (3,) m of the box around a solid, in its own frame."""
+def local_corners(piece: PlacedShape) -> Array:
+    """Return the corners (2, 3) m of the box around a solid, in its own frame."""
     low = [-piece.solid.reach(scale(-1.0, axis)) for axis in AXES]
     high = [piece.solid.reach(axis) for axis in AXES]
-    return np.array(low), np.array(high)
+    return np.array([low, high])

@@ -193,13 +193,8 @@ def _moved_pieces(made: Plan, action: Entity, before: Manipuland, frames: Array)
         return []
     values = made.values
     rigid = frames[times] @ np.linalg.inv(frames[times[0]]) @ made.frame(before.name)
-    found = []
-    for piece in pieces(values, before.name):
-        placed = rigid @ matrix(piece.pose)
-        low, high = local_corners(piece)
-        middle = placed[:, :3, :3] @ ((low + high) / 2) + placed[:, :3, 3]
-        found.append(_MovedPiece(piece.solid, times, placed, Box(middle, placed[:, :3, :3], (high - low) / 2)))
-    return found
+    placed = ((piece, rigid @ matrix(piece.pose)) for piece in pieces(values, before.name))
+    return [_MovedPiece(piece.solid, times, at, box_between(at, local_corners(piece))) for piece, at in placed]
 
 
 def _first_contact(led: Sequence[_MovedPiece], box: Box, reach: Reach) -> float | None:

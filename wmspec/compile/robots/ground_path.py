@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 METRES_PER_RADIAN = 0.5
 
@@ -22,17 +21,6 @@ class Pose2D:
         """Return the pose displaced forward and to the left (m)."""
         cos, sin = math.cos(self.heading), math.sin(self.heading)
         return Pose2D(self.x + far * cos - aside * sin, self.y + far * sin + aside * cos, self.heading)
-
-
-class PathSegment(Protocol):
-    """A segment of a path."""
-
-    @property
-    def length(self) -> float:
-        """Length (m)."""
-
-    def at(self, far: float) -> Pose2D:
-        """Return the pose at a distance (m)."""
 
 
 @dataclass(frozen=True)
@@ -102,6 +90,10 @@ class Pivot:
         return Pose2D(
             self.start.x, self.start.y, self.start.heading + math.copysign(far / METRES_PER_RADIAN, self.angle)
         )
+
+
+#: A segment of a path.
+PathSegment = Straight | Bend | Swerve | Pivot
 
 
 def pose_along(legs: Sequence[PathSegment], far: float) -> Pose2D:

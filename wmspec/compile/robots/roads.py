@@ -173,10 +173,10 @@ class Traffic:
         onward = other.middle.heading if across * to > 0 else other.middle.heading + math.pi
         angle = math.remainder(onward - spot.heading, 2 * math.pi)
         axes = Pose2D(road.middle.x, road.middle.y, spot.heading), Pose2D(other.middle.x, other.middle.y, onward)
-        middle = _point_ahead(axes[0], _distance_to_line(*axes))  # crossing of the lane centres
+        middle = axes[0].ahead(_distance_to_line(*axes))  # crossing of the lane centres
         way = math.cos(onward - other.middle.heading)
-        end = other.to_local(*middle)[0] * way + road.half_width / abs(math.sin(angle)) + EXIT_LENGTH
-        if abs(road.to_local(*middle)[0]) > road.half_length or end + CAR_LENGTH / 2 > other.half_length:
+        end = other.to_local(middle.x, middle.y)[0] * way + road.half_width / abs(math.sin(angle)) + EXIT_LENGTH
+        if abs(road.to_local(middle.x, middle.y)[0]) > road.half_length or end + CAR_LENGTH / 2 > other.half_length:
             return None
         lane = (self.lanes(other) - 0.5) * self.lane if to == self.side else 0.5 * self.lane
         corner = _distance_to_line(spot, axes[1].ahead(0.0, self.side * lane))
@@ -189,11 +189,6 @@ class Traffic:
         far = other.to_local(left.x, left.y)[0] * way
         on = Straight(Pose2D(left.x, left.y, onward), max(0.0, end - far))
         return Straight(spot, corner - sharp), bend, on
-
-
-def _point_ahead(spot: Pose2D, far: float) -> tuple[float, float]:
-    there = spot.ahead(far)
-    return (there.x, there.y)
 
 
 def _distance_to_line(spot: Pose2D, line: Pose2D) -> float:

@@ -138,6 +138,10 @@ def _tilted_pose(spot: Pose2D, pitch: float, level: float) -> Pose:
     return Pose(add(add(here, (0.0, 0.0, HEAD_JOINT)), rotate(turned, (0.0, 0.0, -HEAD_JOINT))), turned)
 
 
+def _at_path(legs: Sequence[PathSegment], pitch: float, far: float) -> tuple[Pose2D, float]:
+    return pose_along(legs, far), pitch
+
+
 # ---------------------------------------------------------------- cars
 
 
@@ -153,7 +157,7 @@ def _plan_car(values: Evaluator, level: float, spot: Pose2D, acts: Sequence[Enti
         except OffRoadError as error:
             problem = f"`{action.of}` cannot {action.verb} so: {error}"
             raise ImpossibleValue(problem, action.place, error.help) from None
-        stretch = _segment(values, action, sum(leg.length for leg in legs), partial(_on_path, legs), True)
+        stretch = _segment(values, action, sum(leg.length for leg in legs), partial(_at_path, legs, 0.0), True)
         _check_clearance(stretch, standing)
         stretches.append(stretch)
         spot = pose_along(legs, stretch.length)
@@ -191,10 +195,6 @@ def _goal(values: Evaluator, action: Entity) -> str:
     if not values.is_present(goal):
         raise ImpossibleValue(f"`{goal}` is absent, so no robot can go to it", action.place)
     return goal
-
-
-def _on_path(legs: Sequence[PathSegment], far: float) -> tuple[Pose2D, float]:
-    return pose_along(legs, far), 0.0
 
 
 def _transition_speed(one: _Segment, other: _Segment) -> float:
@@ -238,7 +238,7 @@ def _plan_walker(values: Evaluator, level: float, spot: Pose2D, acts: Sequence[E
         if action.verb in ("move", "back"):
             distance, sign = values.number(action.name, "distance"), 1 if action.verb == "move" else -1
             way = Straight(spot, _free_distance(Straight(spot, distance, sign), standing), sign)
-            stretch = _segment(values, action, way.length, partial(_at_straight, way, pitch))
+            stretch = _segment(values, action, way.length, partial(_at_path, (way,), pitch))
         elif action.verb == "go_to":
             goal = _goal(values, action)
             legs = path_to(spot, object_outlines(values, goal), standing, WALKER_RADIUS + STOP_DISTANCE)
@@ -256,14 +256,6 @@ def _plan_walker(values: Evaluator, level: float, spot: Pose2D, acts: Sequence[E
         stretches.append(stretch)
         spot, pitch = stretch.at(stretch.length)
     return stretches
-
-
-def _at_straight(way: Straight, pitch: float, far: float) -> tuple[Pose2D, float]:
-    return way.at(far), pitch
-
-
-def _at_path(legs: Sequence[PathSegment], pitch: float, far: float) -> tuple[Pose2D, float]:
-    return pose_along(legs, far), pitch
 
 
 def _at_turn(spot: Pose2D, pitch: float, side: int, far: float) -> tuple[Pose2D, float]:

@@ -53,7 +53,7 @@ def add_joint(doc: Document, joint: Entity, values: Evaluator, carried: Mapping[
             )
     if "/World/Joints" not in doc.prims:
         doc.add("/World/Joints", "Scope", (), sources)
-    driven = _is_driven(joint, values)
+    driven = has_drive(joint, values)
     schemas = (f"PhysicsDriveAPI:{_COORDINATES[joint.model][0]}",) if driven else ()
     prim = doc.add(joint_path(name), _TYPES[joint.model], schemas, (*sources, *_drive_sources(name)))
     frame = Pose(values.vector(name, "at"), _frame(joint, values))
@@ -97,8 +97,14 @@ def has_joint(values: Evaluator, owner: str) -> bool:
 
 
 def has_drive(joint: Entity, values: Evaluator) -> bool:
-    """Whether a joint has a drive, whose target an action can change."""
-    return _is_driven(joint, values)
+    """Whether a joint has a drive, whose target an action can change. A drive with damping only brakes the joint."""
+    if joint.model not in _COORDINATES:
+        return False
+    stiffness, damping = (values.number(joint.name, name) for name in ("stiffness", "damping"))
+    if values.has(joint.name, "target") and stiffness == 0:
+        place = values.source_location(joint.name, "target")
+        raise ImpossibleValue(f"nothing takes `{joint.name}` to its target, as its stiffness is 0", place)
+    return stiffness > 0 or damping > 0
 
 
 def _set_body(prim: Prim, number: int, joint: Entity, body: str | None, frame: Pose, values: Evaluator) -> None:
@@ -135,17 +141,6 @@ def _frame(joint: Entity, values: Evaluator) -> Quaternion:
             f"the joint `{joint.name}` has no axis; it is 0 here", values.source_location(joint.name, "axis")
         )
     return align_x(unit(axis))
-
-
-def _is_driven(joint: Entity, values: Evaluator) -> bool:
-    """Whether it has a drive. A drive with damping only brakes the joint."""
-    if joint.model not in _COORDINATES:
-        return False
-    stiffness, damping = (values.number(joint.name, name) for name in ("stiffness", "damping"))
-    if values.has(joint.name, "target") and stiffness == 0:
-        place = values.source_location(joint.name, "target")
-        raise ImpossibleValue(f"nothing takes `{joint.name}` to its target, as its stiffness is 0", place)
-    return stiffness > 0 or damping > 0
 
 
 def _coordinate(prim: Prim, joint: Entity, values: Evaluator, driven: bool) -> None:

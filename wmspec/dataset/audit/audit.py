@@ -5,23 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.audit import balance, groups, metadata, probes
-from wmspec.dataset.audit.cases import FullSizePictures, Unit, task_of, units
+from wmspec.dataset.audit.cases import Unit, full_size_pictures, task_of, units
 from wmspec.dataset.audit.constant_answers import constant_answer_finding
 from wmspec.dataset.audit.counts import check_files, check_rows, counts
-from wmspec.dataset.audit.duplicates import duplicate_findings, duplicates, mark_faint
+from wmspec.dataset.audit.duplicates import ReadFullSize, duplicate_findings, duplicates, mark_faint
 from wmspec.dataset.audit.given import companion_finding
 from wmspec.dataset.audit.image_similarity import QUANTILES, option_similarity, similarity_finding
 from wmspec.dataset.audit.legibility import legibility_finding
 from wmspec.dataset.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Summary, Test
 from wmspec.dataset.audit.motion import motion_finding
 from wmspec.dataset.audit.stability import stability
-from wmspec.dataset.audit.summary import summary
 from wmspec.dataset.audit.vocabulary import vocabulary_finding
 from wmspec.dataset.audit.what_if_answers import what_if_finding
 from wmspec.dataset.build.reader import DatasetReader
@@ -117,14 +117,14 @@ def _audit_task(dataset: DatasetReader, task: str, most: int, damaged: bool) -> 
     finding, gathered.stable[task] = stability(dataset, task, parts)
     gathered.findings.append(finding)
     for unit in parts:
-        _audit_unit(unit, parts, FullSizePictures(dataset, task), gathered)
+        _audit_unit(unit, parts, partial(full_size_pictures, dataset, task), gathered)
         findings = (companion_finding(parts, unit), legibility_finding(unit), *(find(unit) for find in _OPTIONAL))
         gathered.findings += filter(None, findings)
     gathered.tests += metadata.level_tests(parts[0]) if parts else []
     return gathered
 
 
-def _audit_unit(unit: Unit, parts: Sequence[Unit], pictures: FullSizePictures, gathered: _Results) -> None:
+def _audit_unit(unit: Unit, parts: Sequence[Unit], pictures: ReadFullSize, gathered: _Results) -> None:
     """Run all checks of one of the questions of a task."""
     pairs = mark_faint(unit, duplicates(unit), pictures)
     gathered.findings += duplicate_findings(unit, pairs)
@@ -144,13 +144,21 @@ def _audit_unit(unit: Unit, parts: Sequence[Unit], pictures: FullSizePictures, g
 
 def _summary(counted: Counts, gathered: _Results, probed: list[Probe]) -> Summary:
     """Return the one-line summary of a task. Its questions have its name, with a number if there are several."""
-    return summary(
-        counted.task,
-        counted.kept,
-        {name: count for name, count in gathered.groups.items() if task_of(name) == counted.task},
-        [f for f in gathered.findings if task_of(f.task) == counted.task],
-        [p for p in probed if task_of(p.task) == counted.task],
-        gathered.stable.get(counted.task),
+    task = counted.task
+    found = [f for f in gathered.findings if task_of(f.task) == task]
+    wrong, unknown = (dict.fromkeys(f.check for f in found if f.verdict == v) for v in ("fails", "unclear"))
+    judged = [p for p in probed if p.judged and task_of(p.task) == task]
+    best = max(judged, key=lambda p: p.accuracy - p.chance, default=None)
+    return Summary(
+        task=task,
+        verdict="fails" if wrong else "unclear" if unknown else "holds",
+        why=tuple(wrong or unknown),
+        questions=counted.kept,
+        groups=min((count for name, count in gathered.groups.items() if task_of(name) == task), default=0),
+        above=best.accuracy - best.chance if best else None,
+        best=best.sees if best else "",
+        least=max((p.least for p in judged), default=None),
+        stable=gathered.stable.get(task),
     )
 
 

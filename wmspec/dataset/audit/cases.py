@@ -113,17 +113,10 @@ class Unit:
         )
 
 
-@dataclass(frozen=True)
-class FullSizePictures:
-    """Reads the pictures of a task again, at full size."""
-
-    dataset: DatasetReader
-    task: str
-
-    def __call__(self, indices: set[int]) -> dict[str, list[Thumbnail]]:
-        """Return the pictures shown in the rows of the given instances, by row id."""
-        rows = self.dataset.rows(self.task, only=indices)
-        return {row["id"]: [np.asarray(decode_image(p["bytes"])) for p in row["context"]] for row in rows}
+def full_size_pictures(dataset: DatasetReader, task: str, indices: set[int]) -> dict[str, list[Thumbnail]]:
+    """Return the pictures shown in the rows of the given instances of a task, at full size, by row id."""
+    rows = dataset.rows(task, only=indices)
+    return {row["id"]: [np.asarray(decode_image(p["bytes"])) for p in row["context"]] for row in rows}
 
 
 def units(dataset: DatasetReader, task: str, most: int) -> Iterator[Unit]:

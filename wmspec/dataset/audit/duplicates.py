@@ -61,13 +61,11 @@ def mark_faint(unit: Unit, pairs: Sequence[Pair], pictures: ReadFullSize) -> lis
     faint = set[Pair]()
     for some in (near[i : i + PAIRS_IN_MEMORY] for i in range(0, len(near), PAIRS_IN_MEMORY)):
         shown = pictures({index[name] for p in some for name in (p.first, p.second)})
-        faint |= {p for p in some if any(map(_is_distinguishable, shown[p.first], shown[p.second]))}
+        for p in some:
+            looks = zip(shown[p.first], shown[p.second], strict=False)
+            if any(pixel_difference(a, b, FULL_SIZE_STEP) >= FULL_SIZE_SHARE for a, b in looks):
+                faint.add(p)
     return [replace(p, faint=p in faint) for p in pairs]
-
-
-def _is_distinguishable(a: Thumbnail, b: Thumbnail) -> bool:
-    """Whether two full-size pictures are distinguishable."""
-    return float((abs(a.astype(np.int16) - b) > FULL_SIZE_STEP).any(-1).mean()) >= FULL_SIZE_SHARE
 
 
 def duplicate_findings(unit: Unit, pairs: Sequence[Pair]) -> list[Finding]:
@@ -166,9 +164,9 @@ def _coarse(picture: Thumbnail) -> NDArray[np.float32]:
     return np.asarray(picture.reshape(3, third, 3, third, 3).mean((1, 3), dtype=np.float32).ravel())
 
 
-def pixel_difference(a: Thumbnail, b: Thumbnail) -> float:
-    """Return the share of pixels in which two thumbnails differ."""
-    return float((abs(a.astype(np.int16) - b) > MIN_PIXEL_STEP).any(-1).mean())
+def pixel_difference(a: Thumbnail, b: Thumbnail, step: int = MIN_PIXEL_STEP) -> float:
+    """Return the share of pixels in which two pictures differ: a channel by more than `step` (of 255)."""
+    return float((abs(a.astype(np.int16) - b) > step).any(-1).mean())
 
 
 def looks_alike(a: Thumbnail, b: Thumbnail) -> bool:

@@ -17,8 +17,7 @@ from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.images import encode_png, encode_webp
 from wmspec.lang.check.ir.ir import Choices, Factor, TaskSpec
 from wmspec.runtime.questions.consensus import RowsOf
-from wmspec.runtime.questions.kinds import KINDS
-from wmspec.runtime.questions.model import Change, Legibility, Picture, QuestionRow, Strength, VisibleObject, Vote
+from wmspec.runtime.questions.model import Change, Legibility, Picture, QuestionRow, Strength, VisibleObject
 
 Row = dict[str, Any]
 
@@ -37,7 +36,7 @@ def schema(spec: TaskSpec, films: bool = False) -> pa.Schema:
     `group.f` is the key shared by all instances that differ in `f` alone, so one `groupby` gives the groups. `level.f`
     is the name of a value of a factor or nuisance with named values.
     """
-    varied, drawn = _split_nuisances(spec.factors)
+    varied, drawn = [f for f in spec.factors if not f.nuisance], [f for f in spec.factors if f.nuisance]
     fields = [pa.field(name, kind) for name, (kind, _) in optional_columns(spec, films).items()]
     fields += [_column(spec, "factor", f) for f in varied]
     fields += [pa.field(f"level.{f.name}", pa.string()) for f in (*varied, *drawn) if _has_named_values(f)]
@@ -56,12 +55,6 @@ def table_schema(more: Iterable[pa.Field]) -> pa.Schema:
 def _has_named_values(factor: Factor) -> bool:
     """Whether a factor has named values."""
     return isinstance(factor.domain, Choices) and factor.domain.names is not None
-
-
-def _split_nuisances(factors: Iterable[Factor]) -> tuple[list[Factor], list[Factor]]:
-    """Return factors and nuisances separately."""
-    everything = list(factors)
-    return [f for f in everything if not f.nuisance], [f for f in everything if f.nuisance]
 
 
 def _column(spec: TaskSpec, sort: str, factor: Factor) -> pa.Field:
@@ -96,7 +89,7 @@ def encode(question: QuestionRow, rows_of: RowsOf, film: Row | None = None) -> R
         "engine": question.engine,
         "renderer": question.renderer,
         "text": question.text,
-        "context": [_image(p) for p in question.context],
+        "context": [encode_picture(p.rgb) for p in question.context],
         "context_camera": [p.camera for p in question.context],
         "context_time": [p.time for p in question.context],
         "context_objects": _objects(question.objects),
@@ -112,7 +105,7 @@ def encode(question: QuestionRow, rows_of: RowsOf, film: Row | None = None) -> R
         "margin": question.margin,
         "legibility": [_measure(each) for each in question.legibility],
         "measured": [{"name": n, "value": float(v)} for n, v in question.measured.items()],
-        "agreement": [_vote(v) for v in question.agreement],
+        "agreement": [asdict(vote) for vote in question.agreement],
         "seed": question.seed,
         **({} if question.redrawn is None else {"redrawn": question.redrawn}),
         **({} if question.visible is None else {"context_visible": [asdict(each) for each in question.visible]}),
@@ -127,12 +120,14 @@ def encode(question: QuestionRow, rows_of: RowsOf, film: Row | None = None) -> R
 
 
 def _options(question: QuestionRow) -> Row:
-    options, offered = question.options, KINDS[question.kind].option_set(question.options)
-    if len(offered.texts or ()) + len(offered.pictures) != len(options):
+    options, pictured = question.options, question.kind == "pictures"
+    texts = [o.text for o in options if o.text is not None]
+    pictures = [o.picture for o in options if o.picture is not None]
+    if len(pictures if pictured else texts) != len(options):
         raise ValueError("every option of a question has a text, or every one has a picture")
     return {
-        "option_text": None if offered.texts is None else list(offered.texts),
-        "option_image": [_image(p) for p in offered.pictures],
+        "option_text": None if pictured else texts,
+        "option_image": [encode_picture(p.rgb) for p in pictures] if pictured else [],
         "option_kind": [o.kind for o in options],
         "option_name": [o.name for o in options],
         "option_change": [_change(o.change) for o in options],
@@ -167,10 +162,6 @@ def _change(change: Change | None) -> str | None:
     return f"{text}; {_change(change.beside)}" if change.beside else text
 
 
-def _vote(vote: Vote) -> Row:
-    return asdict(vote)
-
-
 def _measure(measured: Legibility) -> Row:
     return {"name": measured.name, "unit": measured.unit, "value": measured.value, "bound": measured.bound}
 
@@ -195,10 +186,6 @@ def _channel_columns(context: tuple[Picture, ...]) -> Row:
 def millimetres(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
     """Return depth (h, w) in metres as whole millimetres, clipped to 16 bits (65 m)."""
     return np.asarray(np.clip(np.rint(depth * 1000.0), 0, 65535).astype(np.uint16))
-
-
-def _image(picture: Picture) -> dict[str, bytes | None]:
-    return encode_picture(picture.rgb)
 
 
 def encode_picture(pixels: NDArray[np.uint8]) -> dict[str, bytes | None]:

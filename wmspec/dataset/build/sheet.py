@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build import typeset
 from wmspec.dataset.build.films import read_frames, shown_film
 from wmspec.dataset.build.format_units import format_reading, format_value
@@ -20,8 +19,9 @@ from wmspec.dataset.build.reader import PICTURES, DatasetReader
 from wmspec.dataset.build.rows import Row
 from wmspec.dataset.build.typeset import BLACK, GREEN, GREY, PALE, Picture, Style
 
-#: The width of the sheet and of its columns, margins and gaps (px).
+#: The width of the sheet and of its columns, margins and gaps, and the width inside the margins (px).
 WIDTH, MARGIN, ENGINE, GAP, PARTING, ROOM = 2000, 56, 150, 10, 44, 6
+INNER = WIDTH - 2 * MARGIN
 LARGEST, WORDS = 384, 430
 #: Number of frames of a film on the sheet.
 FILM_FRAMES = 8
@@ -40,20 +40,16 @@ BODY, SMALL, TINY = Style(22), Style(20, GREY), Style(17, GREY)
 NAME, TRUE = Style(20, bold=True), Style(20, GREEN, bold=True)
 
 
-def contact_sheet(folder: Path, count: int = 3, tasks: Sequence[str] | None = None) -> Picture:
-    """Return a sheet, 2000 px wide, with `count` instances of each task (or of the named ones).
+def contact_sheet(folder: Path, count: int = 3) -> Picture:
+    """Return a sheet, 2000 px wide, with `count` instances of each task.
 
-    Raises WmsError if the folder holds no finished dataset, a damaged one, or none with such a task.
+    Raises WmsError if the folder holds no finished dataset, or a damaged one.
     """
     dataset = DatasetReader.open(folder)
     manifest = dataset.manifest
-    chosen = list(manifest["tasks"]) if tasks is None else list(tasks)
-    for name in chosen:
-        if name not in manifest["tasks"]:
-            raise WmsError(f"{folder} has no task `{name}`; it has {', '.join(manifest['tasks'])}")
     dataset.intact()
     parts = [_title(manifest)]
-    parts += [_task(dataset, name, count) for name in chosen]
+    parts += [_task(dataset, name, count) for name in manifest["tasks"]]
     return typeset.pad(typeset.vstack(parts, 70), MARGIN)
 
 
@@ -67,10 +63,6 @@ def question_of(dataset: DatasetReader, task: str) -> Picture | None:
     return None
 
 
-def _inner_width() -> int:
-    return WIDTH - 2 * MARGIN
-
-
 # ---------------------------------------------------------------- tasks
 
 
@@ -79,17 +71,15 @@ def _title(manifest: dict[str, Any]) -> Picture:
     agreed = CONSENSUS_TEXT[manifest["consensus"]]
     tasks = f"{len(manifest['tasks'])} {'task' if len(manifest['tasks']) == 1 else 'tasks'}"
     counted = f"{manifest['rows']:,} questions in {tasks}, executed in {engines}{agreed}"
-    return typeset.vstack(
-        [typeset.paragraph("wmspec", TITLE, _inner_width()), typeset.paragraph(counted, SMALL, _inner_width())], 4
-    )
+    return typeset.vstack([typeset.paragraph("wmspec", TITLE, INNER), typeset.paragraph(counted, SMALL, INNER)], 4)
 
 
 def _task(dataset: DatasetReader, name: str, count: int) -> Picture:
     about = dataset.manifest["tasks"][name]
-    head = [typeset.rule(_inner_width(), BLACK, 3), typeset.paragraph(about["title"] or name, TASK, _inner_width())]
-    head += [typeset.paragraph(f"{name}  ·  {about['dimension']}  ·  {_kept_text(about)}", SMALL, _inner_width())]
+    head = [typeset.rule(INNER, BLACK, 3), typeset.paragraph(about["title"] or name, TASK, INNER)]
+    head += [typeset.paragraph(f"{name}  ·  {about['dimension']}  ·  {_kept_text(about)}", SMALL, INNER)]
     shown = [_question(list(rows), units) for rows, units in _selected_rows(dataset, name, count)]
-    nothing = typeset.paragraph("every question was rejected", BODY, _inner_width())
+    nothing = typeset.paragraph("every question was rejected", BODY, INNER)
     return typeset.vstack([typeset.vstack(head, 8), *(shown or [nothing])], 40)
 
 
@@ -140,8 +130,8 @@ def _decode(row: Row, folder: Path) -> Row:
 def _question(rows: list[Row], units: dict[str, str]) -> Picture:
     first = rows[0]
     head = [
-        typeset.paragraph(first["text"], QUESTION, _inner_width()),
-        typeset.paragraph(_factors(first, units), SMALL, _inner_width()),
+        typeset.paragraph(first["text"], QUESTION, INNER),
+        typeset.paragraph(_factors(first, units), SMALL, INNER),
     ]
     side = _side(first)
     lines: list[Picture] = []
@@ -154,7 +144,7 @@ def _question(rows: list[Row], units: dict[str, str]) -> Picture:
 
 def _strip(row: Row) -> Picture:
     """Return frames of a row's film under their times, those of the context and of what then happens."""
-    side = (_inner_width() - ENGINE - (len(row["strip"]) - 1) * GAP) // len(row["strip"]) - GAP
+    side = (INNER - ENGINE - (len(row["strip"]) - 1) * GAP) // len(row["strip"]) - GAP
     frames = [
         typeset.vstack([typeset.paragraph(words, TINY, side), _resized(picture, side)], 2)
         for words, picture in row["strip"]
@@ -175,7 +165,7 @@ def _side(row: Row) -> int:
     """Return the width of the pictures of a question (px)."""
     shown, choices = len(row["context"]), len(row["option_image"])
     words = 0 if choices else WORDS
-    free = _inner_width() - ENGINE - PARTING - 2 * GAP - words - (shown + choices) * (GAP + 2 * ROOM)
+    free = INNER - ENGINE - PARTING - 2 * GAP - words - (shown + choices) * (GAP + 2 * ROOM)
     return min(LARGEST, free // max(shown + choices, 1))
 
 
@@ -268,8 +258,7 @@ def _reasons(rows: list[Row]) -> Picture:
     for row in rows:
         engines_by_reason.setdefault(_reason(row), []).append(row["engine"])
     lines = [
-        typeset.paragraph(f"{', '.join(engines)}:  {why}", BODY, _inner_width())
-        for why, engines in engines_by_reason.items()
+        typeset.paragraph(f"{', '.join(engines)}:  {why}", BODY, INNER) for why, engines in engines_by_reason.items()
     ]
     return typeset.vstack(lines, 2)
 

@@ -65,12 +65,6 @@ def encode_ids(ids: Ids, rate: int) -> bytes:
     return encode(np.stack(planes, axis=-1).astype(np.uint8), rate)
 
 
-def decode_ids(content: bytes) -> Ids:
-    """Return the body of each pixel (T, h, w), -1 for none."""
-    frames = decode(content)
-    return np.asarray(frames[..., 0] + np.left_shift(frames[..., 1], 8, dtype=np.int16) - np.int16(1), np.int16)
-
-
 def scaler(size: tuple[int, int] | None) -> Callable[[Any], Frames]:
     """Return a function of PyAV's frames that returns them as pictures (h, w, 3), sRGB, scaled to `size` (px).
 

@@ -30,11 +30,6 @@ def working_size(width: int, height: int) -> tuple[int, int]:
     return max(16, round(width * scale)), max(16, round(height * scale))
 
 
-def shrunk_ids(ids: NDArray[np.int16], size: tuple[int, int]) -> NDArray[np.int16]:
-    """Return maps of bodies (T, h, w) at another size, each pixel that of the nearest one."""
-    return nearest_pixels(ids, size)
-
-
 def nearest_pixels(pictures: NDArray[Any], size: tuple[int, int]) -> NDArray[Any]:
     """Return pictures (..., h, w) at another size (px), each pixel the nearest one."""
     height, width = pictures.shape[-2:]

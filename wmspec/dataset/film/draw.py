@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmspec.dataset.film import codec
-from wmspec.dataset.film.distances import Array, object_points, shrunk_ids, working_size
+from wmspec.dataset.film.distances import Array, nearest_pixels, object_points, working_size
 from wmspec.dataset.film.timing import FilmTimes
 from wmspec.runtime.caches.render_cache import RenderCache
 from wmspec.runtime.questions.runs import EnginePair, Run
@@ -41,13 +40,10 @@ def draw_film(run: Run, camera: str, times: FilmTimes, rate: int, pair: EnginePa
     bodies = tuple(body.name for body in run.scene.bodies)
     things = {thing.name for thing in run.values.spec.things if thing.kind == "object"}
     objects = tuple(name for name in run.movable() if name in things)
-    small = shrunk_ids(ids, working_size(*renders.size))
+    small = nearest_pixels(ids, working_size(*renders.size))
     points, areas = object_points(small, [bodies.index(name) for name in objects])
-    centers = [run.poses(objects, time)[:, :3] for time in times.times[: times.answer_frame + 1]]
+    shown = times.times[: times.answer_frame + 1]
+    centers = np.stack([run.poses(objects, time)[:, :3] for time in shown], axis=1)
     return DrawnFilm(
-        codec.encode(rgb, rate), codec.encode_ids(ids, rate), times, objects, points, areas, _by_object(centers), bodies
+        codec.encode(rgb, rate), codec.encode_ids(ids, rate), times, objects, points, areas, centers, bodies
     )
-
-
-def _by_object(centers: list[NDArray[np.float64]]) -> Array:
-    return np.stack(centers, axis=1)

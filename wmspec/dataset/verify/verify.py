@@ -74,18 +74,13 @@ def _with_partners(task: Task, seed: int, drawn: Iterable[PlannedQuestion], ever
     return replace(task, indices=tuple(i for i in task.indices if i in chosen))
 
 
-@dataclass(frozen=True)
-class Regenerated:
-    """The number of questions made again, and the differences."""
-
-    questions: int
-    differences: tuple[Difference, ...]
-
-
 def regenerate(
     dataset: DatasetReader, plan: Plan, records: Records, effort: PoolConfig, progress: Callable[[str, int], None]
-) -> Regenerated:
-    """Make the instances of `plan`, a sample of the dataset, again and compare them."""
+) -> tuple[int, list[Difference]]:
+    """Make the instances of `plan`, a sample of the dataset, again and compare them.
+
+    Returns the number of questions made again, and the differences.
+    """
     job, specs = job_of(plan, effort), {task.spec.name: task.spec for task in plan.tasks}
     comparison = _Comparison(plan, records)
     every = (
@@ -102,8 +97,7 @@ def regenerate(
                 outcome = made if isinstance(made, JobFailure) else made.outcomes[at]
                 comparison.instance(specs[name], index, there, outcome)
                 progress(name, 1)
-    differences = [*comparison.differences, *marked_truths(comparison.scores)]
-    return Regenerated(comparison.questions, tuple(differences))
+    return comparison.questions, [*comparison.differences, *marked_truths(comparison.scores)]
 
 
 class _Comparison:

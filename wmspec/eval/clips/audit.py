@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+
+import numpy as np
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.audit.model import Finding
@@ -26,16 +27,8 @@ MIN_RIGHT, TOO_MANY_ANSWERS = 0.99, 0.05
 LINEAR_MARGIN = 0.05
 #: The baselines that must be right, and those that must answer nothing.
 TRUE_FUTURES, NO_FUTURES = ("oracle", "engine"), ("frozen", "blend", "swap")
-
-
-@dataclass
-class _Score:
-    """How many clips of a baseline were read, answered and right; and the sum of the chances of guessing."""
-
-    read: int = 0
-    answered: int = 0
-    right: int = 0
-    chance: float = 0.0
+#: Of each clip of a baseline that was read: whether it was answered, whether it was right, and the chance of guessing.
+_Scores = list[tuple[bool, bool, float]]
 
 
 def film_findings(dataset: DatasetReader) -> list[Finding]:
@@ -63,35 +56,32 @@ def _findings(dataset: DatasetReader, task: str, every: list[FilmQuestion]) -> I
     """Yield the findings about the films of a task."""
     sets = closed_sets([question for question in every if question.task == task], SETS_PER_TASK)
     sources = {name: open_baseline(name, dataset, every) for name in BASELINES}
-    scores = {name: _Score() for name in BASELINES}
+    scores: dict[str, _Scores] = {name: [] for name in BASELINES}
     for questions in sets:
         reference = reference_of(dataset, questions[0])
         for question in questions:
             for name, source in sources.items():
                 _score(source, question, reference, scores[name])
-    yield from (_judged(task, name, score) for name, score in scores.items() if score.read)
+    yield from (_judged(task, name, score) for name, score in scores.items() if score)
     moving = [question.moving for questions in sets for question in questions]
     if moving:
         what = f"in the part that is shown, something moves in {min(moving)} frames or more"
         yield Finding(CHECK, task, "holds" if min(moving) else "fails", what)
 
 
-def _score(source: Baseline, question: FilmQuestion, reference: Reference, score: _Score) -> None:
+def _score(source: Baseline, question: FilmQuestion, reference: Reference, scores: _Scores) -> None:
     """Add the clip of a question; a baseline without one is left out."""
     try:
         clip, begins = source.clip(question, 0, reference)
     except BadClip:
         return
     choice = decide(measure(clip, reference, question.own, begins), question.rate).choice
-    score.read += 1
-    score.answered += choice is not None
-    score.right += choice == question.answer
-    score.chance += 1 / len(question.films)
+    scores.append((choice is not None, choice == question.answer, 1 / len(question.films)))
 
 
-def _judged(task: str, name: str, score: _Score) -> Finding:
+def _judged(task: str, name: str, scores: _Scores) -> Finding:
     """Return the finding about a baseline."""
-    right, answered, chance = (float(n) / score.read for n in (score.right, score.answered, score.chance))
+    answered, right, chance = np.mean(scores, axis=0).tolist()
     if name in TRUE_FUTURES:
         what, good = f"{right:.0%} right, {MIN_RIGHT:.0%} required", right >= MIN_RIGHT
     elif name in NO_FUTURES:
@@ -100,4 +90,4 @@ def _judged(task: str, name: str, score: _Score) -> Finding:
         limit = chance + LINEAR_MARGIN
         good = right <= limit + 1e-9
         what = f"{right:.0%} right, at most {limit:.0%} required: constant velocities must not be enough"
-    return Finding(CHECK, task, "holds" if good else "fails", f"`clips:@{name}`: {what} ({score.read:,} clips)")
+    return Finding(CHECK, task, "holds" if good else "fails", f"`clips:@{name}`: {what} ({len(scores):,} clips)")

@@ -7,6 +7,7 @@ half as far from its nearest future as that is from its nearest rival can have n
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -73,27 +74,19 @@ def decide(measured: Measurement, rate: int) -> Decision:
     return best
 
 
-@dataclass(frozen=True)
-class _Warped:
-    """Distances to all futures at one tempo and delay."""
-
-    distances: Array
-    tempo: float
-    delay: float
-
-
 def _best_tempo(measured: Measurement, rate: int) -> Decision | None:
     """Return the decision at the tempo at which some future is nearest, if that future is clear at every tempo."""
-    tried = [_warped(measured, tempo, delay, rate) for tempo in TEMPOS for delay in DELAYS]
-    table = np.array([one.distances for one in tried])
+    tried = list(product(TEMPOS, DELAYS))
+    table = np.array([_warped(measured, tempo, delay, rate) for tempo, delay in tried])
     row, nearest = np.unravel_index(int(np.argmin(table)), table.shape)
     rivals = np.delete(table.min(axis=0), nearest)
-    decision = _at_tempo(measured, tried[row].tempo, tried[row].delay, rate)
+    decision = _at_tempo(measured, *tried[row], rate)
     clear = table[row, nearest] <= MAX_RATIO * rivals.min()
     return decision if clear and decision.choice == int(nearest) else None
 
 
-def _warped(measured: Measurement, tempo: float, delay: float, rate: int) -> _Warped:
+def _warped(measured: Measurement, tempo: float, delay: float, rate: int) -> Array:
+    """Return the distances to all futures at one tempo and delay."""
     points, kept = _clip_points(measured, tempo, delay, rate)
     distances = np.full(len(measured.futures), np.inf)
     for o in _options(measured):
@@ -101,7 +94,7 @@ def _warped(measured: Measurement, tempo: float, delay: float, rate: int) -> _Wa
         # A clip that ends before an object comes out, or goes in, does not show it.
         if (np.isnan(future[:, -1, 0, 0]) == np.isnan(measured.futures[o, :, -1, 0, 0])).all():
             distances[o] = film_distance(points[o], future[:, kept], measured.widths)
-    return _Warped(distances, tempo, delay)
+    return distances
 
 
 def _options(measured: Measurement) -> range:

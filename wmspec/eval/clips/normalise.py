@@ -244,11 +244,6 @@ class Steadied:
     inliers: float
     at_rest: bool = True
 
-    @property
-    def lost(self) -> bool:
-        """Whether the camera could not be followed."""
-        return self.zoom > MAX_ZOOM or self.inliers < MIN_INLIERS
-
 
 def steady(frames: Frames, plate: NDArray[np.uint8], background: Mask) -> Steadied:
     """Return frames whose background lies where it lies in the `plate`: a similarity, from points that are tracked."""

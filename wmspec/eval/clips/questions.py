@@ -145,18 +145,14 @@ def closed_sets(questions: list[FilmQuestion], most: int) -> list[list[FilmQuest
 def reference_of(dataset: DatasetReader, question: FilmQuestion, tracker: Tracker | None = None) -> Reference:
     """Return the films of a question's options in working size. Raises WmsError if a film is damaged."""
     assert dataset.film is not None
-    size = working_size(*dataset.film.size)
+    size, count = working_size(*dataset.film.size), question.answer_frame + 1
     films = tuple(
-        read_film(dataset, path, size, question.context, question.answer_frame + 1) for path in question.films
+        WholeFilm(
+            read_frames(dataset.folder, path, size, count),
+            read_ids(dataset.folder, path, size, count),
+            question.context,
+        )
+        for path in question.films
     )
     bodies = tuple(question.bodies.index(name) for name in question.objects)
     return Reference(question.rate, films, bodies, tracker)
-
-
-def read_film(
-    dataset: DatasetReader, path: str, size: tuple[int, int], context: int, count: int | None = None
-) -> WholeFilm:
-    """Return a film of the dataset in a size (px), or its first `count` frames: up to the answer."""
-    return WholeFilm(
-        read_frames(dataset.folder, path, size, count), read_ids(dataset.folder, path, size, count), context
-    )

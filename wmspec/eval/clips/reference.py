@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -282,8 +282,3 @@ def _moves(areas: NDArray[np.intp], union: int) -> bool:
     """Whether a body moves that has the given areas in frames, and their `union` in all of them (px)."""
     seen = areas[areas > 0]
     return bool(len(seen)) and union > GROWTH * float(np.median(seen)) + GROWTH_PIXELS
-
-
-def rivals(palettes: dict[int, Palette], objects: Sequence[int]) -> list[int]:
-    """Return the bodies with a palette that are none of the objects."""
-    return [body for body in palettes if body not in objects]

@@ -6,6 +6,7 @@ import io
 import json
 import zipfile
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -94,25 +95,21 @@ def scored(row: Row, measured: Measurement, rate: int, floor: tuple[float, float
     return row | _decided(decision, row["answer"]) | _compared(measured, row["answer"], floor)
 
 
-def _decided(decision: Decision, answer: int) -> Row:
-    why = "; ".join(REASONS[name] for name in decision.why)
+def chosen(place: int | None, answer: int, why: str) -> Row:
+    """Return the columns of a choice; `why` says why there is none."""
     return {
-        "parsed": decision.choice,
-        "status": "unparsed" if decision.choice is None else "answered",
-        "text": f"{NO_FUTURE}: {why}" if decision.choice is None else "",
-        "right": decision.choice == answer,
-        "error": None,
-        "why": list(decision.why),
-        "nearest": decision.nearest,
-        "distances": list(decision.distances),
-        "ratio": decision.ratio,
-        "end_ratio": decision.end_ratio,
-        "margin": decision.margin,
-        "tempo": decision.tempo,
-        "delay": decision.delay,
-        "frozen": "frozen" in decision.why,
-        "missing": decision.missing,
+        "parsed": place,
+        "right": place == answer,
+        "status": "unparsed" if place is None else "answered",
+        "text": why if place is None else "",
     }
+
+
+def _decided(decision: Decision, answer: int) -> Row:
+    """Return the columns of a decision, whose fields are columns of the same names."""
+    why = f"{NO_FUTURE}: {'; '.join(REASONS[name] for name in decision.why)}"
+    values = {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(decision).items() if name != "choice"}
+    return values | chosen(decision.choice, answer, why) | {"error": None, "frozen": "frozen" in decision.why}
 
 
 def _compared(measured: Measurement, answer: int, floor: tuple[float, float] | None) -> Row:

@@ -140,8 +140,11 @@ def _source(run: ClipRun, questions: list[FilmQuestion]) -> Iterator[sources.Sou
         yield sources.open_baseline(run.place[1:], run.dataset, questions)
         return
     with clip_reader() as reader:
-        source = sources.open_folder(Path(run.place), reader, run.begins)
-        if len(list(sources.missing_clips(source, questions))) == len(questions):
+        folder = Path(run.place)
+        if not folder.is_dir():
+            raise WmsError(f"there is no folder {folder}", help="give the folder of the model's clips: -m clips:FOLDER")
+        source = sources.ClipFolder(folder, reader, run.begins)
+        if not any(source.has_clip(question) for question in questions):
             example = f"{questions[0].file_name}.mp4"
             raise WmsError(f"{run.place} has no clip of any question", help=f"name them like `{example}`")
         yield source

@@ -5,11 +5,10 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
@@ -31,23 +30,6 @@ MODEL_FILE = "model.json"
 _MOST_SAMPLES = 1000
 
 
-class Source(Protocol):
-    """A source of clips."""
-
-    @property
-    def version(self) -> str:
-        """The name and version that the model gives itself; empty without one."""
-
-    def samples(self, question: FilmQuestion) -> list[int]:
-        """Return the numbers of the samples of a question."""
-
-    def digest(self, question: FilmQuestion, sample: int) -> str:
-        """Return a digest of the content of a clip; empty for one that cannot be read. Raises BadClip without one."""
-
-    def clip(self, question: FilmQuestion, sample: int, reference: Reference) -> tuple[Clip, Begins | None]:
-        """Return a clip, and what it begins with, if that is known. Raises BadClip."""
-
-
 @dataclass(frozen=True)
 class ClipFolder:
     """A folder of clips: `TASK-HASH.mp4`, or `TASK-HASH.0.mp4`, `TASK-HASH.1.mp4` for several samples."""
@@ -66,7 +48,12 @@ class ClipFolder:
         found = re.compile(rf"{re.escape(question.file_name)}\.(\d{{1,3}})\.\w+")
         numbered = (found.fullmatch(name) for name in self._names)
         numbers = sorted({int(match[1]) for match in numbered if match and int(match[1]) < _MOST_SAMPLES})
-        return [0] if self._plain(question) or not numbers else numbers
+        return [0] if self._existing(question.file_name) or not numbers else numbers
+
+    def has_clip(self, question: FilmQuestion) -> bool:
+        """Whether there is a clip of a question."""
+        stems = (f"{question.file_name}.{sample}" for sample in self.samples(question))
+        return any(map(self._existing, (question.file_name, *stems)))
 
     def digest(self, question: FilmQuestion, sample: int) -> str:
         """Return the SHA-256 of the file of a clip; empty for one that is no file of the folder.
@@ -76,12 +63,15 @@ class ClipFolder:
         name = self._name(question, sample)
         path = self.folder / name
         with suppress(OSError):
-            if inside(self.folder, name) and regular_file(path).stat().st_size <= MAX_BYTES:
+            if is_within(self.folder, path) and regular_file(path).stat().st_size <= MAX_BYTES:
                 return hashlib.sha256(read_bytes(path)).hexdigest()
         return ""
 
     def clip(self, question: FilmQuestion, sample: int, reference: Reference) -> tuple[Clip, Begins | None]:
-        """Return a clip. Raises BadClip if there is none, or if it cannot be read."""
+        """Return a clip, and what it begins with, if that is known.
+
+        Raises BadClip if there is none, or if it cannot be read.
+        """
         name = self._name(question, sample)
         seconds = (reference.films[0].context + reference.count) / reference.rate + 1.0
         height, width = reference.plate.shape[:2]
@@ -98,16 +88,10 @@ class ClipFolder:
         return sorted(path.name for path in self.folder.iterdir())
 
     def _name(self, question: FilmQuestion, sample: int) -> str:
-        name = self._plain(question) or self._numbered(question, sample)
+        name = self._existing(question.file_name) or self._existing(f"{question.file_name}.{sample}")
         if not name:
             raise BadClip("there is no clip of this question")
         return name
-
-    def _plain(self, question: FilmQuestion) -> str:
-        return self._existing(question.file_name)
-
-    def _numbered(self, question: FilmQuestion, sample: int) -> str:
-        return self._existing(f"{question.file_name}.{sample}")
 
     def _existing(self, stem: str) -> str:
         names = (f"{stem}{suffix}" for suffix in SUFFIXES)
@@ -123,13 +107,6 @@ def described(folder: Path, key: str) -> str:
         return ""
     except (OSError, ValueError, TypeError, AttributeError, RecursionError):
         raise WmsError("not a JSON object", FilePlace(str(path)), 'write {"name": "...", "version": "..."}') from None
-
-
-def open_folder(folder: Path, reader: ClipReader, begins: Begins | None) -> ClipFolder:
-    """Return the clips of a folder. Raises WmsError if there is no such folder."""
-    if not folder.is_dir():
-        raise WmsError(f"there is no folder {folder}", help="give the folder of the model's clips: -m clips:FOLDER")
-    return ClipFolder(folder, reader, begins)
 
 
 # ---------------------------------------------------------------- baselines
@@ -156,6 +133,10 @@ class Baseline:
         """Return the clip of a baseline, which begins after the last picture. Raises BadClip if it has none."""
         frames = BASELINES[self.name](self, question, reference)
         return Clip(frames, np.arange(len(frames)) / reference.rate, (frames.shape[2], frames.shape[1])), "after"
+
+
+#: A source of clips.
+Source = ClipFolder | Baseline
 
 
 def _oracle(source: Baseline, question: FilmQuestion, reference: Reference) -> Frames:  # noqa: ARG001
@@ -226,16 +207,3 @@ def open_baseline(name: str, dataset: DatasetReader, questions: list[FilmQuestio
     if name not in BASELINES:
         raise WmsError(f"there is no baseline `@{name}`; {suggestion(name, BASELINES)}".rstrip("; "))
     return Baseline(name, dataset, tuple(questions))
-
-
-def missing_clips(source: ClipFolder, questions: list[FilmQuestion]) -> Iterator[FilmQuestion]:
-    """Yield the questions without a clip."""
-    for question in questions:
-        numbered = any(source._numbered(question, sample) for sample in source.samples(question))
-        if not source._plain(question) and not numbered:
-            yield question
-
-
-def inside(folder: Path, name: str) -> bool:
-    """Whether a file lies in the folder after links are resolved."""
-    return is_within(folder, folder / name)

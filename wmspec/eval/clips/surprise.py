@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -45,19 +45,6 @@ RAW, CENTRED = "raw", "centred"
 MEAN, MAX = "mean", "max"
 
 
-class Surprises(Protocol):
-    """A source of surprises."""
-
-    def of(self, question: FilmQuestion, others: dict[int, FilmQuestion]) -> Array:
-        """Return the surprises (contexts, futures) of a closed set, in the order of its options; NaN if unknown.
-
-        `others` are the questions of the set by the option that is true.
-        """
-
-    def after(self, question: FilmQuestion, split: int) -> Array:
-        """Return the surprises (n) of a film after its first `split` frames, or one for all; NaN if unknown."""
-
-
 class FunctionSurprises:
     """Surprises of a Python function `f(context, future, fps, text)`.
 
@@ -70,7 +57,10 @@ class FunctionSurprises:
         self._known: dict[tuple[str, ...], Array] = {}
 
     def of(self, question: FilmQuestion, others: dict[int, FilmQuestion]) -> Array:
-        """Return the surprises of a closed set; each is computed once."""
+        """Return the surprises (contexts, futures) of a closed set, in the order of its options; computed once.
+
+        `others` are the questions of the set by the option that is true.
+        """
         if question.films not in self._known:
             count = question.answer_frame + 1
             films = [read_frames(self._dataset.folder, path, count=count) for path in question.films]
@@ -87,7 +77,7 @@ class FunctionSurprises:
         return np.array(rows)
 
     def after(self, question: FilmQuestion, split: int) -> Array:
-        """Return the surprises of the frames of a film, or one for all."""
+        """Return the surprises (n) of a film after its first `split` frames, or one for all."""
         frames = read_frames(self._dataset.folder, question.film)
         return self._values(frames[:split], frames[split:], question.rate, question.text)
 
@@ -110,7 +100,7 @@ class TableSurprises:
         self._values = _read_table(path)
 
     def of(self, question: FilmQuestion, others: dict[int, FilmQuestion]) -> Array:
-        """Return the surprises in the table."""
+        """Return the surprises in the table; NaN if unknown."""
         count = len(question.films)
         matrix = np.full((count, count), np.nan)
         for option, other in others.items():
@@ -119,8 +109,12 @@ class TableSurprises:
         return matrix
 
     def after(self, question: FilmQuestion, split: int) -> Array:  # noqa: ARG002
-        """Return the surprises in the table, under the place 0."""
+        """Return the surprises in the table, under the place 0; NaN if unknown."""
         return np.array(self._values.get((question.id, 0), [math.nan]))
+
+
+#: A source of surprises.
+Surprises = FunctionSurprises | TableSurprises
 
 
 def _function(name: str) -> Callable[..., Any]:
@@ -225,14 +219,8 @@ def _rows(run: SurpriseRun, question: FilmQuestion, matrix: Array) -> Iterator[R
     for reading, values in ((RAW, matrix), (CENTRED, centred(matrix))):
         row = clip_results.common(question, 0, run.name, "", reading, "")
         own = values[question.own]
-        place = choice(own)
-        yield row | {
-            "parsed": place,
-            "right": place == question.answer,
-            "status": "unparsed" if place is None else "answered",
-            "text": "no single least surprise" if place is None else "",
-            "distances": [float(value) for value in own],
-        }
+        found = clip_results.chosen(choice(own), question.answer, "no single least surprise")
+        yield row | found | {"distances": [float(value) for value in own]}
 
 
 # ---------------------------------------------------------------- possible and impossible films
@@ -281,10 +269,6 @@ def _possible_rows(
         place = None
         if mine != theirs and not math.isnan(mine + theirs):
             place = question.options.index(IMPOSSIBLE if mine > theirs else POSSIBLE)
-        yield clip_results.common(question, 0, run.name, "", reading, "") | {
-            "parsed": place,
-            "right": place == question.answer,
-            "status": "unparsed" if place is None else "answered",
-            "text": "" if place is not None else "no other film begins alike" if not rest else "equal surprises",
-            "distances": [mine, theirs],
-        }
+        row = clip_results.common(question, 0, run.name, "", reading, "")
+        found = clip_results.chosen(place, question.answer, "equal surprises" if rest else "no other film begins alike")
+        yield row | found | {"distances": [mine, theirs]}

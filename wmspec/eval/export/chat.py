@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TextIO
 
 from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build.files import pretty_json
 from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.export.rows import Row, exported_row
 from wmspec.eval.models.prompt import Prompt
 from wmspec.eval.models.question import Question, questions
-from wmspec.eval.models.request import Ask, Picture, Text
+from wmspec.eval.models.request import Ask
 from wmspec.eval.models.splits import Splits, factors_of
-
-Row = dict[str, Any]
 
 
 def write(
@@ -61,9 +60,12 @@ def write(
 
 
 def _chat(question: Question, prompt: Prompt, keep: Callable[[bytes], str]) -> Row:
-    ask = Ask(question, prompt)
-    images: list[str] = []
-    content = list(_content(ask, keep, images))
+    row, ask = exported_row(question, prompt), Ask(question, prompt)
+    # Pictures are apart and in order: TRL fills parts without a picture with them.
+    content: list[Row] = [
+        {"type": "text", "text": part["text"]} if part["image"] is None else {"type": "image"}
+        for part in row["content"]
+    ]
     plain = "\n".join(part.get("text", "<image>") for part in content)
     answer = ask.true_reply
     system = [{"role": "system", "content": prompt.system}] if prompt.system else []
@@ -78,22 +80,8 @@ def _chat(question: Question, prompt: Prompt, keep: Callable[[bytes], str]) -> R
             {"role": "assistant", "content": [{"type": "text", "text": answer}]},
         ],
         "conversations": [*system, {"role": "user", "content": plain}, {"role": "assistant", "content": answer}],
-        "images": images,
+        "images": [keep(image["bytes"]) for image in row["images"]],
     }
-
-
-def _content(ask: Ask, keep: Callable[[bytes], str], images: list[str]) -> Iterator[Row]:
-    """Yield the parts of the question, and add their pictures to `images`: TRL fills parts without a picture."""
-    from wmspec.core.diagnostics import WmsError
-
-    for part in ask.request.parts:
-        if isinstance(part, Text):
-            yield {"type": "text", "text": part.text}
-        elif isinstance(part, Picture):
-            images.append(keep(part.content))
-            yield {"type": "image"}
-        else:
-            raise WmsError("videos cannot be exported; use another --prompt than `clip`")
 
 
 def _llama_factory(split: str) -> Row:

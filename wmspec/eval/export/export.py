@@ -11,12 +11,11 @@ from functools import cached_property
 from itertools import chain
 from pathlib import Path
 
-from wmspec.core.resources import resource
 from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.export import chat
-from wmspec.eval.export.folder import MARK_FILE, Folder
+from wmspec.eval.export.folder import Folder
 from wmspec.eval.export.rows import COLUMNS, Row, exported_rows, write
 from wmspec.eval.models.prompt import Prompt
 from wmspec.eval.models.question import Selection
@@ -54,20 +53,11 @@ def export(what: Export, tool: str, place: Path) -> int:
     else or cannot be written.
     """
     folder = Folder(place)
-    about = {
-        "to": tool,
-        "dataset": files.digest(what.dataset.folder / files.MANIFEST),
-        "prompt": what.prompt_name,
-        "prompt_hash": what.prompt.hash,
-    }
     with files.with_remedies(place):
         folder.clear()
         count = WRITERS[tool](what, folder)
-        for module in sorted(resource("eval/replies").glob("*.py")):
-            folder.copy(f"eval/replies/{module.name}", f"wmspec_reply/{module.name}")
-        (place / MARK_FILE).write_bytes(
-            files.pretty_json({**about, "questions": count, "files": sorted(folder.written)})
-        )
+        folder.copy_reader()
+        folder.mark(what.dataset, tool, prompt=what.prompt_name, prompt_hash=what.prompt.hash, questions=count)
     return count
 
 

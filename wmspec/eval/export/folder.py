@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import csv
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.resources import resource
 from wmspec.core.safe_io import make_folders, read_bytes
+from wmspec.dataset.build import files
+from wmspec.dataset.build.reader import DatasetReader
 
 #: The file that marks a folder as an export, with its settings and files.
 MARK_FILE = "export.json"
@@ -34,6 +39,24 @@ class Folder:
         for word, value in words.items():
             text = text.replace(f"{{{word}}}", value)
         self.path(to).write_text(text, encoding="utf-8")
+
+    def copy_reader(self) -> None:
+        """Copy the reader of replies, which runs without wmspec."""
+        for module in sorted(resource("eval/replies").glob("*.py")):
+            self.copy(f"eval/replies/{module.name}", f"wmspec_reply/{module.name}")
+
+    def table(self, name: str, lines: Sequence[dict[str, Any]]) -> None:
+        """Write lines, of which there is one at least, as CSV."""
+        with self.path(name).open("w", newline="", encoding="utf-8") as file:
+            out = csv.DictWriter(file, list(lines[0]), lineterminator="\n")
+            out.writeheader()
+            out.writerows(lines)
+
+    def mark(self, dataset: DatasetReader, to: str, **about: object) -> None:
+        """Write the file that marks the folder as an export, with its settings and files."""
+        digest = files.digest(dataset.folder / files.MANIFEST)
+        known: dict[str, object] = {"to": to, "dataset": digest, **about, "files": sorted(self.written)}
+        (self.place / MARK_FILE).write_bytes(files.pretty_json(known))
 
     def clear(self) -> None:
         """Remove the files of an earlier export. Raises WmsError if the folder holds anything else."""

@@ -6,7 +6,6 @@ Layout and names: https://github.com/google-deepmind/physics-IQ-benchmark.
 
 from __future__ import annotations
 
-import csv
 import io
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,7 +22,7 @@ from wmspec.dataset.film.codec import Frames, encode_mp4
 from wmspec.eval.clips.packages import opencv
 from wmspec.eval.clips.pixels import motion_masks
 from wmspec.eval.clips.questions import FilmQuestion, selected
-from wmspec.eval.export.folder import MARK_FILE, Folder
+from wmspec.eval.export.folder import Folder
 from wmspec.eval.export.video import load_prompt
 from wmspec.eval.models.question import Selection
 
@@ -50,19 +49,9 @@ def export_physics_iq(dataset: DatasetReader, selection: Selection, prompt: str,
             for path, content in _files(dataset, question, numbers):
                 folder.path(path).write_bytes(content)
             lines += _lines(question, numbers, template.filled(question)[0])
-        with folder.path("descriptions/descriptions.csv").open("w", newline="", encoding="utf-8") as file:
-            out = csv.DictWriter(file, list(lines[0]), lineterminator="\n")
-            out.writeheader()
-            out.writerows(lines)
+        folder.table("descriptions/descriptions.csv", lines)
         folder.copy("eval/export/files/physics-iq.md", "README.md", example=str(lines[0]["generated_video_name"]))
-        about = {
-            "to": "physics-iq",
-            "dataset": files.digest(dataset.folder / files.MANIFEST),
-            "prompt_hash": template.hash,
-            "questions": len(lines),
-            "files": sorted(folder.written),
-        }
-        (place / MARK_FILE).write_bytes(files.pretty_json(about))
+        folder.mark(dataset, "physics-iq", prompt_hash=template.hash, questions=len(lines))
     return len(lines)
 
 

@@ -51,10 +51,11 @@ _GROUP = 64
 
 def exported_rows(dataset: DatasetReader, ids: Collection[str], prompt: Prompt) -> Iterator[Row]:
     """Yield the rows of questions, few in memory at a time. Raises WmsError for a prompt with videos."""
-    return (_row(question, prompt) for question in questions(dataset, ids))
+    return (exported_row(question, prompt) for question in questions(dataset, ids))
 
 
-def _row(question: Question, prompt: Prompt) -> Row:
+def exported_row(question: Question, prompt: Prompt) -> Row:
+    """Return the row of a question. Raises WmsError for a prompt with videos."""
     ask = Ask(question, prompt)
     content: list[Row] = []
     images: list[Row] = []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import re
@@ -10,7 +9,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic import ValidationError, model_validator
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.resources import resource
@@ -21,22 +20,16 @@ from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import encode_mp4
 from wmspec.eval.clips.questions import FilmQuestion, selected
-from wmspec.eval.export.folder import MARK_FILE, Folder
+from wmspec.eval.export.folder import Folder
+from wmspec.eval.models.prompt import FrozenModel
 from wmspec.eval.models.question import Selection
 
-#: The columns of `prompts.csv`.
-COLUMNS = (
-    "id", "clip", "first", "context", "text", "text_action", "seconds", "context_seconds", "fps", "frames",
-    "context_frames", "width", "height",
-)  # fmt: skip
 #: The placeholders of a template: the scene and the action in words.
 PLACEHOLDERS = ("film", "action")
 
 
-class FilmPrompt(BaseModel):
+class FilmPrompt(FrozenModel):
     """A template of prompts: `text` for a film that is continued, `text_action` for a picture."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     text: str
     text_action: str
@@ -92,21 +85,16 @@ def export_video(
     with files.with_remedies(place):
         folder.clear()
         lines = [_write(dataset, question, template, folder, every_frame) for question in questions]
-        with folder.path("prompts.csv").open("w", newline="", encoding="utf-8") as file:
-            out = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-            out.writeheader()
-            out.writerows(lines)
+        folder.table("prompts.csv", lines)
         folder.copy("eval/export/files/video.md", "README.md", example=lines[0]["clip"])
-        about = {
-            "to": "video",
-            "dataset": files.digest(dataset.folder / files.MANIFEST),
-            "prompt": Path(prompt).stem if prompt != "default" else "film",
-            "prompt_hash": template.hash,
-            "template": template.model_dump(),
-            "questions": len(lines),
-            "files": sorted(folder.written),
-        }
-        (place / MARK_FILE).write_bytes(files.pretty_json(about))
+        folder.mark(
+            dataset,
+            "video",
+            prompt=Path(prompt).stem if prompt != "default" else "film",
+            prompt_hash=template.hash,
+            template=template.model_dump(),
+            questions=len(lines),
+        )
     return len(lines)
 
 

@@ -30,7 +30,7 @@ def page(dataset: DatasetReader, per_task: int, path: Path, replies: GalleryRepl
     Raises WmsError if the file cannot be written, or if the dataset is damaged.
     """
 
-    def inside(task: str, content: bytes) -> str:  # noqa: ARG001  signature of `Put`
+    def inside(content: bytes) -> str:
         out = io.BytesIO()
         decode_image(content).save(out, "WEBP", quality=WEBP_QUALITY, method=4)
         return f"data:image/webp;base64,{base64.b64encode(out.getvalue()).decode()}"
@@ -59,7 +59,7 @@ def folder(
     if the dataset is damaged.
     """
 
-    def beside(task: str, content: bytes) -> str:  # noqa: ARG001  signature of `Put`
+    def beside(content: bytes) -> str:
         decode_image(content)
         return stored("pictures", content, image_format(content).lower())
 

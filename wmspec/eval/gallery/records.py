@@ -15,10 +15,8 @@ from wmspec.eval.gallery.replies import NO_REPLIES, GalleryReplies
 
 Record = dict[str, Any]
 
-#: Stores a picture for the page, under a task's name, and returns its URL.
-StorePicture = Callable[[str, bytes], str]
-#: Stores a film (mp4) for the page, and returns its URL.
-StoreFilm = Callable[[bytes], str]
+#: Stores a picture or a film (mp4) for the page, and returns its URL.
+Store = Callable[[bytes], str]
 
 
 #: Maximum number of rejected instances listed.
@@ -60,9 +58,9 @@ def about(dataset: DatasetReader, replies: GalleryReplies = NO_REPLIES) -> Recor
 def records(
     dataset: DatasetReader,
     per_task: int,
-    put: StorePicture,
+    put: Store,
     replies: GalleryReplies = NO_REPLIES,
-    put_film: StoreFilm | None = None,
+    put_film: Store | None = None,
 ) -> Iterator[Record]:
     """Yield the records of at most `per_task` instances of each task, evenly spaced; without `put_film`, no films."""
 
@@ -88,7 +86,7 @@ def _record(
     rows: list[Row],
     units: dict[str, str],
     engines: tuple[str, ...],
-    put: StorePicture,
+    put: Store,
     films: Callable[[Row], Record | None],
     replies: GalleryReplies,
 ) -> Record:
@@ -152,14 +150,14 @@ def _agreement(rows: list[Row]) -> str:
     return "all agree" if agree else "some differ"
 
 
-def _run(row: Row, put: StorePicture, replies: GalleryReplies) -> Record:
+def _run(row: Row, put: Store, replies: GalleryReplies) -> Record:
     """Return one engine's version of a question."""
     looks = zip(row["context"], row["context_camera"], row["context_time"], strict=True)
     return {
         "engine": row["engine"],
         "renderer": row["renderer"],
         "text": row["text"],
-        "context": [{"src": put(row["task"], p["bytes"]), "camera": c, "time": f"{t:.3g} s"} for p, c, t in looks],
+        "context": [{"src": put(p["bytes"]), "camera": c, "time": f"{t:.3g} s"} for p, c, t in looks],
         "options": _options(row, put),
         "true": row["answer"],
         "value": row["answer_value"],
@@ -171,8 +169,8 @@ def _run(row: Row, put: StorePicture, replies: GalleryReplies) -> Record:
     }
 
 
-def _options(row: Row, put: StorePicture) -> list[Record]:
-    shown = [put(row["task"], p["bytes"]) for p in row["option_image"]] or row["option_text"] or []
+def _options(row: Row, put: Store) -> list[Record]:
+    shown = [put(p["bytes"]) for p in row["option_image"]] or row["option_text"] or []
     key = "src" if row["option_image"] else "text"
     kinds, names, changes = row["option_kind"], row["option_name"], row["option_change"]
     return [

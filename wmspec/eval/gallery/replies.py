@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from wmspec.core.diagnostics import WmsError
 from wmspec.eval.models import results
 
 #: Maximum length of a displayed reply (characters).
@@ -41,18 +40,8 @@ NO_REPLIES = GalleryReplies((), {})
 def read(paths: Sequence[Path]) -> GalleryReplies:
     """Read result files, or folders of them. Raises WmsError if one is invalid, or a folder has none."""
     by_id: dict[str, list[results.Row]] = {}
-    for path in _files(paths):
+    for path in results.files_of(paths):
         for row in results.read(path)[0]:
             by_id.setdefault(row["id"], []).append(row)
     models = sorted({row["model"] for rows in by_id.values() for row in rows})
     return GalleryReplies(tuple(models), by_id)
-
-
-def _files(paths: Sequence[Path]) -> list[Path]:
-    files: list[Path] = []
-    for path in paths:
-        below = sorted(path.rglob("*.parquet")) if path.is_dir() else [path]
-        if not below:
-            raise WmsError(f"{path} holds no results; `wmspec evaluate` writes them as .parquet files")
-        files += below
-    return list(dict.fromkeys(files))

@@ -4,30 +4,18 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from typing import Protocol
 
-import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
 from wmspec.dataset.build.columns import COLUMNS
 from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.rows import Row, encode_picture, table_schema
+from wmspec.eval.image_import.decode import PictureFolder
 from wmspec.eval.image_import.table import Entry
+from wmspec.eval.image_import.wm_abench import Pictures
 
-
-class PictureSource(Protocol):
-    """Pictures by name."""
-
-    def still(self, name: str) -> NDArray[np.uint8]:
-        """Return a picture (h, w, 3)."""
-        ...
-
-    def frames(self, name: str, count: int) -> tuple[list[NDArray[np.uint8]], list[float]]:
-        """Return frames of a clip and their times (s)."""
-        ...
-
-
+#: Pictures by name.
+PictureSource = PictureFolder | Pictures
 #: The name of the only engine and camera of an imported dataset.
 CAMERA_ENGINE = "camera"
 

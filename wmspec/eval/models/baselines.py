@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -22,6 +22,8 @@ from wmspec.eval.models.montage import decode_image
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.request import Ask
 
+#: The baselines.
+NAMES = ("random", "blind", "options-only", "oracle")
 #: Standard errors above chance from which a cue is preferred.
 MIN_EVIDENCE = 2.0
 #: Side of the thumbnails that are compared (px).
@@ -66,7 +68,7 @@ class Baseline:
     def __init__(self, name: str, questions: Iterable[Question], seed: int) -> None:
         self.identity = f"{name} {seed}"
         self._seed = seed
-        self._choose = _CHOOSERS[name]
+        self._name = name
         self._learned = _CueCounts()
         self._numbers: dict[tuple[str, str], list[tuple[str, float]]] = {}
         for question in questions if name != "oracle" else ():
@@ -80,17 +82,34 @@ class Baseline:
         question = ask.question
         draw = rng.uniform(self._seed, question.id, ask.permutation, ask.sample, self.identity)
         if question.options:
-            which = self._choose(question, self._learned, draw)
+            which = self._choose(question, draw)
             return Reply(ask.label(ask.order.index(which)), model_version="1")
-        number = question.number if self.identity.startswith("oracle") else self._number(question, draw)
+        number = question.number if self._name == "oracle" else self._number(question, draw)
         return Reply("" if number is None else f"{number!r} {question.unit}".strip(), model_version="1")
+
+    def _choose(self, question: Question, draw: float) -> int:
+        """Return the true option, a random one, one whose words are true most often, or the picture closest to all."""
+        if self._name == "oracle":
+            assert question.answer is not None
+            return question.answer
+        count = len(question.options)
+        if self._name == "random" or (self._name == "blind" and not question.in_words):
+            return int(draw * count)
+        if question.in_words:
+            cues = _cues(self._name, question)
+            found = [self._learned.evidence(cue, question.group, 1 / count) if count > 1 else 0.0 for cue in cues]
+            best = [place for place, evidence in enumerate(found) if evidence == max(found)]
+            return best[int(draw * len(best))]
+        seen = np.stack([_thumbnail(png) for png in question.pictures])
+        apart = np.abs(seen[:, None] - seen[None]).mean(axis=(2, 3, 4)).sum(axis=1)
+        return int(np.argmin(apart))
 
     def _number(self, question: Question, draw: float) -> float | None:
         """Return the number of another question of the same kind: a random one, or the median."""
         others = sorted(n for group, n in self._numbers.get(_question_kind(question), []) if group != question.group)
         if not others:
             return None
-        return others[int(draw * len(others))] if self.identity.startswith("random") else others[len(others) // 2]
+        return others[int(draw * len(others))] if self._name == "random" else others[len(others) // 2]
 
 
 def _question_kind(question: Question) -> tuple[str, str]:
@@ -103,45 +122,6 @@ def _cues(name: str, question: Question) -> list[str]:
     return [f"{kind}|{seen}|{words}" for words in question.options if words is not None]
 
 
-def _oracle(question: Question, learned: _CueCounts, draw: float) -> int:  # noqa: ARG001
-    assert question.answer is not None
-    return question.answer
-
-
-def _random(question: Question, learned: _CueCounts, draw: float) -> int:  # noqa: ARG001
-    return int(draw * len(question.options))
-
-
-def _likeliest(question: Question, learned: _CueCounts, draw: float, name: str) -> int:
-    chance = 1 / len(question.options)
-    found = [learned.evidence(cue, question.group, chance) if chance < 1 else 0.0 for cue in _cues(name, question)]
-    best = [place for place, evidence in enumerate(found) if evidence == max(found)]
-    return best[int(draw * len(best))]
-
-
-def _blind(question: Question, learned: _CueCounts, draw: float) -> int:
-    return _likeliest(question, learned, draw, "blind") if question.in_words else _random(question, learned, draw)
-
-
-def _options_only(question: Question, learned: _CueCounts, draw: float) -> int:
-    """Return the option whose words are true most often, or the picture closest to all others."""
-    if question.in_words:
-        return _likeliest(question, learned, draw, "options-only")
-    seen = np.stack([_thumbnail(png) for png in question.pictures])
-    apart = np.abs(seen[:, None] - seen[None]).mean(axis=(2, 3, 4)).sum(axis=1)
-    return int(np.argmin(apart))
-
-
 def _thumbnail(png: bytes) -> NDArray[np.float64]:
     picture = decode_image(png).resize((THUMBNAIL_SIZE, THUMBNAIL_SIZE), Image.Resampling.BOX)
     return np.asarray(picture, dtype=np.float64)
-
-
-_CHOOSERS: dict[str, Callable[[Question, _CueCounts, float], int]] = {
-    "random": _random,
-    "blind": _blind,
-    "options-only": _options_only,
-    "oracle": _oracle,
-}
-
-NAMES = tuple(_CHOOSERS)

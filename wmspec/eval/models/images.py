@@ -14,8 +14,8 @@ from wmspec.eval.models.montage import decode_image
 
 Detail = Literal["low", "high", "auto", "original"]
 _FORMAT = re.compile(r"(png|jpeg|webp)(?::(\d{1,3}))?")
-#: Default quality of lossy formats; smallest and largest side of a picture (px).
-DEFAULT_QUALITY, MIN_SIZE, MAX_SIZE = 90, 16, 8192
+#: Default quality of lossy formats.
+DEFAULT_QUALITY = 90
 
 
 @dataclass(frozen=True)

@@ -35,18 +35,20 @@ _PLACEHOLDERS = {
 }
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
+class FrozenModel(BaseModel):
+    """A model that cannot be changed and has no other fields than its own."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class LabelKinds(_Model):
+class LabelKinds(FrozenModel):
     """The labels of options in words and of option pictures."""
 
     words: Labels
     pictures: Labels
 
 
-class Texts(_Model):
+class Texts(FrozenModel):
     """The texts of a template; an empty one omits its line."""
 
     picture: str
@@ -84,7 +86,7 @@ class Texts(_Model):
         return re.sub(r"\{(\w+)\}", lambda match: str(values[match[1]]), text)
 
 
-class Prompt(_Model):
+class Prompt(FrozenModel):
     """A template: system prompt, order of parts, presentation of pictures, and texts.
 
     Of a film, at most `frames` pictures are shown.

@@ -7,7 +7,7 @@ import os
 import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, get_args
 
@@ -22,7 +22,7 @@ from wmspec.core.safe_io import is_file_name, make_folders, read_bytes
 from wmspec.dataset.build.files import with_remedies
 from wmspec.eval import replies
 from wmspec.eval.models.chance import chances
-from wmspec.eval.models.journal import Key, Replies
+from wmspec.eval.models.journal import Replies
 from wmspec.eval.models.model import Reply
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.request import Ask
@@ -73,6 +73,8 @@ COLUMNS: dict[str, tuple[pa.DataType, str]] = {
 }
 SCHEMA = pa.schema([pa.field(name, kind) for name, (kind, _) in COLUMNS.items()])
 _ABOUT = b"wmspec"
+#: The fields of a reply that are columns of the same names; `finish` is `finish_reason` there.
+_OF_REPLY = tuple(field.name for field in fields(Reply) if field.name != "finish")
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,6 @@ def row(ask: Ask, reply: Reply, model: str, prompt: str) -> Row:
         {
             **question.columns,
             "model": model,
-            "model_version": reply.model_version,
             "prompt": prompt,
             "prompt_hash": ask.prompt.hash,
             "ablation": ask.ablation,
@@ -109,16 +110,9 @@ def row(ask: Ask, reply: Reply, model: str, prompt: str) -> Row:
             "answer_number": number,
             "answer_unit": unit,
             "answer_within": within,
-            "text": reply.text,
+            **{name: getattr(reply, name) for name in _OF_REPLY},
             "status": "error" if reply.failed else "answered",
             "finish_reason": reply.finish,
-            "reasoning": reply.reasoning,
-            "error": reply.error,
-            "tokens_in": reply.tokens_in,
-            "tokens_out": reply.tokens_out,
-            "tokens_reasoning": reply.tokens_reasoning,
-            "cost": reply.cost,
-            "seconds": reply.seconds,
         }
     )
 
@@ -126,16 +120,11 @@ def row(ask: Ask, reply: Reply, model: str, prompt: str) -> Row:
 def score(row: Row) -> Row:
     """Return a row with `parsed`, `number`, `right` and `status` computed from its text and other columns."""
     order = row["order"]
-    mark = replies.mark(
-        row["text"],
-        [row["options"][place] for place in order],
-        row["labels"],
-        answer=order.index(row["answer"]) if row["answer"] is not None else None,
-        number=row["answer_number"],
-        unit=row["answer_unit"],
-        within=row["answer_within"],
-        finish=row["finish_reason"],
-    )
+    shown = row | {
+        "options": [row["options"][place] for place in order],
+        "answer": order.index(row["answer"]) if row["answer"] is not None else None,
+    }
+    mark = replies.mark_row(row["text"], shown, row["finish_reason"])
     came = row["status"] != "error"
     return {
         **row,
@@ -163,6 +152,17 @@ def counts(rows: Sequence[Row]) -> Counts:
 
 
 # ---------------------------------------------------------------- files
+
+
+def files_of(paths: Sequence[Path]) -> list[Path]:
+    """Return result files, and those in folders, each once. Raises WmsError for a folder without any."""
+    files: list[Path] = []
+    for path in paths:
+        below = sorted(path.rglob("*.parquet")) if path.is_dir() else [path]
+        if not below:
+            raise WmsError(f"{path} holds no results; `wmspec evaluate` writes them as .parquet files")
+        files += below
+    return list(dict.fromkeys(files))
 
 
 def settings_path(path: Path) -> Path:
@@ -280,26 +280,11 @@ def _fault(table: pa.Table) -> str:
 
 def replies_of(rows: Iterable[Row]) -> Replies:
     """Return the replies of rows."""
-    return {_key(row): _reply(row) for row in rows}
-
-
-def _key(row: Row) -> Key:
-    return row["id"], row["permutation"], row["sample"]
+    return {(row["id"], row["permutation"], row["sample"]): _reply(row) for row in rows}
 
 
 def _reply(row: Row) -> Reply:
-    same = (
-        "text",
-        "reasoning",
-        "error",
-        "model_version",
-        "tokens_in",
-        "tokens_out",
-        "tokens_reasoning",
-        "cost",
-        "seconds",
-    )
-    return Reply(finish=row["finish_reason"], **{name: row[name] for name in same})
+    return Reply(finish=row["finish_reason"], **{name: row[name] for name in _OF_REPLY})
 
 
 def rescore(path: Path) -> tuple[Counts, int]:

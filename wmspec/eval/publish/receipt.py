@@ -28,7 +28,7 @@ from wmspec.eval.replies import PARSER_VERSION
 from wmspec.eval.report.intervals import Estimate
 from wmspec.eval.report.questions import Questions
 from wmspec.eval.report.replies import replies
-from wmspec.eval.report.tables import Line, Table, tables
+from wmspec.eval.report.tables import Table, tables
 
 #: Format of receipts.
 FORMAT = 1
@@ -100,12 +100,8 @@ def _table(table: Table) -> dict[str, Any]:
         "chance": _finite(line.chance),
         "answered": _finite(line.parsed),
         "dimensions": {name: _number(value) for name, value in line.dimensions.items()},
-        "tasks": {name: _number(value) for name, value in _sorted(line)},
+        "tasks": {name: _number(value) for name, value in sorted(line.tasks.items())},
     }
-
-
-def _sorted(line: Line) -> list[tuple[str, Estimate]]:
-    return sorted(line.tasks.items())
 
 
 def _number(estimate: Estimate) -> dict[str, Any]:

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes, regular_file
 from wmspec.eval.models.model import Reply, storable
+from wmspec.eval.models.prompt import FrozenModel
 from wmspec.eval.publish.questions import Published
 from wmspec.eval.replies import mark
 
@@ -23,11 +24,7 @@ MAX_BYTES = 256 << 20
 _WORDS = r"^[^\x00-\x1f\x7f-\x9f]*$"
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class About(_Model):
+class About(FrozenModel):
     """The first line: the digest of the questions, the model, and how it was asked."""
 
     questions: str = Field(pattern=r"^[0-9a-f]{64}$")
@@ -36,7 +33,7 @@ class About(_Model):
     notes: str = Field(default="", max_length=1000, pattern=_WORDS)
 
 
-class Line(_Model):
+class Line(FrozenModel):
     """Another line: the public id of a question, the reply, why it ended, or why none came."""
 
     id: str = Field(max_length=200)

@@ -4,7 +4,7 @@ Exports contain a copy of this folder, so modules import each other relatively a
 """
 
 from .choice import choice
-from .mark import FINISHED_BY_FILTER, FINISHED_BY_LENGTH, Mark, Outcome, is_withheld, mark
+from .mark import FINISHED_BY_FILTER, FINISHED_BY_LENGTH, Mark, Outcome, is_withheld, mark, mark_row
 from .normalize import MAX_REPLY_LENGTH
 from .numbers import is_near, number_in
 from .shown import LETTERS, ORDINALS
@@ -25,5 +25,6 @@ __all__ = [
     "is_near",
     "is_withheld",
     "mark",
+    "mark_row",
     "number_in",
 ]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from .choice import choice
 from .numbers import is_near, number_in
@@ -74,3 +74,9 @@ def mark(
     if value is None:
         return Mark("truncated" if cut else "unparsed", None, None, False)
     return Mark("answered", None, value, number is not None and is_near(value, number, within or 0.0, unit or ""))
+
+
+def mark_row(text: str, row: Mapping[str, Any], finish: str | None = None) -> Mark:
+    """Read and score a reply to the question of a row: its `options`, `labels`, `answer`, `answer_number` and so on."""
+    number = {name: row[f"answer_{name}"] for name in ("number", "unit", "within")}
+    return mark(text, row["options"], row["labels"], row["answer"], **number, finish=finish)

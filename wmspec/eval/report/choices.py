@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from wmspec.eval.report.intervals import Estimate, estimate, mean_estimates, ratio, resample_sums, spread_at_bounds
+from wmspec.eval.report.intervals import Estimate, mean_estimates, share_estimates
 from wmspec.eval.report.replies import Replies
 from wmspec.runtime.questions.model import HYPOTHETICAL
 
@@ -85,14 +85,10 @@ def _positions(options: int, table: pd.DataFrame) -> Iterator[Position]:
     cells = table.groupby(["cluster", "system", "true"])["right"]
     right = cells.sum().unstack(["system", "true"], fill_value=0).sort_index(axis=1)
     count = cells.size().unstack(["system", "true"], fill_value=0).sort_index(axis=1)
-    parts = right.to_numpy(dtype=float), count.to_numpy(dtype=float)
-    value, clusters = ratio(parts[0].sum(0), parts[1].sum(0)), (parts[1] > 0).sum(0)
-    key = ("place", options)
-    drawn = spread_at_bounds(value, ratio(*resample_sums(parts, key)), clusters, key)
+    accuracies, _ = share_estimates(right.to_numpy(dtype=float), count.to_numpy(dtype=float), ("place", options))
     chosen = table[table["chosen"] >= 0].groupby("system")["chosen"].value_counts(normalize=True).to_dict()
     systems, places = (right.columns.get_level_values(level) for level in ("system", "true"))
-    for j, (system, place) in enumerate(zip(systems, places, strict=True)):
-        accuracy = estimate(value[j], drawn[:, j], int(parts[1][:, j].sum()), int(clusters[j]))
+    for accuracy, system, place in zip(accuracies, systems, places, strict=True):
         yield Position(str(system), options, int(place), accuracy, float(chosen.get((system, place), 0.0)))
 
 

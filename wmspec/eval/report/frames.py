@@ -14,9 +14,6 @@ from wmspec.eval.report.intervals import Estimate
 from wmspec.eval.report.report import Report
 from wmspec.eval.report.tables import Table
 
-#: The gain, in captions.
-DELTA = "Δ"
-
 
 def long_tables(report: Report) -> dict[str, pd.DataFrame]:
     """Return every non-empty analysis by name, one row a number. Estimates become four columns."""
@@ -116,13 +113,13 @@ def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
     if report.filtered:
         rows = ((f"{f.task}, perceived by {f.by}", f.system, _signed_points(f.gain.value)) for f in report.filtered)
         made["filtered"] = (
-            f"Gain {DELTA} (points) in prediction where the episode was perceived rightly.",
+            "Gain Δ (points) in prediction where the episode was perceived rightly.",
             _pivot(rows, report.systems),
         )
     if report.missed:
         rows = ((f"{m.task}, {m.missed} missed", m.system, _signed_points(m.gain.value)) for m in report.missed)
         made["missed"] = (
-            f"Gain {DELTA} (points) in prediction where a companion question was answered wrongly.",
+            "Gain Δ (points) in prediction where a companion question was answered wrongly.",
             _pivot(rows, report.systems),
         )
     if report.entanglement:

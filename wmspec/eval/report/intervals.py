@@ -92,10 +92,14 @@ def spread_at_bounds(value: Floats, drawn: Floats, clusters: NDArray[np.intp], k
 
 def mean_estimates(values: Floats, cluster: ArrayLike, key: object) -> tuple[tuple[Estimate, ...], Floats]:
     """Return the mean of every column of values (n, m) with its interval, and the draws (DRAWS, m) of the means."""
-    total, count = cluster_sums(values, cluster)
-    value, clusters = ratio(total.sum(0), count.sum(0)), (count > 0).sum(0)
-    drawn = spread_at_bounds(value, ratio(*resample_sums((total, count), key)), clusters, key)
+    return share_estimates(*cluster_sums(values, cluster), key)
+
+
+def share_estimates(right: Floats, count: Floats, key: object) -> tuple[tuple[Estimate, ...], Floats]:
+    """Return the shares (m,) of sums over clusters, (g, m) each, with their intervals, and their draws (DRAWS, m)."""
+    value, clusters = ratio(right.sum(0), count.sum(0)), (count > 0).sum(0)
+    drawn = spread_at_bounds(value, ratio(*resample_sums((right, count), key)), clusters, key)
     estimates = tuple(
-        estimate(value[j], drawn[:, j], int(count[:, j].sum()), int(clusters[j])) for j in range(values.shape[1])
+        estimate(value[j], drawn[:, j], round(count[:, j].sum()), int(clusters[j])) for j in range(count.shape[1])
     )
     return estimates, drawn

@@ -36,8 +36,6 @@ _WORD = re.compile(r"[a-z]+")
 _NUMBER = re.compile(r"_\d+$")
 #: Least distance (m) by which an object has moved between two images.
 _MOVED = 0.01
-#: Words that name an object by its property alone: "the red one".
-_PRONOUNS = frozenset({"one", "object", "thing"})
 
 
 def object_named(words: str, objects: Sequence[Row]) -> str:

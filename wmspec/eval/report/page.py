@@ -11,7 +11,7 @@ import pandas as pd
 
 from wmspec.dataset.build.webpage import webpage
 from wmspec.eval.report.figures.style import SvgFigure
-from wmspec.eval.report.frames import DELTA, format_percent
+from wmspec.eval.report.frames import format_percent
 from wmspec.eval.report.intervals import Estimate
 from wmspec.eval.report.items import MIN_SYSTEMS
 from wmspec.eval.report.replies import BASELINES, PEOPLE
@@ -61,7 +61,7 @@ def page(
         strips={name: f"data:image/png;base64,{base64.b64encode(png).decode()}" for name, png in strips.items()},
         accounts_shown=sorted(report.accounts, key=lambda a: order.index(a.system)),
         tables_of=TABLES_OF,
-        wide={name: (caption.replace(DELTA, "Δ"), frame) for name, (caption, frame) in wide.items()},
+        wide=wide,
         least_systems=MIN_SYSTEMS,
         percent=format_percent,
         picture=_picture,

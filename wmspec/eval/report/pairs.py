@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from wmspec.eval.report.intervals import Estimate, Floats, estimate, ratio, resample_sums, spread_at_bounds
+from wmspec.eval.report.intervals import Estimate, Floats, share_estimates
 from wmspec.eval.report.replies import Replies
 
 
@@ -46,17 +46,9 @@ def _task(replies: Replies, task: str) -> list[Pair]:
     guess = _pairs(1 / table[["options"]].to_numpy(dtype=float), table).sum() / max(
         1.0, _pairs(np.ones((len(table), 1)), table).sum()
     )
-    value, groups = ratio(right.sum(0), count.sum(0)), (count > 0).sum(0)
-    key = ("pairs", task)
-    drawn = spread_at_bounds(value, ratio(*resample_sums((right, count), key)), groups, key)
+    both, _ = share_estimates(right, count, ("pairs", task))
     return [
-        Pair(
-            task,
-            system,
-            estimate(value[j], drawn[:, j], round(count[:, j].sum()), int(groups[j])),
-            float(singles[system]),
-            float(guess),
-        )
+        Pair(task, system, both[j], float(singles[system]), float(guess))
         for j, system in enumerate(replies.systems)
         if count[:, j].any()
     ]

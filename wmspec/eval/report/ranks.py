@@ -36,14 +36,10 @@ def rank_agreement(first: Replies, second: Replies) -> tuple[RankAgreement, ...]
     models = [s for s in first.systems if s in second.systems and s not in (*BASELINES, PEOPLE)]
     if len(models) < MIN_MODELS:
         return ()
-    kinds = [_kinds(replies) for replies in (first, second)]
+    kinds = [replies.main_questions["dimension"].str.split(".").str[0] for replies in (first, second)]
     both = sorted(set(kinds[0]) & set(kinds[1]))
     chosen = ["", *(both if len(set(kinds[0]) | set(kinds[1])) > 1 else ())]
     return tuple(_agreement(kind, models, (first, second), kinds) for kind in chosen)
-
-
-def _kinds(replies: Replies) -> pd.Series[str]:
-    return replies.main_questions["dimension"].str.split(".").str[0]
 
 
 def _agreement(

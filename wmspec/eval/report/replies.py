@@ -18,7 +18,7 @@ from wmspec.core.safe_io import regular_file
 from wmspec.dataset.build.images import image_format
 from wmspec.eval.models.agreement import majority
 from wmspec.eval.models.chance import chances
-from wmspec.eval.models.results import upgraded, validated
+from wmspec.eval.models.results import files_of, upgraded, validated
 from wmspec.eval.report.questions import Questions
 
 #: Required columns of results; `docs/evaluate.md` describes them.
@@ -110,7 +110,7 @@ def read(paths: Sequence[Path], dataset: Path | None, names: Mapping[str, str] |
     Raises WmsError if one cannot be read, lacks a column, or contradicts another, if a question is not in the dataset,
     or if there are too many systems.
     """
-    table = pd.concat([_file(path) for path in _files(paths)], ignore_index=True)
+    table = pd.concat([_file(path) for path in files_of(paths)], ignore_index=True)
     if table.empty:
         raise WmsError("the results have no replies", help="evaluate again, with questions")
     table = _unique_replies(table)
@@ -146,19 +146,6 @@ def replies(table: pd.DataFrame, questions: Questions | None = None) -> Replies:
 # ---------------------------------------------------------------- files
 
 
-def _files(paths: Sequence[Path]) -> list[Path]:
-    files: list[Path] = []
-    for path in paths:
-        if path.is_dir():
-            below = sorted(path.rglob("*.parquet"))
-            if not below:
-                raise WmsError(f"{path} holds no results; `wmspec evaluate` writes them as .parquet files")
-            files += below
-        else:
-            files.append(path)
-    return list(dict.fromkeys(files))
-
-
 def _file(path: Path) -> pd.DataFrame:
     try:
         file = open_parquet(path)
@@ -188,7 +175,7 @@ MAX_STRIPS = 20_000_000
 def read_strips(paths: Sequence[Path]) -> dict[str, bytes]:
     """Return the film strips (PNG) beside result files, by the model's name; those that cannot be read are left out."""
     found = {}
-    for path in _files(paths):
+    for path in files_of(paths):
         place = path.with_suffix(".strips.png")
         try:
             content = regular_file(place).read_bytes() if place.stat().st_size <= MAX_STRIPS else b""

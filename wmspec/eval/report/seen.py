@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from wmspec.eval.models.splits import Splits
-from wmspec.eval.report.intervals import Estimate, cluster_sums, estimate, ratio, resample_sums, spread_at_bounds
+from wmspec.eval.report.intervals import Estimate, cluster_sums, estimate, share_estimates
 from wmspec.eval.report.replies import Replies
 
 
@@ -56,9 +56,7 @@ def _accuracies(replies: Replies, task: str, ids: pd.Index[str], unseen: pd.Seri
         if np.isnan(values).all(0).any():
             continue
         total, count = cluster_sums(values, cluster)
-        value, groups = ratio(total.sum(0), count.sum(0)), (count > 0).sum(0)
-        key = ("seen", task, system)
-        drawn = spread_at_bounds(value, ratio(*resample_sums((total, count), key)), groups, key)
-        seen, held_out = (estimate(value[j], drawn[:, j], int(count[:, j].sum()), int(groups[j])) for j in (0, 1))
-        gap = estimate(value[0] - value[1], drawn[:, 0] - drawn[:, 1], int(count.sum()), int(groups.min()))
+        (seen, held_out), drawn = share_estimates(total, count, ("seen", task, system))
+        groups = int((count > 0).sum(0).min())
+        gap = estimate(seen.value - held_out.value, drawn[:, 0] - drawn[:, 1], int(count.sum()), groups)
         yield SeenAccuracy(task, system, seen, held_out, gap)

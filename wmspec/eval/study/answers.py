@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes, regular_file
+from wmspec.eval.models.prompt import FrozenModel
 from wmspec.eval.replies import LETTERS
 from wmspec.eval.study.model import Item, Study
 
@@ -22,11 +23,7 @@ Seconds = Annotated[float, Field(ge=0, le=_DAY, allow_inf_nan=False)]
 Linked = Annotated[str, Field(pattern=r"^[A-Za-z0-9._-]{0,64}$")]
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class Person(_Model):
+class Person(FrozenModel):
     """A participant: a random session id, and the name in the link, if any.
 
     `study_id` and `session_id` are those of the site that invites people, such as Prolific.
@@ -38,7 +35,7 @@ class Person(_Model):
     session_id: Linked = ""
 
 
-class Answer(_Model):
+class Answer(FrozenModel):
     """An answer: its step, the chosen letter or number, its time (s), and the time during which the page was hidden
     (s).
     """

@@ -7,13 +7,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import ValidationError
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build.files import with_remedies
 from wmspec.dataset.build.format_units import DISPLAY_UNITS
+from wmspec.eval.models.prompt import FrozenModel
 from wmspec.eval.models.question import Question
 from wmspec.eval.replies import LETTERS
 
@@ -23,11 +24,7 @@ STUDY_FILE, PAGE_FOLDER, TEXTS_FOLDER = "study.json", "page", "texts"
 Kind = Literal["question", "practice", "check"]
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class Item(_Model):
+class Item(FrozenModel):
     """A question of a dataset with the names of its pictures and of its film, or an attention check.
 
     `answer` is the position of the true option among `words` or `pictures`, None for an open question.
@@ -80,14 +77,14 @@ class Item(_Model):
         )  # fmt: skip
 
 
-class Step(_Model):
+class Step(FrozenModel):
     """One step of a participant: an item, and the rotation of its options."""
 
     item: int
     permutation: int = 0
 
 
-class Study(_Model):
+class Study(FrozenModel):
     """A study. `slots` has the steps of each participant; every question occurs in `raters` of them, once each."""
 
     format: Literal[1] = 1

@@ -7,30 +7,27 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.resources import resource
 from wmspec.core.safe_io import read_bytes, read_text
+from wmspec.eval.models.prompt import FrozenModel
 
 #: Its name among the texts of a study.
 WORDING_FILE = "page.toml"
 
 
-class Completion(BaseModel):
+class Completion(FrozenModel):
     """The end of a study: a code for all people, or '' for a code of their own; and the address where they go."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     code: str = Field(default="", pattern=r"^[A-Za-z0-9._-]{0,64}$")
     url: str = Field(default="", pattern=r"^(https://[^\s\"'<>]+)?$")
 
 
-class Wording(BaseModel):
+class Wording(FrozenModel):
     """The content of the file. Texts have the placeholders of the texts that they translate."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     completion: Completion
     texts: dict[str, str]

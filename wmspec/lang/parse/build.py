@@ -46,6 +46,14 @@ class _Builder:
     def every(self, nodes: list[Any]) -> tuple[Any, ...]:
         return tuple(self(n) for n in nodes if isinstance(n, Tree))
 
+    def _node(kind: Callable[..., Any], *first: str) -> Callable[[_Builder, Any, Span], Any]:
+        """Return the method of a rule whose children are the fields of a node, after `first`."""
+
+        def build(self: _Builder, c: Any, span: Span) -> Any:
+            return kind(*first, *map(self.maybe, c), span)
+
+        return build
+
     # ------------------------------------------------------------ statements
 
     def docstring(self, c: Any, span: Span) -> s.Docstring:
@@ -58,8 +66,7 @@ class _Builder:
     def variant(self, c: Any, span: Span) -> s.Variant:
         return s.Variant(self(c[0]), self.every(c[1:]), span)
 
-    def parameter(self, c: Any, span: Span) -> s.Parameter:
-        return s.Parameter(self(c[0]), self(c[1]), span)
+    parameter = _node(s.Parameter)
 
     def choice(self, c: Any, span: Span) -> s.Parameter:
         name, domain = self(c[0]), self(c[1])
@@ -87,20 +94,11 @@ class _Builder:
         name = self(tree)
         return s.Word(name.id, name.span)
 
-    def let(self, c: Any, span: Span) -> s.Let:
-        return s.Let(self(c[0]), self(c[1]), span)
-
-    def require(self, c: Any, span: Span) -> s.Require:
-        return s.Require(self(c[0]), span)
-
-    def holdout(self, c: Any, span: Span) -> s.Holdout:
-        return s.Holdout(self(c[0]), self(c[1]), span)
-
-    def repeat(self, c: Any, span: Span) -> s.Setting:
-        return s.Setting("repeat", self(c[0]), span)
-
-    def horizon(self, c: Any, span: Span) -> s.Setting:
-        return s.Setting("horizon", self(c[0]), span)
+    let = _node(s.Let)
+    require = _node(s.Require)
+    holdout = _node(s.Holdout)
+    repeat = _node(s.Setting, "repeat")
+    horizon = _node(s.Setting, "horizon")
 
     def setting(self, c: Any, span: Span) -> s.Setting:
         return s.Setting(c[0].text, self.text(c[1:], self.span(c[1])), span)
@@ -108,8 +106,7 @@ class _Builder:
     def design(self, c: Any, span: Span) -> s.Design:
         return s.Design(self(c[0]), self.maybe(c[1]), self.every(c[2:]), span)
 
-    def tolerance(self, c: Any, span: Span) -> s.Tolerance:
-        return s.Tolerance(self(c[0]), self(c[1]), span)
+    tolerance = _node(s.Tolerance)
 
     def block(self, c: Any, span: Span) -> s.Block:
         kind = c[0].text
@@ -133,8 +130,7 @@ class _Builder:
     def part(self, c: Any, span: Span) -> s.Part:
         return s.Part(self(c[0]), self.members(c[1:])[0], span)
 
-    def property(self, c: Any, span: Span) -> s.Property:
-        return s.Property(self(c[0]), self(c[1]), self.maybe(c[2]), span)
+    property = _node(s.Property)
 
     def action(self, c: Any, span: Span) -> s.Action:
         return s.Action(self(c[0]), self(c[1]), self.every(c[2:]), span)
@@ -148,8 +144,7 @@ class _Builder:
     def observe(self, c: Any, span: Span) -> s.Observe:
         return s.Observe(self(c[0]), self(c[1]), span, self.maybe(c[2]))
 
-    def film(self, c: Any, span: Span) -> s.Film:
-        return s.Film(self(c[0]), self.maybe(c[1]), self.maybe(c[2]), span)
+    film = _node(s.Film)
 
     # ------------------------------------------------------------ questions
 
@@ -190,35 +185,25 @@ class _Builder:
     def legibility(self, c: Any, span: Span) -> s.Legibility:
         return s.Legibility(self.word(c[0]), span)
 
-    def film_text(self, c: Any, span: Span) -> s.ModelText:
-        return s.ModelText("film_text", self(c[0]), span)
-
-    def action_text(self, c: Any, span: Span) -> s.ModelText:
-        return s.ModelText("action_text", self(c[0]), span)
+    film_text = _node(s.ModelText, "film_text")
+    action_text = _node(s.ModelText, "action_text")
 
     def kinds(self, c: Any, span: Span) -> s.Kinds:
         return s.Kinds(self.every(c), span)
 
-    def each_other(self, c: Any, span: Span) -> s.EachOther:
-        return s.EachOther(self(c[0]), span)
+    each_other = _node(s.EachOther)
 
     def counterfactual(self, c: Any, span: Span) -> s.Counterfactual:
         return s.Counterfactual(self(c[0]), self.every(c[1:]), span)
 
-    def change_action(self, c: Any, span: Span) -> s.Change:
-        return s.Change("action", self(c[0]), self(c[1]), span)
-
-    def change_state(self, c: Any, span: Span) -> s.Change:
-        return s.Change("state", self(c[0]), self(c[1]), span)
-
-    def change_level(self, c: Any, span: Span) -> s.Change:
-        return s.Change("level", self(c[0]), self(c[1]), span)
+    change_action = _node(s.Change, "action")
+    change_state = _node(s.Change, "state")
+    change_level = _node(s.Change, "level")
 
     def change_without(self, c: Any, span: Span) -> s.Change:
         return s.Change("without", self(c[0]), None, span)
 
-    def change_order(self, c: Any, span: Span) -> s.Change:
-        return s.Change("order", self(c[0]), self(c[1]), span)
+    change_order = _node(s.Change, "order")
 
     def change_add(self, c: Any, span: Span) -> s.Change:
         return s.Change("add", self(c[0]), None, span, self.every(c[1:]))
@@ -235,11 +220,8 @@ class _Builder:
         target = self(c[1])
         return s.WhatIf(self(c[0]), s.Change("without", target, None, target.span), span)
 
-    def under(self, c: Any, span: Span) -> s.WhatIf:
-        return s.WhatIf(self(c[0]), self(c[1]), span)
-
-    def cause(self, c: Any, span: Span) -> s.Cause:
-        return s.Cause(self(c[0]), self(c[1]), span)
+    under = _node(s.WhatIf)
+    cause = _node(s.Cause)
 
     def either(self, c: Any, span: Span) -> s.Operation:
         return s.Operation("or", self.every(c), span)
@@ -267,11 +249,8 @@ class _Builder:
     def points(self, c: Any, span: Span) -> s.Range:
         return s.Range(self(c[0]), self(c[1]), None, self(c[2]), span)
 
-    def member(self, c: Any, span: Span) -> s.Member:
-        return s.Member(self(c[0]), self(c[1]), span)
-
-    def index(self, c: Any, span: Span) -> s.Index:
-        return s.Index(self(c[0]), self(c[1]), span)
+    member = _node(s.Member)
+    index = _node(s.Index)
 
     def call(self, c: Any, span: Span) -> s.Call:
         return s.Call(self(c[0]), self.every(c[1:]), span)

@@ -48,7 +48,7 @@ def replace_confusables(source: Source, tokens: list[Token], report: Report) -> 
         one, following = tokens[i], tokens[i + 1] if i + 1 < len(tokens) else None
         pair = one.text + following.text if following is not None and following.start == one.end else ""
         if pair == "//" or (pair == "/*" and one.type == "TIMES"):
-            i = yield from _skip_comment(source, tokens, i, pair, report)
+            i = _skip_comment(source, tokens, i, pair, report)
         elif one.type == "NUMBER" and (number := _decimal(tokens, i)) is not None:
             help = f"write `{number.text}`, or a unit after each number"
             report.add("WMS102", "a number has a point, no comma", _span(source, one, tokens[i + 2].end), help)
@@ -121,35 +121,26 @@ def _replace_quotes(source: Source, tokens: list[Token], i: int, report: Report)
     message = f'a text stands in `"`, and this is `{one.text}`'
     report.add("WMS102", message, _span(source, one, one.end), f'write `"{line[1:close]}"`'[:60])
     yield one._replace(type="STRING", text=f'"{line[1:close]}"')
-    rest = i
-    while rest < len(tokens) and tokens[rest].start < stop:
-        rest += 1
-    if rest > i and tokens[rest - 1].end > stop:  # a token extends beyond the quote
-        last = tokens[rest - 1]
-        tokens[rest:rest] = _words(text[stop : last.end], stop)
-    return rest
+    return _resume(text, tokens, i, stop)
 
 
-def _skip_comment(
-    source: Source, tokens: list[Token], i: int, sign: str, report: Report
-) -> Generator[Token, None, int]:
+def _skip_comment(source: Source, tokens: list[Token], i: int, sign: str, report: Report) -> int:
     """Skip a comment in another language's syntax, up to the end of its line or its closing sign."""
-    yield from ()
     text, start = source.text, tokens[i].start
     end = text.find("\n" if sign == "//" else "*/", start)
     stop = len(text) if end < 0 else end + (2 if sign == "/*" else 0)
     remedy = "write `#`" if sign == "//" else "begin each line of it with `#`"
     report.add("WMS102", f"`{sign}` begins no comment here", _span(source, tokens[i], tokens[i + 1].end), remedy)
-    rest = i
-    while rest < len(tokens) and tokens[rest].start < stop:
-        rest += 1
-    if tokens[rest - 1].end > stop:
-        tokens[rest:rest] = _words(text[stop : tokens[rest - 1].end], stop)
-    return rest
+    return _resume(text, tokens, i, stop)
 
 
-def _words(text: str, start: int) -> list[Token]:
-    return [t for t in tokenize(text, start) if t.type not in ("WHITE", "COMMENT")]
+def _resume(text: str, tokens: list[Token], i: int, stop: int) -> int:
+    """Return the index of the first token from an offset on; the rest of a token across it is read again."""
+    while i < len(tokens) and tokens[i].start < stop:
+        i += 1
+    if (end := tokens[i - 1].end) > stop:
+        tokens[i:i] = [t for t in tokenize(text[stop:end], stop) if t.type not in ("WHITE", "COMMENT")]
+    return i
 
 
 def _span(source: Source, token: Token, end: int) -> Span:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from itertools import pairwise
 
-from wmspec.lang.parse.lexer import Token
+from wmspec.lang.parse.lexer import Token, text_of
 from wmspec.lang.parse.repair_candidates import COMMON_UNITS, Repair, RepairSite
 from wmspec.lang.parse.tables import tables
 
@@ -149,8 +148,8 @@ def _chain(place: RepairSite) -> Iterator[Repair]:
     middle = place.words[first + 1 : place.i] if first is not None else ()
     if first is None or not middle:
         return
-    low, high = _text(place.words[start : place.i]), place.words[place.i + 1 : _value_end(place.words, place.i + 1)]
-    help = f"write `{low} and {_text(middle)} {place.word.text} {_text(high)}`"
+    low, high = text_of(place.words[start : place.i]), place.words[place.i + 1 : _value_end(place.words, place.i + 1)]
+    help = f"write `{low} and {text_of(middle)} {place.word.text} {text_of(high)}`"
     made = (_word("and", place), *middle, place.word)
     yield place.instead(*made, message="comparisons form no chain", help=help, cost=0.2)
 
@@ -166,7 +165,7 @@ def _membership(place: RepairSite) -> Iterator[Repair]:
     made, sign = [], place.word._replace(type="COMPARE", text="==")
     for k, item in enumerate(t for t in items if t.type != "COMMA"):
         made += [*([_word("or", place), *value] if k else []), sign, item]
-    help = f"write `{_text(value)} {' '.join(t.text for t in made)}`"
+    help = f"write `{text_of(value)} {' '.join(t.text for t in made)}`"
     yield Repair(place.i, stop, tuple(made), "`in` is unexpected here", help, 0.2)
 
 
@@ -207,7 +206,7 @@ def _choice(place: RepairSite) -> Iterator[Repair]:
     first, second = (after, words[start:i]) if sign == "if" else (words[start:i], after)
     ends = {"COMMA", "RPAR", "RSQB", "RBRACE"} | (_keywords() - {"IF", "THEN", "ELSE"})
     last = _find_outside_brackets(words, stop + 1, lambda t: t.type in ends or t.line > words[middle].line) or stop + 1
-    condition, then, otherwise = (_text(part) for part in (first, second, words[stop:last]))
+    condition, then, otherwise = (text_of(part) for part in (first, second, words[stop:last]))
     if condition and then and otherwise:
         made = [_word("if", place), *first, _word("then", place), *_merge_units(second), _word("else", place)]
         help = f"write `if {condition} then {then} else {otherwise}`"
@@ -254,9 +253,3 @@ def _merge_units(words: Sequence[Token]) -> list[Token]:
         else:
             made.append(word)
     return made
-
-
-def _text(words: Sequence[Token]) -> str:
-    """Return the tokens as written, on one line."""
-    gaps = [" " * (b.start > a.end) for a, b in pairwise(words)]
-    return "".join(t.text + gap for t, gap in zip(words, [*gaps, ""], strict=False))

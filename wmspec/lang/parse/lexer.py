@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
+from itertools import pairwise
 from typing import NamedTuple
 
 from wmspec.lang.parse.tables import tables
@@ -42,6 +43,12 @@ def tokenize(text: str, offset: int = 0) -> Iterator[Token]:
         if kind in _MULTILINE:
             line += word.count("\n")
         position += len(word)
+
+
+def text_of(tokens: Sequence[Token]) -> str:
+    """Return the tokens as written, on one line."""
+    gaps = [" " * (b.start > a.end) for a, b in pairwise(tokens)]
+    return "".join(t.text + gap for t, gap in zip(tokens, [*gaps, ""], strict=False))
 
 
 @cache

@@ -15,7 +15,7 @@ from wmspec.core.places import Location, Place, Source, Span
 from wmspec.lang.parse import library_cache
 from wmspec.lang.parse.files import find_library, library_folder, read_source, resolve_display_path, search_path
 from wmspec.lang.parse.parser import parse
-from wmspec.lang.parse.syntax import File, Name, Statement, Task, Use, Variant
+from wmspec.lang.parse.syntax import File, Name, Use, statements
 
 P = TypeVar("P", Place, Place | None)
 
@@ -33,7 +33,7 @@ class Program:
     def whole(self) -> bool:
         """Whether all files were parsed and found; if not, names may be missing."""
         files = (self.file, *self.libraries.values())
-        return all(file.whole and all(use.name.span in self.paths for use in _uses(file.items)) for file in files)
+        return all(file.whole and all(use.name.span in self.paths for use in _uses(file)) for file in files)
 
 
 def load(path: Path, report: Report) -> Program:
@@ -81,16 +81,12 @@ class _Texts:
         return self._sources[name]
 
 
-def _uses(items: Iterable[Statement | Variant | Task]) -> Iterator[Use]:
-    for item in items:
-        if isinstance(item, Task | Variant):
-            yield from _uses(item.body)
-        elif isinstance(item, Use):
-            yield item
+def _uses(file: File) -> Iterator[Use]:
+    return (item for item in statements(file.items) if isinstance(item, Use))
 
 
 def _collect(file: File, folder: Path, report: Report, program: Program, trail: tuple[tuple[Path, Span], ...]) -> None:
-    for use in _uses(file.items):
+    for use in _uses(file):
         path = _find(use.name, folder, report)
         if path is None:
             continue

@@ -67,7 +67,7 @@ class Repair:
     words: tuple[Token, ...]
     message: str
     help: str
-    cost: float
+    cost: float = 0.0
     missing: bool = False
     hyphenated: bool = False
     closes: int | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Literal, TypeVar
 
 from wmspec.core.node import Node
@@ -445,44 +445,21 @@ class File(Node):
     """Whether recovery dropped nothing; if not, names may be missing."""
 
 
-def names(node: object) -> Iterator[Name]:
-    """Yield all names in a subtree."""
-    return _nodes_of_type(node, Name)
+def statements(items: Iterable[Statement | Variant | Task]) -> Iterator[Statement]:
+    """Yield the statements of a file, of its tasks and of their variants."""
+    for item in items:
+        if isinstance(item, Task | Variant):
+            yield from statements(item.body)
+        else:
+            yield item
 
 
-def texts(node: object) -> Iterator[Text]:
-    """Yield all quoted texts in a subtree."""
-    return _nodes_of_type(node, Text)
-
-
-def lists(node: object) -> Iterator[Items]:
-    """Yield all lists in a subtree."""
-    return (items for items in _nodes_of_type(node, Items) if items.kind == "list")
-
-
-def calls(node: object) -> Iterator[Call]:
-    """Yield all calls in a subtree."""
-    return _nodes_of_type(node, Call)
-
-
-def numbers(node: object) -> Iterator[Number]:
-    """Yield all numbers in a subtree."""
-    return _nodes_of_type(node, Number)
-
-
-def _nodes_of_type(node: object, sort: type[N]) -> Iterator[N]:
+def nodes(node: object, sort: type[N]) -> Iterator[N]:
     """Yield all nodes of a type in a subtree, in order."""
     stack = [node]
     while stack:
         one = stack.pop()
         if isinstance(one, sort):
             yield one
-        stack += [part for part in child_nodes(one) if isinstance(part, COMPOSITE_TYPES)][::-1]
-
-
-def child_nodes(node: object) -> Iterator[object]:
-    """Yield the direct children of a node."""
-    if isinstance(node, tuple):
-        yield from node
-    elif isinstance(node, Node):
-        yield from vars(node).values()
+        parts = one if isinstance(one, tuple) else vars(one).values() if isinstance(one, Node) else ()
+        stack += [part for part in parts if isinstance(part, COMPOSITE_TYPES)][::-1]

@@ -3,21 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from wmspec.core.diagnostics import WmsError, suggestion
-from wmspec.lang.check.types.units import (
-    ANGLE,
-    LENGTH,
-    NUMBER,
-    SPEED,
-    TIME,
-    Dimension,
-    UnknownUnit,
-    convert,
-    parse_unit,
-)
+from wmspec.lang.check.tables.vocabulary import TOLERANCES
+from wmspec.lang.check.types.units import UnknownUnit, convert, parse_unit
 
 
 @dataclass(frozen=True)
@@ -42,13 +33,8 @@ class Tolerances:
     angle: float = 0.1745
 
 
-_DIMENSIONS: dict[str, tuple[Dimension, str]] = {
-    "rest": (LENGTH, "1mm"),
-    "drift": (SPEED, "1cm/s"),
-    "impact": (NUMBER, "5%"),
-    "event": (TIME, "20ms"),
-    "angle": (ANGLE, "15deg"),
-}
+#: An example of each of the tolerances, for messages.
+_EXAMPLES = {"rest": "1mm", "drift": "1cm/s", "impact": "5%", "event": "20ms", "angle": "15deg"}
 
 
 def tolerances(settings: Iterable[str], declared: Mapping[str, float] = MappingProxyType({})) -> Tolerances:
@@ -59,15 +45,14 @@ def tolerances(settings: Iterable[str], declared: Mapping[str, float] = MappingP
     given: dict[str, float] = {}
     for setting in settings:
         name, _, text = (part.strip() for part in setting.partition("="))
-        if name not in _DIMENSIONS:
-            known = [f.name for f in fields(Tolerances)]
-            raise WmsError(f"there is no tolerance `{name}`; {suggestion(name, known) or ', '.join(known)}")
+        if name not in TOLERANCES:
+            raise WmsError(f"there is no tolerance `{name}`; {suggestion(name, TOLERANCES) or ', '.join(TOLERANCES)}")
         given[name] = _value(name, text)
     return replace(Tolerances(), **{**declared, **given})
 
 
 def _value(name: str, text: str) -> float:
-    dimension, example = _DIMENSIONS[name]
+    dimension, example = TOLERANCES[name].dimension, _EXAMPLES[name]
     number = text.rstrip("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ/%^ ")
     try:
         scale, unit = parse_unit(text[len(number) :].strip())

@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 
 from wmspec.compile.design.design import Design
 from wmspec.lang.check.ir.ir import Question, TaskSpec
-from wmspec.lang.check.statements.question_kinds import asks_possibility
 from wmspec.runtime.questions.ask import ask
 from wmspec.runtime.questions.model import QuestionRow, Rejected
 from wmspec.runtime.questions.picture_balance import balanced_pictures
@@ -27,7 +26,7 @@ def has_closed_set(spec: TaskSpec) -> bool:
 
 def is_whole(spec: TaskSpec, question: Question) -> bool:
     """Whether a question is kept for all members of a group or for none."""
-    return bool(question.orbit) or (asks_possibility(question) and spec.plan.kind == "groups")
+    return bool(question.orbit) or (question.asks_possible and spec.plan.kind == "groups")
 
 
 def ask_complete(design: Design, index: int, pair: EnginePair) -> Answers:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import TypeVar
 
-import numpy as np
-
-from wmspec.compile.design.design import Design
+from wmspec.compile.design.design import Design, Instance
 from wmspec.runtime.questions.ask import measurement, question_row, rejected
 from wmspec.runtime.questions.consensus import Answered, Consensus, Distances, consensus, judge
 from wmspec.runtime.questions.model import QuestionRow, Reject, Rejected
 from wmspec.runtime.questions.runs import EnginePair, Run, execute
+
+T = TypeVar("T")
 
 
 class CrossValidation:
@@ -36,7 +37,7 @@ class CrossValidation:
         """Return one row for each question and engine, or its rejection."""
         answers: list[QuestionRow | Rejected] = []
         for q in range(len(self._design.spec.questions)):
-            rows = {engine: self._row(q, engine) for engine in self._pairs}
+            rows = {engine: self._made(q, engine, question_row) for engine in self._pairs}
             kept = [engine for engine, row in rows.items() if isinstance(row, QuestionRow)]
             answers += consensus(rows, self._required, {engine: self._apart(engine) for engine in kept}).values()
         return answers
@@ -46,10 +47,10 @@ class CrossValidation:
         first: Rejected | None = None
         measured: dict[str, Answered] = {}
         for engine in engines[:1] if self._required == "all" else engines:
-            row = self._row(q, engine)
+            row = self._made(q, engine, question_row)
             if isinstance(row, QuestionRow):
                 missing = [other for other in engines if other != engine and other not in measured]
-                measured |= {other: self._measured(q, other) for other in missing}
+                measured |= {other: self._made(q, other, measurement) for other in missing}
                 row = judge(row, measured | {engine: row}, self._required, self._apart(engine))
             if isinstance(row, QuestionRow):
                 return row
@@ -57,19 +58,14 @@ class CrossValidation:
         assert first is not None
         return first
 
-    def _row(self, q: int, engine: str) -> QuestionRow | Rejected:
-        """Return a question with its pictures in an engine."""
+    def _made(
+        self, q: int, engine: str, make: Callable[[Design, Instance, int, Run, EnginePair], T | Rejected]
+    ) -> T | Rejected:
+        """Return what `make` makes of a question in an engine; a rejection if the engine did not execute it."""
         run, pair = self._run(engine), self._pairs[engine]
         if isinstance(run, Reject):
             return rejected(self._design, self._instance, q, pair, run)
-        return question_row(self._design, self._instance, q, run, pair)
-
-    def _measured(self, q: int, engine: str) -> Answered:
-        """Return the answer to a question in an engine, without pictures."""
-        run, pair = self._run(engine), self._pairs[engine]
-        if isinstance(run, Reject):
-            return rejected(self._design, self._instance, q, pair, run)
-        return measurement(self._design, self._instance, q, run, pair)
+        return make(self._design, self._instance, q, run, pair)
 
     def _run(self, engine: str) -> Run | Reject:
         if engine not in self._runs:
@@ -85,10 +81,5 @@ class CrossValidation:
         if isinstance(mine, Reject) or engine in self._distances:
             return self._distances.get(engine, {})
         runs = {other: run for other, run in self._runs.items() if isinstance(run, Run)}
-        self._distances[engine] = {other: distance(mine, run) for other, run in runs.items()}
+        self._distances[engine] = {other: mine.distance(run) for other, run in runs.items()}
         return self._distances[engine]
-
-
-def distance(a: Run, b: Run) -> float:
-    """Return the largest distance (m) at any time of a movable body between two executions of the same scene."""
-    return float(np.linalg.norm(a.centres() - b.centres(), axis=2).max(initial=0.0))

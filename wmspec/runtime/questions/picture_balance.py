@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.statements.possibility import POSSIBLE
-from wmspec.lang.check.statements.question_kinds import asks_possibility
 from wmspec.runtime.questions.model import QuestionRow, Rejected
 
 #: Share of pixels below which two pictures show the same.
@@ -38,7 +37,7 @@ def balanced_pictures(
         return {index: list(answers) for index, answers in members.items()}
     rows: dict[tuple[int, str], list[QuestionRow]] = defaultdict(list)
     for answer in (answer for answers in members.values() for answer in answers):
-        if isinstance(answer, QuestionRow) and asks_possibility(spec.questions[answer.question]):
+        if isinstance(answer, QuestionRow) and spec.questions[answer.question].asks_possible:
             rows[answer.question, answer.engine].append(answer)
     telling = {key: fault for key, own in rows.items() if (fault := next(_telling_pictures(own), ""))}
     return {index: [_kept(answer, telling) for answer in answers] for index, answers in members.items()}

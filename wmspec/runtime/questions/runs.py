@@ -72,6 +72,11 @@ class Run:
         own = np.array([own_box_center(self.scene.bodies[i]) for i in can]).reshape(-1, 3)
         return np.asarray(self.trace.position[:, can] + rotate(self.trace.orientation[:, can], own))
 
+    def distance(self, other: Run, until: float = math.inf) -> float:
+        """Return the largest distance (m) of a movable body between two executions of a scene, up to a time (s)."""
+        shown = self.trace.time <= until + 0.5 / self.scene.rate
+        return float(np.linalg.norm(self.centres() - other.centres(), axis=2)[shown].max(initial=0.0))
+
     def poses(self, names: Sequence[str], time: float) -> NDArray[np.float64]:
         """Return box centres and orientations (n, 7) of bodies at a time (s), NaN for absent ones.
 

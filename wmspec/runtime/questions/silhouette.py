@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 from PIL import Image, ImageDraw
 
 from wmspec.core.memoize import cached_on
-from wmspec.sim.scene.model import Array, Body, Camera, Pose, Scene
+from wmspec.sim.scene.model import Array, Body, Camera, Pose, Scene, Shot
 from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.scene.model.transform import apply, compose, identity
-from wmspec.sim.scene.render.camera import find_camera, project
+from wmspec.sim.scene.render.camera import project, world_camera
 from wmspec.sim.shapes import Shape
 from wmspec.sim.shapes.facets import tessellate
 
@@ -33,7 +33,7 @@ class Silhouette:
 
 def silhouette(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], size: tuple[int, int]) -> Silhouette:
     """Return the silhouette of body `index` in a picture (width, height), given camera and poses."""
-    camera, poses = camera_in_world(scene, look[0], look[1]), look[1]
+    camera, poses = world_camera(scene, Shot(*look)), look[1]
     width, height = size
     polygons = [p for p in _polygons(scene.bodies[index], poses[index], camera, size) if len(p) > 2]
     if not polygons:
@@ -62,7 +62,7 @@ def box(scene: Scene, index: int, look: tuple[str, tuple[Pose, ...]], size: tupl
 
     None if part of it may be behind the camera.
     """
-    camera, pose = camera_in_world(scene, *look), look[1][index]
+    camera, pose = world_camera(scene, Shot(*look)), look[1][index]
     points, depth = project(camera, apply(pose, cached_on(scene.bodies[index], _corners)), *size)
     return np.stack([points.min(axis=0), points.max(axis=0)]) if (depth > camera.near).all() else None
 
@@ -71,15 +71,6 @@ def _corners(body: Body) -> Array:
     """Return the corners (8, 3) m of the box around the visible geoms of a body, in its frame."""
     low, high = world_box([geom for geom in body.geoms if geom.visible], identity())
     return np.array(list(product(*zip(low.tolist(), high.tolist(), strict=True))))
-
-
-def camera_in_world(scene: Scene, camera: str, poses: tuple[Pose, ...]) -> Camera:
-    """Return a camera in the world, attached ones included."""
-    declared = find_camera(scene, camera)
-    if declared.body is None:
-        return declared
-    carrier = next(i for i, b in enumerate(scene.bodies) if b.name == declared.body)
-    return replace(declared, pose=compose(poses[carrier], declared.pose), body=None)
 
 
 def _polygons(body: Body, pose: Pose, camera: Camera, size: tuple[int, int]) -> list[Array]:

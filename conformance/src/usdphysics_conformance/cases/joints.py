@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import cos, degrees, exp, pi, radians, sin, sqrt
+from typing import Any
 
 import numpy as np
 
-from usdphysics_conformance.case import SAMPLE_RATE, Case, Criterion, Trace
+from usdphysics_conformance.case import SAMPLE_RATE, Case, Criterion, Trace, make_case
 from usdphysics_conformance.quaternions import Array
 from usdphysics_conformance.reference import DOUBLE_PENDULUM_END, LANDAU, MECHANICS, elliptic_k
 from usdphysics_conformance.stages import G, Vector, ball, body, box, joint, stage
@@ -35,52 +36,26 @@ def _hung(angle: float) -> tuple[Vector, tuple[float, ...]]:
     return (_ARM * sin(angle), 0.0, -_ARM * cos(angle)), (cos(angle / 2), 0.0, -sin(angle / 2), 0.0)
 
 
-def _period(trace: Trace, name: str = "bob") -> float:
-    """The time (s) between two crossings of x = 0 in one direction; nan without two crossings."""
-    x = trace[name].position[:, 0]
+def _period(trace: Trace, name: str = "bob", middle: float = 0.0) -> float:
+    """The time (s) between two crossings of x = `middle` in one direction; nan without two crossings."""
+    x = trace[name].position[:, 0] - middle
     passed = [i + x[i] / (x[i] - x[i + 1]) for i in range(len(x) - 1) if x[i] > 0 >= x[i + 1]]
     return float((passed[1] - passed[0]) / SAMPLE_RATE) if len(passed) > 1 else float("nan")
 
 
 def _pendulums() -> Iterator[Case]:
-    for angle in (10, 60, 150):
+    hinged = [(f"{angle}", "Revolute", angle, f"from {angle} degrees") for angle in (10, 60, 150)]
+    for name, kind, angle, how in (*hinged, ("ball_joint", "Spherical", 60, "of one on a ball joint")):
         at, turn = _hung(radians(angle))
-        text = stage(
-            body("bob", ball(0.05), at, turn, moments=_INERTIA),
-            joint("Revolute", "pivot", "", "bob", local_pos1=(0, 0, _ARM), axis="Y"),
-        )
+        bob = body("bob", ball(0.05), at, turn, moments=_INERTIA)
+        text = stage(bob, joint(kind, "pivot", "", "bob", local_pos1=(0, 0, _ARM), axis="Y"))
         period = swing(radians(angle), 0.01, _ARM)
-        yield Case(
-            f"pendulum_{angle}",
+        yield make_case(
+            f"pendulum_{name}",
             text,
             2.6 * period,
-            (
-                Criterion(
-                    f"period from {angle} degrees",
-                    period,
-                    0.005 * period,
-                    "s",
-                    _period,
-                    "4 √(I/mgd) K(sin θ/2)",
-                    LANDAU,
-                ),
-            ),
+            Criterion(f"period {how}", period, 0.005 * period, "s", _period, "4 √(I/mgd) K(sin θ/2)", LANDAU),
         )
-    at, turn = _hung(radians(60))
-    period = swing(radians(60), 0.01, _ARM)
-    yield Case(
-        "pendulum_ball_joint",
-        stage(
-            body("bob", ball(0.05), at, turn, moments=_INERTIA),
-            joint("Spherical", "pivot", "", "bob", local_pos1=(0, 0, _ARM)),
-        ),
-        2.6 * period,
-        (
-            Criterion(
-                "period of one on a ball joint", period, 0.005 * period, "s", _period, "4 √(I/mgd) K(sin θ/2)", LANDAU
-            ),
-        ),
-    )
     yield from _double()
 
 
@@ -106,32 +81,28 @@ def _double() -> Iterator[Case]:
         energy = _energy(trace, ("upper", "lower"), _INERTIA[0])
         return float(100 * np.abs(energy[24:] - energy[0]).max() / (2 * G * 0.5))
 
-    yield Case(
+    yield make_case(
         "double_pendulum",
         stage(*arms),
         3.0,
-        (
-            Criterion(
-                "how far its end is from its place after 1 s",
-                0.0,
-                5.0,
-                "mm",
-                lambda r: float(1e3 * np.linalg.norm(r["lower"].position[SAMPLE_RATE] - DOUBLE_PENDULUM_END)),
-                "Lagrange's equations, integrated to 1e-11",
-                LANDAU,
-            ),
-            Criterion(
-                "energy of a double pendulum lost or gained, of its depth", 0.0, 1.0, "%", drift, "constant", LANDAU
-            ),
-            Criterion(
-                "farthest out of its plane",
-                0.0,
-                0.5,
-                "mm",
-                lambda r: float(1e3 * np.abs(r["lower"].position[:, 1]).max()),
-                "0",
-                "symmetry",
-            ),
+        Criterion(
+            "how far its end is from its place after 1 s",
+            0.0,
+            5.0,
+            "mm",
+            lambda r: float(1e3 * np.linalg.norm(r["lower"].position[SAMPLE_RATE] - DOUBLE_PENDULUM_END)),
+            "Lagrange's equations, integrated to 1e-11",
+            LANDAU,
+        ),
+        Criterion("energy of a double pendulum lost or gained, of its depth", 0.0, 1.0, "%", drift, "constant", LANDAU),
+        Criterion(
+            "farthest out of its plane",
+            0.0,
+            0.5,
+            "mm",
+            lambda r: float(1e3 * np.abs(r["lower"].position[:, 1]).max()),
+            "0",
+            "symmetry",
         ),
     )
 
@@ -151,36 +122,40 @@ def _linkages() -> Iterator[Case]:
     # T = ½ (2 (I + m c²/4) + M c²) θ'², V = −(2 m c/2 + M c) g cos θ
     inertia, pull = 2 * (0.005 + 0.5 * crank**2 / 4) + 2.0 * crank**2, (0.5 * crank + 2.0 * crank) * G
     period = float(4 * sqrt(inertia / pull) * elliptic_k(sin(angle / 2) ** 2))
-    yield Case(
+    yield make_case(
         "four_bar",
         stage(*parts),
         2.6 * period,
-        (
-            Criterion(
-                "period of a parallelogram",
-                period,
-                0.005 * period,
-                "s",
-                lambda r: _period(r, "coupler"),
-                "4 √(I/P) K(sin θ/2)",
-                LANDAU,
+        Criterion(
+            "period of a parallelogram",
+            period,
+            0.005 * period,
+            "s",
+            lambda r: _period(r, "coupler"),
+            "4 √(I/P) K(sin θ/2)",
+            LANDAU,
+        ),
+        Criterion(
+            "farthest that its coupler turns",
+            0.0,
+            0.2,
+            "deg",
+            lambda r: degrees(
+                max(
+                    r["coupler"].rotation_angle(i / SAMPLE_RATE)
+                    for i in range(0, len(r["coupler"].angular_velocity), 24)
+                )
             ),
-            Criterion(
-                "farthest that its coupler turns",
-                0.0,
-                0.2,
-                "deg",
-                lambda r: degrees(
-                    max(
-                        r["coupler"].rotation_angle(i / SAMPLE_RATE)
-                        for i in range(0, len(r["coupler"].angular_velocity), 24)
-                    )
-                ),
-                "0",
-                "geometry",
-            ),
+            "0",
+            "geometry",
         ),
     )
+
+
+def _cart(axis: str, gravity: float = G, **options: Any) -> str:
+    """The stage of a cart on a rail along an axis; `options` are those of its joint."""
+    rail = joint("Prismatic", "rail", "", "cart", axis=axis, **options)
+    return stage(body("cart", box(0.1, 0.1, 0.1)), rail, gravity=gravity)
 
 
 def _drives() -> Iterator[Case]:
@@ -195,54 +170,40 @@ def _drives() -> Iterator[Case]:
             d = w * sqrt(1 - zeta**2)
             response = 1 - exp(-zeta * w * t) * (cos(d * t) + zeta * w / d * sin(d * t))
         drive = f"stiffness = {k}\ndamping = {damping}\ntargetPosition = 0.3\nmaxForce = inf"
-        yield Case(
+        yield make_case(
             f"drive_{name}",
-            stage(
-                body("cart", box(0.1, 0.1, 0.1)),
-                joint("Prismatic", "rail", "", "cart", axis="X", drive=drive),
-                gravity=0,
-            ),
+            _cart("X", gravity=0, drive=drive),
             0.5,
-            (
-                Criterion(
-                    f"where a drive has moved a cart in {t:g} s",
-                    300 * response,
-                    3.0,
-                    "mm",
-                    lambda r: 1e3 * r["cart"].coordinate(0.2, 0),
-                    "the step response of a damped oscillator",
-                    MECHANICS,
-                ),
+            Criterion(
+                f"where a drive has moved a cart in {t:g} s",
+                300 * response,
+                3.0,
+                "mm",
+                lambda r: 1e3 * r["cart"].coordinate(0.2, 0),
+                "the step response of a damped oscillator",
+                MECHANICS,
             ),
         )
     spring = f"stiffness = {k}\ndamping = 0\ntargetPosition = 0.2\nmaxForce = inf"
-
-    def period(trace: Trace) -> float:
-        x = trace["cart"].position[:, 0] - 0.2
-        passed = [i + x[i] / (x[i] - x[i + 1]) for i in range(len(x) - 1) if x[i] > 0 >= x[i + 1]]
-        return float((passed[1] - passed[0]) / SAMPLE_RATE) if len(passed) > 1 else float("nan")
-
-    yield Case(
+    yield make_case(
         "spring",
-        stage(
-            body("cart", box(0.1, 0.1, 0.1)), joint("Prismatic", "rail", "", "cart", axis="X", drive=spring), gravity=0
-        ),
+        _cart("X", gravity=0, drive=spring),
         1.8,
-        (
-            Criterion("period of a spring", 2 * pi / w, 0.005, "s", period, "2π √(m/k)", MECHANICS),
-            Criterion(
-                "farthest that it goes",
-                400.0,
-                4.0,
-                "mm",
-                lambda r: float(1e3 * r["cart"].position[:, 0].max()),
-                "2 x",
-                MECHANICS,
-            ),
+        Criterion(
+            "period of a spring", 2 * pi / w, 0.005, "s", lambda r: _period(r, "cart", 0.2), "2π √(m/k)", MECHANICS
+        ),
+        Criterion(
+            "farthest that it goes",
+            400.0,
+            4.0,
+            "mm",
+            lambda r: float(1e3 * r["cart"].position[:, 0].max()),
+            "2 x",
+            MECHANICS,
         ),
     )
     turned = "stiffness = 1.0\ndamping = 0.1\ntargetPosition = 40\nmaxForce = inf"
-    yield Case(
+    yield make_case(
         "drive_hinge",
         stage(
             body("arm", box(0.2, 0.1, 0.05), moments=(0.1,) * 3),
@@ -250,46 +211,38 @@ def _drives() -> Iterator[Case]:
             gravity=0,
         ),
         3.0,
-        (
-            Criterion(
-                "where the drive of a hinge, whose numbers are per degree, leaves it",
-                40.0,
-                0.2,
-                "deg",
-                lambda r: degrees(r["arm"].rotation_angle(3.0)),
-                "its target",
-                "UsdPhysics, PhysicsDriveAPI",
-            ),
+        Criterion(
+            "where the drive of a hinge, whose numbers are per degree, leaves it",
+            40.0,
+            0.2,
+            "deg",
+            lambda r: degrees(r["arm"].rotation_angle(3.0)),
+            "its target",
+            "UsdPhysics, PhysicsDriveAPI",
         ),
     )
     speed = "stiffness = 0\ndamping = 200\ntargetVelocity = 0.7\nmaxForce = inf"
-    yield Case(
+    yield make_case(
         "drive_velocity",
-        stage(
-            body("cart", box(0.1, 0.1, 0.1)), joint("Prismatic", "rail", "", "cart", axis="X", drive=speed), gravity=0
-        ),
+        _cart("X", gravity=0, drive=speed),
         0.5,
-        (
-            Criterion(
-                "speed that a drive gives", 0.7, 0.003, "m/s", lambda r: r["cart"].speed(0.5), "its target", MECHANICS
-            ),
+        Criterion(
+            "speed that a drive gives", 0.7, 0.003, "m/s", lambda r: r["cart"].speed(0.5), "its target", MECHANICS
         ),
     )
     weak = "stiffness = 100000\ndamping = 100\ntargetPosition = 1\nmaxForce = 5"
-    yield Case(
+    yield make_case(
         "drive_force_limit",
-        stage(body("cart", box(0.1, 0.1, 0.1)), joint("Prismatic", "rail", "", "cart", axis="Z", drive=weak)),
+        _cart("Z", drive=weak),
         0.5,
-        (
-            Criterion(
-                "way down of 1 kg that a drive of at most 5 N should hold, in 0.4 s",
-                (G - 5) / 2 * 0.4**2,
-                0.004,
-                "m",
-                lambda r: -r["cart"].coordinate(0.4, 2),
-                "(g − F/m) t²/2",
-                MECHANICS,
-            ),
+        Criterion(
+            "way down of 1 kg that a drive of at most 5 N should hold, in 0.4 s",
+            (G - 5) / 2 * 0.4**2,
+            0.004,
+            "m",
+            lambda r: -r["cart"].coordinate(0.4, 2),
+            "(g − F/m) t²/2",
+            MECHANICS,
         ),
     )
 
@@ -300,64 +253,52 @@ def _limits() -> Iterator[Case]:
         body("bob", ball(0.05), at, turn, moments=_INERTIA),
         joint("Revolute", "pivot", "", "bob", local_pos1=(0, 0, _ARM), axis="Y", limits=(-120.0, -30.0)),
     )
-    yield Case(
+    yield make_case(
         "limit_hinge",
         text,
         3.0,
-        (
-            Criterion(
-                "where a limit holds a falling pendulum",
-                30.0,
-                0.5,
-                "deg",
-                lambda r: degrees(np.arctan2(r["bob"].coordinate(3, 0), -r["bob"].coordinate(3, 2))),
-                "the limit",
-                "UsdPhysics, PhysicsRevoluteJoint",
-            ),
+        Criterion(
+            "where a limit holds a falling pendulum",
+            30.0,
+            0.5,
+            "deg",
+            lambda r: degrees(np.arctan2(r["bob"].coordinate(3, 0), -r["bob"].coordinate(3, 2))),
+            "the limit",
+            "UsdPhysics, PhysicsRevoluteJoint",
         ),
     )
-    yield Case(
+    yield make_case(
         "limit_slider",
-        stage(
-            body("cart", box(0.1, 0.1, 0.1)),
-            joint("Prismatic", "rail", "", "cart", axis="Z", limits=(-0.25, 0.25)),
-        ),
+        _cart("Z", limits=(-0.25, 0.25)),
         2.0,
-        (
-            Criterion(
-                "where a limit holds a falling cart",
-                -250.0,
-                1.0,
-                "mm",
-                lambda r: 1e3 * r["cart"].coordinate(2, 2),
-                "the limit",
-                "UsdPhysics, PhysicsPrismaticJoint",
-            ),
+        Criterion(
+            "where a limit holds a falling cart",
+            -250.0,
+            1.0,
+            "mm",
+            lambda r: 1e3 * r["cart"].coordinate(2, 2),
+            "the limit",
+            "UsdPhysics, PhysicsPrismaticJoint",
         ),
     )
 
 
 def _constrained() -> Iterator[Case]:
-    yield Case(
+    yield make_case(
         "rail",
-        stage(
-            body("cart", box(0.1, 0.1, 0.1)),
-            joint("Prismatic", "rail", "", "cart", axis="X"),
-        ),
+        _cart("X"),
         1.0,
-        (
-            Criterion(
-                "how far a cart on a level rail sinks in 1 s",
-                0.0,
-                0.5,
-                "mm",
-                lambda r: float(1e3 * np.linalg.norm(r["cart"].position[240] - r["cart"].position[0])),
-                "0",
-                MECHANICS,
-            ),
+        Criterion(
+            "how far a cart on a level rail sinks in 1 s",
+            0.0,
+            0.5,
+            "mm",
+            lambda r: float(1e3 * np.linalg.norm(r["cart"].position[240] - r["cart"].position[0])),
+            "0",
+            MECHANICS,
         ),
     )
-    yield Case(
+    yield make_case(
         "dumbbell",
         stage(
             body("one", ball(0.05), (-0.2, 0, 5), mass=1.0),
@@ -365,24 +306,22 @@ def _constrained() -> Iterator[Case]:
             joint("Fixed", "bar", "one", "other", (0.2, 0, 0), (-0.2, 0, 0)),
         ),
         1.0,
-        (
-            Criterion(
-                "way down of two balls on a bar after 1 s",
-                G / 2,
-                0.001,
-                "m",
-                lambda r: 5 - r["other"].coordinate(1, 2),
-                "g t²/2",
-                MECHANICS,
-            ),
-            Criterion(
-                "by how much the bar stretches",
-                0.0,
-                0.1,
-                "mm",
-                lambda r: float(1e3 * abs(np.linalg.norm(r["one"].position[240] - r["other"].position[240]) - 0.4)),
-                "0",
-                MECHANICS,
-            ),
+        Criterion(
+            "way down of two balls on a bar after 1 s",
+            G / 2,
+            0.001,
+            "m",
+            lambda r: 5 - r["other"].coordinate(1, 2),
+            "g t²/2",
+            MECHANICS,
+        ),
+        Criterion(
+            "by how much the bar stretches",
+            0.0,
+            0.1,
+            "mm",
+            lambda r: float(1e3 * abs(np.linalg.norm(r["one"].position[240] - r["other"].position[240]) - 0.4)),
+            "0",
+            MECHANICS,
         ),
     )

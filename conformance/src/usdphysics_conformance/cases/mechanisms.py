@@ -7,7 +7,7 @@ from math import cos, degrees, exp, pi, radians, sin, sqrt
 
 import numpy as np
 
-from usdphysics_conformance.case import SAMPLE_RATE, Case, Criterion, Trace
+from usdphysics_conformance.case import SAMPLE_RATE, Case, Criterion, Trace, make_case
 from usdphysics_conformance.cases.joints import swing
 from usdphysics_conformance.quaternions import Array, rotate
 from usdphysics_conformance.reference import LANDAU, MECHANICS
@@ -27,7 +27,7 @@ def build_cases() -> Iterator[Case]:
 def _mimics() -> Iterator[Case]:
     mass, inertia, pace = 2.0, 0.05, 5.0
     fall = mass * G / (mass + inertia * pace**2)
-    yield Case(
+    yield make_case(
         "mimic_hoist",
         stage(
             body("weight", _SMALL, mass=mass),
@@ -36,32 +36,29 @@ def _mimics() -> Iterator[Case]:
             joint("Revolute", "axle", "", "drum", (0, 1, 0), axis="Y", mimic=("rope", 0.0, degrees(pace))),
         ),
         0.5,
-        (
-            Criterion(
-                "way down in 0.4 s of a weight that turns a drum",
-                fall / 2 * 0.4**2,
-                0.004,
-                "m",
-                lambda r: -r["weight"].coordinate(0.4, 2),
-                "t²/2 mg/(m + I k²)",
-                _CONSTRAINED,
+        Criterion(
+            "way down in 0.4 s of a weight that turns a drum",
+            fall / 2 * 0.4**2,
+            0.004,
+            "m",
+            lambda r: -r["weight"].coordinate(0.4, 2),
+            "t²/2 mg/(m + I k²)",
+            _CONSTRAINED,
+        ),
+        Criterion(
+            "farthest that the drum is from where it should be",
+            0.0,
+            0.005,
+            "rad",
+            lambda r: max(
+                abs(r["drum"].rotation_angle(i / SAMPLE_RATE) + pace * r["weight"].position[i, 2]) for i in range(97)
             ),
-            Criterion(
-                "farthest that the drum is from where it should be",
-                0.0,
-                0.005,
-                "rad",
-                lambda r: max(
-                    abs(r["drum"].rotation_angle(i / SAMPLE_RATE) + pace * r["weight"].position[i, 2])
-                    for i in range(97)
-                ),
-                "0",
-                "newton:mimicCoef1",
-            ),
+            "0",
+            "newton:mimicCoef1",
         ),
     )
     heavy, light = 3.0, 1.0
-    yield Case(
+    yield make_case(
         "mimic_counterweight",
         stage(
             body("carriage", _SMALL, mass=1.0),
@@ -74,32 +71,30 @@ def _mimics() -> Iterator[Case]:
             ),
         ),
         0.5,
-        (
-            Criterion(
-                "way down in 0.5 s of a weight that lifts a lighter one",
-                G * (heavy - light) / (heavy + light) / 2 * 0.5**2,
-                0.004,
-                "m",
-                lambda r: -r["heavy"].coordinate(0.5, 2),
-                "g t²/2 (M − m)/(M + m)",
-                MECHANICS,
-            ),
-            Criterion(
-                "farthest that the two are from being opposite",
-                0.0,
-                0.5,
-                "mm",
-                lambda r: float(1e3 * np.abs(r["heavy"].position[:, 2] + r["light"].position[:, 2] - 0.2).max()),
-                "0",
-                "physxMimicJoint:gearing, offset",
-            ),
+        Criterion(
+            "way down in 0.5 s of a weight that lifts a lighter one",
+            G * (heavy - light) / (heavy + light) / 2 * 0.5**2,
+            0.004,
+            "m",
+            lambda r: -r["heavy"].coordinate(0.5, 2),
+            "g t²/2 (M − m)/(M + m)",
+            MECHANICS,
+        ),
+        Criterion(
+            "farthest that the two are from being opposite",
+            0.0,
+            0.5,
+            "mm",
+            lambda r: float(1e3 * np.abs(r["heavy"].position[:, 2] + r["light"].position[:, 2] - 0.2).max()),
+            "0",
+            "physxMimicJoint:gearing, offset",
         ),
     )
     whole, stiff = 1.0, 100.0
     damped = 2 * sqrt(stiff * whole)
     w, t = sqrt(stiff / whole), 0.2
     drive = f"stiffness = {stiff}\ndamping = {damped}\ntargetPosition = 0.04\nmaxForce = inf"
-    yield Case(
+    yield make_case(
         "mimic_gripper",
         stage(
             body("palm", _SMALL, mass=1.0),
@@ -111,16 +106,14 @@ def _mimics() -> Iterator[Case]:
             gravity=0,
         ),
         0.5,
-        (
-            Criterion(
-                "where the finger is that mimics a driven one, after 0.2 s",
-                -40 * (1 - exp(-w * t) * (1 + w * t)),
-                0.4,
-                "mm",
-                lambda r: 1e3 * r["right"].coordinate(0.2, 1),
-                "the step response of a damped oscillator of both masses",
-                MECHANICS,
-            ),
+        Criterion(
+            "where the finger is that mimics a driven one, after 0.2 s",
+            -40 * (1 - exp(-w * t) * (1 + w * t)),
+            0.4,
+            "mm",
+            lambda r: 1e3 * r["right"].coordinate(0.2, 1),
+            "the step response of a damped oscillator of both masses",
+            MECHANICS,
         ),
     )
 
@@ -136,53 +129,49 @@ def _pushed() -> Iterator[Case]:
     hung = joint("Revolute", "pivot", "", "bob", local_pos1=(0, 0, _ARM), axis="Y")
     down: Vector = (0, 0, -_ARM)
     bob = {"moments": (_INERTIA,) * 3, "velocity": (spin * _ARM, 0, 0), "angular_velocity": (0, -spin, 0)}
-    yield Case(
+    yield make_case(
         "pendulum_pushed",
         stage(body("bob", ball(0.05), down, **bob), hung),  # type: ignore[arg-type]
         1.3 * period,
-        (
-            Criterion(
-                "how far a pendulum swings that begins to move at its lowest",
-                degrees(reach),
-                0.3,
-                "deg",
-                lambda r: degrees(float(np.arcsin(np.abs(r["bob"].position[:, 0]).max() / _ARM))),
-                "cos θ = 1 − (I + md²)ω²/2mgd",
-                LANDAU,
-            ),
-            Criterion(
-                "when it is back at its lowest the second time",
-                period,
-                0.005 * period,
-                "s",
-                lambda r: _back(r["bob"].position[:, 0]),
-                "4 √(I/mgd) K(sin θ/2)",
-                LANDAU,
-            ),
+        Criterion(
+            "how far a pendulum swings that begins to move at its lowest",
+            degrees(reach),
+            0.3,
+            "deg",
+            lambda r: degrees(float(np.arcsin(np.abs(r["bob"].position[:, 0]).max() / _ARM))),
+            "cos θ = 1 − (I + md²)ω²/2mgd",
+            LANDAU,
+        ),
+        Criterion(
+            "when it is back at its lowest the second time",
+            period,
+            0.005 * period,
+            "s",
+            lambda r: _back(r["bob"].position[:, 0]),
+            "4 √(I/mgd) K(sin θ/2)",
+            LANDAU,
         ),
     )
     speed = 2.0
-    yield Case(
+    yield make_case(
         "pendulum_jerked",
         stage(body("bob", ball(0.05), down, moments=(0.1,) * 3, velocity=(speed, 0, 1.0)), hung, gravity=0),
         0.2,
-        (
-            Criterion(
-                "spin of a pendulum whose given velocity its joint does not let be",
-                speed * _ARM / (0.1 + _ARM**2),
-                0.01,
-                "rad/s",
-                lambda r: float(np.linalg.norm(r["bob"].angular_velocity[SAMPLE_RATE // 10])),
-                "m d v/(I + md²)",
-                "angular momentum about the joint",
-            ),
+        Criterion(
+            "spin of a pendulum whose given velocity its joint does not let be",
+            speed * _ARM / (0.1 + _ARM**2),
+            0.01,
+            "rad/s",
+            lambda r: float(np.linalg.norm(r["bob"].angular_velocity[SAMPLE_RATE // 10])),
+            "m d v/(I + md²)",
+            "angular momentum about the joint",
         ),
     )
     lean = radians(40)
     around = sqrt(G / (_ARM * cos(lean)))
     at: Vector = (_ARM * sin(lean), 0, -_ARM * cos(lean))
     turn = (cos(lean / 2), 0.0, -sin(lean / 2), 0.0)
-    yield Case(
+    yield make_case(
         "pendulum_conical",
         stage(
             body(
@@ -197,25 +186,23 @@ def _pushed() -> Iterator[Case]:
             joint("Spherical", "pivot", "", "bob", local_pos1=(0, 0, _ARM)),
         ),
         1.25 * 2 * pi / around,
-        (
-            Criterion(
-                "farthest that a conical pendulum rises or sinks",
-                0.0,
-                2.0,
-                "mm",
-                lambda r: float(1e3 * np.abs(r["bob"].position[:, 2] - at[2]).max()),
-                "0",
-                LANDAU,
-            ),
-            Criterion(
-                "its time around",
-                2 * pi / around,
-                0.01,
-                "s",
-                lambda r: _back(r["bob"].position[:, 1]),
-                "2π √(d cos θ/g)",
-                LANDAU,
-            ),
+        Criterion(
+            "farthest that a conical pendulum rises or sinks",
+            0.0,
+            2.0,
+            "mm",
+            lambda r: float(1e3 * np.abs(r["bob"].position[:, 2] - at[2]).max()),
+            "0",
+            LANDAU,
+        ),
+        Criterion(
+            "its time around",
+            2 * pi / around,
+            0.01,
+            "s",
+            lambda r: _back(r["bob"].position[:, 1]),
+            "2π √(d cos θ/g)",
+            LANDAU,
         ),
     )
 
@@ -241,29 +228,27 @@ def _thrown() -> Iterator[Case]:
         )
         for name, x, mass in pair
     ]
-    yield Case(
+    yield make_case(
         "dumbbell_thrown",
         stage(*parts, joint("Fixed", "bar", "one", "other", (0.2, 0, 0), (-0.2, 0, 0))),
         1.0,
-        (
-            Criterion(
-                "farthest that the middle of two balls on a bar, thrown and turning, is off its way",
-                0.0,
-                1.0,
-                "mm",
-                lambda r: float(1e3 * np.abs(_middle(r) - _flight(middle, sideways, len(_middle(r)))).max()),
-                "p + vt + gt²/2",
-                MECHANICS,
-            ),
-            Criterion(
-                "by how much the bar has turned after 1 s",
-                turns,
-                0.01,
-                "rad",
-                lambda r: r["one"].rotation_angle(1.0),
-                "ωt",
-                MECHANICS,
-            ),
+        Criterion(
+            "farthest that the middle of two balls on a bar, thrown and turning, is off its way",
+            0.0,
+            1.0,
+            "mm",
+            lambda r: float(1e3 * np.abs(_middle(r) - _flight(middle, sideways, len(_middle(r)))).max()),
+            "p + vt + gt²/2",
+            MECHANICS,
+        ),
+        Criterion(
+            "by how much the bar has turned after 1 s",
+            turns,
+            0.01,
+            "rad",
+            lambda r: r["one"].rotation_angle(1.0),
+            "ωt",
+            MECHANICS,
         ),
     )
     spins = {"left": (0.0, 0.0, 4.0), "right": (0.0, 0.0, -1.0)}
@@ -281,29 +266,27 @@ def _thrown() -> Iterator[Case]:
         for name in places
     ]
     momentum = sum(0.03 * spins[n][2] + 0.25**2 * spins[n][2] for n in places)
-    yield Case(
+    yield make_case(
         "nunchaku_thrown",
         stage(*links, joint("Revolute", "chain", "left", "right", (0.25, 0, 0), (-0.25, 0, 0), axis="Z"), gravity=0),
         1.0,
-        (
-            Criterion(
-                "angular momentum of two rods on a hinge after 1 s",
-                momentum,
-                0.005,
-                "Nms",
-                _momentum,
-                "constant",
-                MECHANICS,
-            ),
-            Criterion(
-                "farthest that their hinge opens",
-                0.0,
-                0.1,
-                "mm",
-                lambda r: float(1e3 * np.abs(_end(r, "left", 0.25) - _end(r, "right", -0.25)).max()),
-                "0",
-                MECHANICS,
-            ),
+        Criterion(
+            "angular momentum of two rods on a hinge after 1 s",
+            momentum,
+            0.005,
+            "Nms",
+            _momentum,
+            "constant",
+            MECHANICS,
+        ),
+        Criterion(
+            "farthest that their hinge opens",
+            0.0,
+            0.1,
+            "mm",
+            lambda r: float(1e3 * np.abs(_end(r, "left", 0.25) - _end(r, "right", -0.25)).max()),
+            "0",
+            MECHANICS,
         ),
     )
 

@@ -7,7 +7,7 @@ from math import atan, cos, degrees, hypot, pi, radians, sin, sqrt, tan
 
 import numpy as np
 
-from usdphysics_conformance.case import Case, Criterion, Motion, Trace
+from usdphysics_conformance.case import Case, Criterion, Motion, Trace, make_case
 from usdphysics_conformance.reference import DZHANIBEKOV_TIME, LANDAU, MECHANICS
 from usdphysics_conformance.stages import G, ball, body, box, cylinder, floor, prism, stage
 
@@ -31,21 +31,19 @@ def _flight() -> Iterator[Case]:
         fallen = trace["ball"].position[0] + t[:, None] * [1.5, 0.5, 3.0] - [0, 0, G / 2] * t[:, None] ** 2
         return float(1e3 * np.abs(trace["ball"].position - fallen).max())
 
-    yield Case(
+    yield make_case(
         "free_fall",
         stage(body("ball", ball(0.1), (0, 0, 10))),
         1.0,
-        (
-            Criterion(
-                "way down after 1 s", G / 2, 0.0005, "m", lambda r: 10 - r["ball"].coordinate(1, 2), "g t²/2", MECHANICS
-            ),
+        Criterion(
+            "way down after 1 s", G / 2, 0.0005, "m", lambda r: 10 - r["ball"].coordinate(1, 2), "g t²/2", MECHANICS
         ),
     )
-    yield Case(
+    yield make_case(
         "projectile",
         stage(body("ball", ball(0.1), (0, 0, 10), velocity=(1.5, 0.5, 3.0))),
         1.0,
-        (Criterion("farthest off its way in 1 s", 0.0, 0.5, "mm", off, "p + v t + g t²/2", MECHANICS),),
+        Criterion("farthest off its way in 1 s", 0.0, 0.5, "mm", off, "p + v t + g t²/2", MECHANICS),
     )
     centimetres = stage(body("ball", ball(10.0), (0, 1000.0, 0), mass=1000.0), gravity=100 * G)
     centimetres = centimetres.replace("metersPerUnit = 1\n", "metersPerUnit = 0.01\n").replace(
@@ -54,40 +52,36 @@ def _flight() -> Iterator[Case]:
     centimetres = centimetres.replace("kilogramsPerUnit = 1\n", "kilogramsPerUnit = 0.001\n").replace(
         "(0, 0, -1)", "(0, -1, 0)"
     )
-    yield Case(
+    yield make_case(
         "units",
         centimetres,
         1.0,
-        (
-            Criterion(
-                "way down after 1 s, of a stage in centimetres, grams and Y up",
-                G / 2,
-                0.0005,
-                "m",
-                lambda r: float(np.linalg.norm(r["ball"].position[240] - r["ball"].position[0])),
-                "g t²/2",
-                MECHANICS,
-            ),
+        Criterion(
+            "way down after 1 s, of a stage in centimetres, grams and Y up",
+            G / 2,
+            0.0005,
+            "m",
+            lambda r: float(np.linalg.norm(r["ball"].position[240] - r["ball"].position[0])),
+            "g t²/2",
+            MECHANICS,
         ),
     )
 
 
 def _spins() -> Iterator[Case]:
     top = body("top", box(0.3, 0.3, 0.1), angular_velocity=(0.0, 0.0, 5.0), moments=(0.02, 0.02, 0.03))
-    yield Case(
+    yield make_case(
         "spin",
         stage(top, gravity=0),
         1.0,
-        (
-            Criterion(
-                "turn about a principal axis in 0.5 s",
-                2.5,
-                0.003,
-                "rad",
-                lambda r: r["top"].rotation_angle(0.5),
-                "ω t",
-                LANDAU,
-            ),
+        Criterion(
+            "turn about a principal axis in 0.5 s",
+            2.5,
+            0.003,
+            "rad",
+            lambda r: r["top"].rotation_angle(0.5),
+            "ω t",
+            LANDAU,
         ),
     )
     moments = (0.02, 0.02, 0.03)
@@ -101,34 +95,30 @@ def _spins() -> Iterator[Case]:
         across = [axis - up * (axis @ up) for axis in axes]
         return float(np.arctan2(np.cross(*across) @ up, across[0] @ across[1]) % (2 * pi))
 
-    yield Case(
+    yield make_case(
         "precession",
         stage(body("top", box(0.3, 0.3, 0.1), angular_velocity=(w1, 0.0, w3), moments=moments), gravity=0),
         0.5,
-        (
-            Criterion(
-                "angle of free precession in 0.25 s", 0.25 * nod % (2 * pi), 0.01, "rad", precession, "L t / I₁", LANDAU
-            ),
+        Criterion(
+            "angle of free precession in 0.25 s", 0.25 * nod % (2 * pi), 0.01, "rad", precession, "L t / I₁", LANDAU
         ),
     )
-    yield Case(
+    yield make_case(
         "dzhanibekov",
         stage(
             body("key", box(0.4, 0.2, 0.1), angular_velocity=(0.02, 8.0, 0.02), moments=(0.01, 0.02, 0.028)), gravity=0
         ),
         4.0,
-        (
-            Criterion(
-                "when a body spun about its middle axis turns over",
-                DZHANIBEKOV_TIME,
-                0.02,
-                "s",
-                lambda r: _crossing(
-                    [float(r["key"].axis_direction(i / 240, 1)[1]) for i in range(len(r["key"].angular_velocity))]
-                ),
-                "Euler's equations, integrated to 1e-11",
-                LANDAU,
+        Criterion(
+            "when a body spun about its middle axis turns over",
+            DZHANIBEKOV_TIME,
+            0.02,
+            "s",
+            lambda r: _crossing(
+                [float(r["key"].axis_direction(i / 240, 1)[1]) for i in range(len(r["key"].angular_velocity))]
             ),
+            "Euler's equations, integrated to 1e-11",
+            LANDAU,
         ),
     )
 
@@ -155,14 +145,14 @@ def _bounces() -> Iterator[Case]:
             z = trace["ball"].position[round(240 * (start + last)) : round(240 * (top + 0.1)), 2]
             return float(100 * (z.max() - 0.1) / 0.5)
 
-        yield Case(
+        yield make_case(
             f"bounce_{e:g}",
             stage(floor(), body("ball", ball(0.1), (0, 0, 0.1 + drop)), restitution=e),
             top + 0.2,
-            (Criterion("height of the bounce, of the drop", 100 * e * e, 3.0, "%", apex, "e² h", MECHANICS),),
+            Criterion("height of the bounce, of the drop", 100 * e * e, 3.0, "%", apex, "e² h", MECHANICS),
         )
     struck = sqrt(2 * G * 1.2)
-    yield Case(
+    yield make_case(
         "drop_on_box",
         stage(
             floor(),
@@ -170,55 +160,49 @@ def _bounces() -> Iterator[Case]:
             body("falls", box(0.4, 0.2, 0.2), (0, 0, 1.5), mass=16.0),
         ),
         0.8,
-        (
-            Criterion(
-                "speed upwards of a box that falls on one which rests",
-                0.0,
-                0.03 * struck,
-                "m/s",
-                lambda r: float(r["falls"].linear_velocity[round(240 * (struck / G + 0.02)) :, 2].max()),
-                "0",
-                MECHANICS,
-            ),
+        Criterion(
+            "speed upwards of a box that falls on one which rests",
+            0.0,
+            0.03 * struck,
+            "m/s",
+            lambda r: float(r["falls"].linear_velocity[round(240 * (struck / G + 0.02)) :, 2].max()),
+            "0",
+            MECHANICS,
         ),
     )
     fall = sqrt(2 * G * 0.5)
-    yield Case(
+    yield make_case(
         "bounce_oblique",
         stage(floor(), body("ball", ball(0.1), (0, 0, 0.6), velocity=(1.0, 0, 0)), friction=0, restitution=0.5),
         0.5,
-        (
-            Criterion(
-                "speed along the floor", 1.0, 0.01, "m/s", lambda r: r["ball"].linear_velocity[100, 0], "v", MECHANICS
-            ),
-            Criterion(
-                "speed upwards just after it",
-                0.5 * fall - G * (100 / 240 - sqrt(1 / G)),
-                0.06,
-                "m/s",
-                lambda r: r["ball"].linear_velocity[100, 2],
-                "e v − g t",
-                MECHANICS,
-            ),
+        Criterion(
+            "speed along the floor", 1.0, 0.01, "m/s", lambda r: r["ball"].linear_velocity[100, 0], "v", MECHANICS
+        ),
+        Criterion(
+            "speed upwards just after it",
+            0.5 * fall - G * (100 / 240 - sqrt(1 / G)),
+            0.06,
+            "m/s",
+            lambda r: r["ball"].linear_velocity[100, 2],
+            "e v − g t",
+            MECHANICS,
         ),
     )
-    yield Case(
+    yield make_case(
         "bounce_gripping",
         stage(floor(), body("ball", ball(0.1), (0, 0, 0.6), velocity=(1.0, 0, 0)), friction=1.0, restitution=0.5),
         0.5,
-        (
-            Criterion(
-                "speed along the floor of a ball that grips it",
-                5 / 7,
-                0.03,
-                "m/s",
-                lambda r: r["ball"].linear_velocity[100, 0],
-                "5 v/7",
-                "Garwin, American Journal of Physics 37 (1969), without his tangential restitution",
-            ),
+        Criterion(
+            "speed along the floor of a ball that grips it",
+            5 / 7,
+            0.03,
+            "m/s",
+            lambda r: r["ball"].linear_velocity[100, 0],
+            "5 v/7",
+            "Garwin, American Journal of Physics 37 (1969), without his tangential restitution",
         ),
     )
-    yield Case(
+    yield make_case(
         "thin_wall",
         stage(
             body("wall", box(0.01, 2.0, 2.0), (1.0, 0, 0), mass=None),
@@ -226,16 +210,14 @@ def _bounces() -> Iterator[Case]:
             gravity=0,
         ),
         0.25,
-        (
-            Criterion(
-                "farthest beyond a wall of 1 cm that is hit at 20 m/s",
-                0.0,
-                5.0,
-                "mm",
-                lambda r: float(1e3 * max(0.0, r["ball"].position[:, 0].max() + 0.05 - 0.995)),
-                "0",
-                "what is solid is not entered",
-            ),
+        Criterion(
+            "farthest beyond a wall of 1 cm that is hit at 20 m/s",
+            0.0,
+            5.0,
+            "mm",
+            lambda r: float(1e3 * max(0.0, r["ball"].position[:, 0].max() + 0.05 - 0.995)),
+            "0",
+            "what is solid is not entered",
         ),
     )
 
@@ -256,29 +238,27 @@ def _slides() -> Iterator[Case]:
     mu, v = 0.3, 1.5
     stop = v * v / (2 * mu * G)
     for name, (shape, up) in _SLID.items():
-        yield Case(
+        yield make_case(
             f"slide_{name}",
             stage(floor(), body("thing", shape, (0, 0, up), velocity=(v, 0, 0)), friction=mu),
             1.2,
-            (
-                Criterion(
-                    "way until it stops",
-                    stop,
-                    0.01 * stop,
-                    "m",
-                    lambda r: r["thing"].coordinate(1.2, 0),
-                    "v²/2μg",
-                    MECHANICS,
-                ),
-                Criterion(
-                    "how far it turns aside",
-                    0.0,
-                    2.0,
-                    "mm",
-                    lambda r: float(1e3 * np.abs(r["thing"].position[:, 1]).max()),
-                    "0",
-                    "symmetry",
-                ),
+            Criterion(
+                "way until it stops",
+                stop,
+                0.01 * stop,
+                "m",
+                lambda r: r["thing"].coordinate(1.2, 0),
+                "v²/2μg",
+                MECHANICS,
+            ),
+            Criterion(
+                "how far it turns aside",
+                0.0,
+                2.0,
+                "mm",
+                lambda r: float(1e3 * np.abs(r["thing"].position[:, 1]).max()),
+                "0",
+                "symmetry",
             ),
         )
     limit = atan(0.5)
@@ -286,55 +266,49 @@ def _slides() -> Iterator[Case]:
         turn = (cos(angle / 2), 0.0, sin(angle / 2), 0.0)
         at = (0.05 * sin(angle), 0.0, 0.05 * cos(angle))
         distance = 0.0 if name == "stick" else G * (sin(angle) - 0.5 * cos(angle)) * 2.0
-        yield Case(
+        yield make_case(
             f"incline_{name}",
             stage(floor(turn), body("box", box(0.3, 0.3, 0.1), at, turn), friction=0.5),
             2.0,
-            (
-                Criterion(
-                    f"way down a slope of {degrees(angle):.2f} degrees in 2 s",
-                    distance,
-                    max(0.001, 0.01 * distance),
-                    "m",
-                    lambda r: float(np.linalg.norm(r["box"].position[480] - r["box"].position[0])),
-                    "g (sin α − μ cos α) t²/2" if distance else "0",
-                    MECHANICS,
-                ),
+            Criterion(
+                f"way down a slope of {degrees(angle):.2f} degrees in 2 s",
+                distance,
+                max(0.001, 0.01 * distance),
+                "m",
+                lambda r: float(np.linalg.norm(r["box"].position[480] - r["box"].position[0])),
+                "g (sin α − μ cos α) t²/2" if distance else "0",
+                MECHANICS,
             ),
         )
     angle = radians(27.0)
     turn, at = (cos(angle / 2), 0.0, sin(angle / 2), 0.0), (0.05 * sin(angle), 0.0, 0.05 * cos(angle))
-    yield Case(
+    yield make_case(
         "two_frictions_rest",
         stage(floor(turn), body("box", box(0.3, 0.3, 0.1), at, turn), friction=(0.6, 0.4)),
         1.0,
-        (
-            Criterion(
-                "way down a slope on which only friction at rest holds it, in 1 s",
-                0.0,
-                1.0,
-                "mm",
-                lambda r: float(1e3 * np.linalg.norm(r["box"].position[240] - r["box"].position[0])),
-                "0, as tan α < μ at rest",
-                MECHANICS,
-            ),
+        Criterion(
+            "way down a slope on which only friction at rest holds it, in 1 s",
+            0.0,
+            1.0,
+            "mm",
+            lambda r: float(1e3 * np.linalg.norm(r["box"].position[240] - r["box"].position[0])),
+            "0, as tan α < μ at rest",
+            MECHANICS,
         ),
     )
     two = v * v / (2 * 0.4 * G)
-    yield Case(
+    yield make_case(
         "two_frictions_motion",
         stage(floor(), body("box", box(0.2, 0.2, 0.1), (0, 0, 0.05), velocity=(v, 0, 0)), friction=(0.6, 0.4)),
         1.0,
-        (
-            Criterion(
-                "way until it stops",
-                two,
-                0.02 * two,
-                "m",
-                lambda r: r["box"].coordinate(1.0, 0),
-                "v²/2μg in motion",
-                MECHANICS,
-            ),
+        Criterion(
+            "way until it stops",
+            two,
+            0.02 * two,
+            "m",
+            lambda r: r["box"].coordinate(1.0, 0),
+            "v²/2μg in motion",
+            MECHANICS,
         ),
     )
     yield from _spun_puck()
@@ -348,20 +322,18 @@ def _spun_puck() -> Iterator[Case]:
     """
     mu, radius, w = 0.3, 0.1, 10.0
     even, rim = (w - 0.1 * share * mu * G / radius for share in (4 / 3, 2.0))
-    yield Case(
+    yield make_case(
         "puck_spun",
         stage(floor(), body("disc", cylinder(radius, 0.05), (0, 0, 0.025), angular_velocity=(0, 0, w)), friction=mu),
         0.2,
-        (
-            Criterion(
-                "spin of a disc after 0.1 s",
-                (even + rim) / 2,
-                (even - rim) / 2 + 0.05,
-                "rad/s",
-                lambda r: r["disc"].angular_velocity[24, 2],
-                "from ω − 2μg t/r, all weight on the rim, to ω − 4μg t/3r, weight spread evenly",
-                MECHANICS,
-            ),
+        Criterion(
+            "spin of a disc after 0.1 s",
+            (even + rim) / 2,
+            (even - rim) / 2 + 0.05,
+            "rad/s",
+            lambda r: r["disc"].angular_velocity[24, 2],
+            "from ω − 2μg t/r, all weight on the rim, to ω − 4μg t/3r, weight spread evenly",
+            MECHANICS,
         ),
     )
 
@@ -372,50 +344,44 @@ def _spun_puck() -> Iterator[Case]:
 def _rolls() -> Iterator[Case]:
     r, v = 0.1, 1.0
     for name, shape, share in (("ball", ball(r), 2 / 5), ("cylinder", cylinder(r, 0.2, "Y"), 1 / 2)):
-        yield Case(
+        yield make_case(
             f"roll_{name}",
             stage(floor(), body("thing", shape, (0, 0, r), velocity=(v, 0, 0), angular_velocity=(0, v / r, 0))),
             3.0,
-            (
-                Criterion(
-                    "speed after rolling for 3 s", v, 0.01, "m/s", lambda trace: trace["thing"].speed(3), "v", MECHANICS
-                ),
+            Criterion(
+                "speed after rolling for 3 s", v, 0.01, "m/s", lambda trace: trace["thing"].speed(3), "v", MECHANICS
             ),
         )
-        yield Case(
+        yield make_case(
             f"slide_to_roll_{name}",
             stage(floor(), body("thing", shape, (0, 0, r), velocity=(v, 0, 0)), friction=0.3),
             1.5,
-            (
-                Criterion(
-                    "speed when it rolls",
-                    v / (1 + share),
-                    0.01,
-                    "m/s",
-                    lambda trace: trace["thing"].speed(1.5),
-                    "v/(1 + k²/r²)",
-                    MECHANICS,
-                ),
+            Criterion(
+                "speed when it rolls",
+                v / (1 + share),
+                0.01,
+                "m/s",
+                lambda trace: trace["thing"].speed(1.5),
+                "v/(1 + k²/r²)",
+                MECHANICS,
             ),
         )
         angle = radians(15)
         turn = (cos(angle / 2), 0.0, sin(angle / 2), 0.0)
         distance = G * sin(angle) / (1 + share) / 2
         assert share / (1 + share) * tan(angle) < 0.5
-        yield Case(
+        yield make_case(
             f"roll_down_{name}",
             stage(floor(turn), body("thing", shape, (r * sin(angle), 0, r * cos(angle)))),
             1.0,
-            (
-                Criterion(
-                    "way down a slope of 15 degrees in 1 s",
-                    distance,
-                    0.01 * distance,
-                    "m",
-                    lambda trace: float(np.linalg.norm(trace["thing"].position[240] - trace["thing"].position[0])),
-                    "g sin α t²/2(1 + k²/r²)",
-                    MECHANICS,
-                ),
+            Criterion(
+                "way down a slope of 15 degrees in 1 s",
+                distance,
+                0.01 * distance,
+                "m",
+                lambda trace: float(np.linalg.norm(trace["thing"].position[240] - trace["thing"].position[0])),
+                "g sin α t²/2(1 + k²/r²)",
+                MECHANICS,
             ),
         )
 
@@ -428,57 +394,51 @@ def _stands() -> Iterator[Case]:
     for name, angle in (("topple", limit + 0.02), ("stand", limit - 0.02)):
         turn = (cos(angle / 2), 0.0, sin(angle / 2), 0.0)
         at = (0.15 * sin(angle), 0.0, 0.15 * cos(angle))
-        yield Case(
+        yield make_case(
             name,
             stage(floor(turn), body("box", box(0.1, 0.1, 0.3), at, turn), friction=1.0),
             2.0,
-            (
-                Criterion(
-                    f"how far a box 3 times as high as wide turns on a slope of {degrees(angle):.2f} degrees",
-                    90.0 if name == "topple" else 0.0,
-                    2.0,
-                    "deg",
-                    lambda r: degrees(r["box"].rotation_angle(2.0)),
-                    "tips from atan(b/h) on",
-                    MECHANICS,
-                ),
+            Criterion(
+                f"how far a box 3 times as high as wide turns on a slope of {degrees(angle):.2f} degrees",
+                90.0 if name == "topple" else 0.0,
+                2.0,
+                "deg",
+                lambda r: degrees(r["box"].rotation_angle(2.0)),
+                "tips from atan(b/h) on",
+                MECHANICS,
             ),
         )
     for name, angle in (("topple_cylinder", limit + 0.02), ("stand_cylinder_slope", limit - 0.02)):
         turn, yaw = (cos(angle / 2), 0.0, sin(angle / 2), 0.0), pi / 8
         own = (turn[0] * cos(yaw / 2), turn[2] * sin(yaw / 2), turn[2] * cos(yaw / 2), turn[0] * sin(yaw / 2))
         at = (0.15 * sin(angle), 0.0, 0.15 * cos(angle))
-        yield Case(
+        yield make_case(
             name,
             stage(floor(turn), body("can", cylinder(0.05, 0.3), at, own), friction=1.0),
             0.7,
-            (
-                Criterion(
-                    f"how far a cylinder 3 times as high as wide leans on a slope of {degrees(angle):.2f} degrees",
-                    90.0 if name == "topple_cylinder" else 0.0,
-                    60.0 if name == "topple_cylinder" else 2.0,
-                    "deg",
-                    lambda r: _tilt(r["can"], 0.7),
-                    "tips from atan(d/h) on",
-                    MECHANICS,
-                ),
+            Criterion(
+                f"how far a cylinder 3 times as high as wide leans on a slope of {degrees(angle):.2f} degrees",
+                90.0 if name == "topple_cylinder" else 0.0,
+                60.0 if name == "topple_cylinder" else 2.0,
+                "deg",
+                lambda r: _tilt(r["can"], 0.7),
+                "tips from atan(d/h) on",
+                MECHANICS,
             ),
         )
     boxes = [body(f"box{i}", box(0.2, 0.2, 0.1), (0, 0, 0.05 + 0.1 * i)) for i in range(5)]
-    yield Case(
+    yield make_case(
         "stack",
         stage(floor(), *boxes),
         3.0,
-        (
-            Criterion(
-                "farthest that a box of a stack of five creeps in 3 s",
-                0.0,
-                0.5,
-                "mm",
-                lambda r: float(1e3 * max(np.linalg.norm(t.position[720] - t.position[0]) for t in r.values())),
-                "0",
-                MECHANICS,
-            ),
+        Criterion(
+            "farthest that a box of a stack of five creeps in 3 s",
+            0.0,
+            0.5,
+            "mm",
+            lambda r: float(1e3 * max(np.linalg.norm(t.position[720] - t.position[0]) for t in r.values())),
+            "0",
+            MECHANICS,
         ),
     )
 

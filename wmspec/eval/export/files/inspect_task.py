@@ -38,7 +38,7 @@ from inspect_ai.scorer import (
     stderr,
 )
 from inspect_ai.solver import Generate, Solver, TaskState, solver
-from wmspec_reply import is_withheld, mark
+from wmspec_reply import is_withheld, mark_row
 
 _FOLDER = Path(__file__).parent
 _TRUTH = ("options", "labels", "answer", "answer_number", "answer_unit", "answer_within")
@@ -104,16 +104,7 @@ def right() -> Scorer:
 
     async def score(state: TaskState, target: Target) -> Score:  # noqa: ARG001  signature of Inspect
         metadata = state.metadata
-        marked = mark(
-            state.output.completion,
-            metadata["options"],
-            metadata["labels"],
-            answer=metadata["answer"],
-            number=metadata["answer_number"],
-            unit=metadata["answer_unit"],
-            within=metadata["answer_within"],
-            finish=_finish(state),
-        )
+        marked = mark_row(state.output.completion, metadata, _finish(state))
         outcome = "error" if "error" in metadata else marked.outcome
         value = (CORRECT if marked.right else INCORRECT) if outcome == "answered" else NOANSWER
         answer = marked.place if marked.place is not None else marked.number

@@ -8,7 +8,7 @@ from typing import Any
 
 sys.path.append(str(Path(__file__).parent))
 
-from wmspec_reply import mark
+from wmspec_reply import mark_row
 
 Doc = dict[str, Any]
 
@@ -43,13 +43,5 @@ def doc_to_target(doc: Doc) -> str:
 
 def process_results(doc: Doc, results: list[Any]) -> dict[str, float]:
     """Return whether the reply is right, and whether it could not be parsed."""
-    marked = mark(
-        str(results[0]),
-        doc["options"],
-        doc["labels"],
-        answer=doc["answer"],
-        number=doc["answer_number"],
-        unit=doc["answer_unit"],
-        within=doc["answer_within"],
-    )
+    marked = mark_row(str(results[0]), doc)
     return {"acc": float(marked.right), "unparsed": float(not marked.parsed)}

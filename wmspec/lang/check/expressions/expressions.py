@@ -165,14 +165,16 @@ class Expressions:
             and set(expected) & set(names.BLOCKS.values())
         ):
             self.unknown(e, message, help, "WMS302")
-        named = {n.id: d for n in s.names((e, beside)) if isinstance(d := self.scope.names.get(n.id), s.Let | s.Factor)}
+        written = s.nodes((e, beside), s.Name)
+        named = {n.id: d for n in written if isinstance(d := self.scope.names.get(n.id), s.Let | s.Factor)}
         if named.keys() & self.tainted:
             raise Failed
         self.tainted |= named.keys()
         own = (d for d in named.values() if d.name.span.source is span.source)
         notes = tuple(Note(f"`{d.name.id}` is declared here", d.name.span) for d in own)
         code = "WMS301" if quantities else "WMS302"
-        if (given := next((n for n in s.numbers((e, beside)) if n.span.source is not span.source), None)) is not None:
+        numbers = s.nodes((e, beside), s.Number)
+        if (given := next((n for n in numbers if n.span.source is not span.source), None)) is not None:
             if given.span in self._reported:
                 raise Failed
             self._reported.add(given.span)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from wmspec.lang.check.ir.evaluate import subexpressions
-from wmspec.lang.check.ir.ir import Call, Expr, Ref, TaskSpec
+from wmspec.lang.check.ir.evaluate import reachable
+from wmspec.lang.check.ir.ir import Call, Expr, TaskSpec
 from wmspec.lang.check.tables.functions import FUNCTIONS
 
 #: The number of moments that show a change (see `moments`), such as something impossible, and from which a course is
@@ -24,12 +24,5 @@ def moments(spec: TaskSpec, expr: Expr) -> int:
 def _measures(spec: TaskSpec, expr: Expr) -> set[str]:
     """Return the measuring functions in an expression."""
     lets = {let.name: let.value for let in spec.lets}
-    waiting, seen, measures = [expr], set[str](), set[str]()
-    while waiting:
-        for part in subexpressions(waiting.pop()):
-            if isinstance(part, Call) and part.function in FUNCTIONS and FUNCTIONS[part.function].measured:
-                measures.add(part.function)
-            if isinstance(part, Ref) and part.name in lets and part.name not in seen:
-                seen.add(part.name)
-                waiting.append(lets[part.name])
-    return measures
+    calls = (part.function for part in reachable([expr], lets) if isinstance(part, Call))
+    return {name for name in calls if name in FUNCTIONS and FUNCTIONS[name].measured}

@@ -99,7 +99,7 @@ class Scope:
 
     def undeclared_names(self) -> set[str]:
         """Return the names without a declaration."""
-        written = {n.id for n in s.names(self._statements)}
+        written = {n.id for n in s.nodes(self._statements, s.Name)}
         return written.difference(self.names, BUILTIN, FUNCTIONS, VERBS)
 
     def of(self, *types: type[Declaration]) -> list[str]:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
+from typing import TypeVar
 
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.tables.vocabulary import WORDS
@@ -11,6 +14,8 @@ from wmspec.lang.check.types import units
 from wmspec.lang.check.types.types import LABEL, NEITHER, OBJECT, TEXT, List, Quantity, Type, Vector, Word
 from wmspec.lang.check.types.units import Dimension
 
+C = TypeVar("C")
+T = TypeVar("T")
 #: Dimension of a bare `0`, which is compatible with every quantity.
 ZERO = Dimension(99, 99, 99, 99)
 
@@ -20,6 +25,15 @@ _LABELS = (OBJECT, TEXT, NEITHER, LABEL)
 
 class Failed(Exception):
     """An error was reported; the caller continues without the value."""
+
+
+def without_failed(check: Callable[[C], T], items: Iterable[C]) -> list[T]:
+    """Return the results of checking each of the items, without failed ones."""
+    results = []
+    for item in items:
+        with suppress(Failed):
+            results.append(check(item))
+    return results
 
 
 @dataclass(frozen=True)

@@ -98,7 +98,7 @@ def _require_not_measured(check: Expressions, written: s.Expr, removed: str) -> 
 
 def _measured_at(check: Expressions, written: s.Expr, removed: str) -> Span | None:
     """Return where an argument of a measured function is the removed object, or None."""
-    for call in s.calls(written):
+    for call in s.nodes(written, s.Call):
         function = FUNCTIONS.get(call.function.id) if isinstance(call.function, s.Name) else None
         if function is None or not function.measured or function.chooses:
             continue

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, Protocol
 
 from wmspec.core.diagnostics import ImpossibleValue
@@ -186,3 +186,14 @@ def subexpressions(expr: Expr) -> Iterator[Expr]:
                 stack.extend(e for e in (node.change.value,) if e is not None)
             case Cause():
                 stack += (node.condition, node.candidates)
+
+
+def reachable(exprs: Iterable[Expr], lets: Mapping[str, Expr]) -> Iterator[Expr]:
+    """Yield all subexpressions, including those of the `lets` that they refer to."""
+    waiting, seen = list(exprs), set[str]()
+    while waiting:
+        for part in subexpressions(waiting.pop()):
+            yield part
+            if isinstance(part, Ref) and part.name in lets and part.name not in seen:
+                seen.add(part.name)
+                waiting.append(lets[part.name])

@@ -40,8 +40,9 @@ class Modules:
         self._prefixes: Prefixes = {}
         self._wrong: set[Span] = set()
         files = (program.file, *program.libraries.values())
-        self._factors = {item.name.id: item for file in files for item in _factors(file.items)}
-        self._taken = _WORDS.intersection(name for file in files for name in _declared(file.items))
+        items = [item for file in files for item in s.statements(file.items)]
+        self._factors = {item.name.id: item for item in items if isinstance(item, s.Factor)}
+        self._taken = _WORDS.intersection(item.name.id for item in items if isinstance(item, Declared))
 
     @property
     def whole(self) -> bool:
@@ -186,24 +187,6 @@ def _parameter_values(given: Mapping[str, s.Expr], parameters: Iterable[s.Parame
     return values
 
 
-def _declared(items: Iterable[Item]) -> Iterator[str]:
-    """Yield the names declared in a file, in its tasks and in their variants."""
-    for item in items:
-        if isinstance(item, s.Task | s.Variant):
-            yield from _declared(item.body)
-        elif isinstance(item, Declared):
-            yield item.name.id
-
-
-def _factors(items: Iterable[Item]) -> Iterator[s.Factor]:
-    """Yield the factors of a file, of its tasks and of their variants."""
-    for item in items:
-        if isinstance(item, s.Task | s.Variant):
-            yield from _factors(item.body)
-        elif isinstance(item, s.Factor):
-            yield item
-
-
 def _literal_values(value: s.Expr, factors: Mapping[str, s.Factor]) -> Iterator[s.Expr]:
     """Yield the literal values an argument can take: itself, both branches of a condition, the levels of a factor."""
     match value:
@@ -286,7 +269,7 @@ def _substitute_cached(item: S, values: Mapping[str, s.Expr]) -> S:
 
 def _names_in(statement: s.Statement) -> tuple[str, ...]:
     """Return the names in a statement of a library."""
-    return _cached((statement,), "names", lambda: tuple(name.id for name in s.names(statement)))
+    return _cached((statement,), "names", lambda: tuple(name.id for name in s.nodes(statement, s.Name)))
 
 
 def _references(statement: s.Statement) -> tuple[str, ...]:

@@ -93,10 +93,5 @@ class Templates:
 
     def _once_each(self, template: s.Template) -> None:
         self._without_place(template.parameters)
-        seen: dict[str, Span] = {}
-        for p in template.parameters:
-            if p.name.id in seen:
-                notes = (Note("declared here first", seen[p.name.id]),)
-                message = f"`{template.name.id}` has two parameters `{p.name.id}`"
-                self._report.add("WMS202", message, p.name.span, "remove one", notes)
-            seen.setdefault(p.name.id, p.name.span)
+        parameters = ((p.name.id, p.name.span) for p in template.parameters)
+        self._report.add_repeated(parameters, f"`{template.name.id}` has two parameters `{{}}`", "remove one")

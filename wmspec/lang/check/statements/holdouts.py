@@ -117,7 +117,7 @@ def check_holdouts(check: Expressions, spec: ir.TaskSpec, written: Iterable[s.St
     for question in spec.questions:
         shown = {varied.factor for varied in question.orbit}
         shown.update(name for change in question.counterfactuals for name in change.levels)
-        for span, name in ((x.target.span, name.id) for x in outs for name in s.names(x.target)):
+        for span, name in ((x.target.span, name.id) for x in outs for name in s.nodes(x.target, s.Name)):
             if name in shown:
                 notes = (Note("the question is here", spans.get(question.place, question.place)),)
                 message = f"the options of a question show other levels of `{name}`, so training sees all of them"

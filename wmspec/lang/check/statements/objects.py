@@ -74,13 +74,8 @@ class Entities:
         if kind not in ("object", *_MODELS) and model is not None:
             message = f"{article(kind)} has no template"
             self.report.add("WMS405", message, model.span, "only an object has")
-        seen: dict[str, Span] = {}
-        for part in block.parts:
-            if part.name.id in seen:
-                notes = (Note("declared here first", seen[part.name.id]),)
-                message = f"`{block.name.id}` has two parts `{part.name.id}`"
-                self.report.add("WMS202", message, part.name.span, "give one of them another name", notes)
-            seen.setdefault(part.name.id, part.name.span)
+        parts = ((part.name.id, part.name.span) for part in block.parts)
+        self.report.add_repeated(parts, f"`{block.name.id}` has two parts `{{}}`")
 
     def _fail_once(self, written: s.Name | s.Block) -> None:
         """Fail silently if the error was reported for another member of the same set."""

@@ -13,7 +13,7 @@ from wmspec.core.places import Location, Span
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.ir.evaluate import subexpressions
+from wmspec.lang.check.ir.evaluate import reachable
 from wmspec.lang.check.tables.vocabulary import DESIGNS
 from wmspec.lang.check.types import units
 from wmspec.lang.parse import syntax as s
@@ -165,14 +165,7 @@ class Orbits:
 
     def _refs(self, expr: ir.Expr) -> frozenset[str]:
         """Return the factors that a value depends on, directly or through `let`s."""
-        refs, waiting = set[str](), [expr]
-        while waiting:
-            for part in subexpressions(waiting.pop()):
-                if isinstance(part, ir.Ref) and part.name not in refs:
-                    refs.add(part.name)
-                    if part.name in self.lets:
-                        waiting.append(self.lets[part.name])
-        return frozenset(refs)
+        return frozenset(part.name for part in reachable([expr], self.lets) if isinstance(part, ir.Ref))
 
 
 def _otherwise(factors: Mapping[str, ir.Factor], levels: dict[str, ir.Level], place: Location) -> ir.Counterfactual:

@@ -30,11 +30,11 @@ def warn_overlapping(options: s.Expr, scope: Scope, report: Report) -> None:
 
 def _lists(expr: s.Expr, scope: Scope, seen: set[str]) -> Iterator[list[Phrase]]:
     """Yield the words of each list in an expression and in the values that it names."""
-    for node in s.lists(expr):
+    for node in s.nodes(expr, s.Items):
         phrases = [phrase for item in node.items for phrase in _phrase(item, scope)]
-        if phrases:
+        if phrases and node.kind == "list":
             yield phrases
-    for name in s.names(expr):
+    for name in s.nodes(expr, s.Name):
         declared = scope.names.get(name.id)
         if isinstance(declared, s.Let | s.Factor) and name.id not in seen:
             seen.add(name.id)

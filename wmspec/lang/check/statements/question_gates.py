@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi
 
 from wmspec.core.diagnostics import Note
@@ -21,15 +21,6 @@ _APART = PropertySpec((A_LENGTH,), "how far apart", above=0)
 _TURNED = PropertySpec((AN_ANGLE,), "by what turn", above=0, most=pi)
 #: Value of `distinct by` next to quantities: the kind of the outcome.
 KIND = "kind"
-
-
-@dataclass(frozen=True)
-class DistinctClause:
-    """Required difference between options: length (m), angle (rad), and kind of outcome."""
-
-    length: ir.Expr | None = None
-    turn: ir.Expr | None = None
-    kinds: bool = False
 
 
 class QuestionGates:
@@ -68,8 +59,13 @@ class QuestionGates:
             self.check.fail("WMS302", message, clause.value.span)
         return value.expr, Quantity(NUMBER) if value.type.dimension == ZERO else value.type
 
-    def distinct(self, clauses: list[s.Clause], kinds: tuple[s.Kinds, ...]) -> DistinctClause:
-        """Check `distinct by 5 cm or 20 deg` and `distinct by kind`: at most one of each."""
+    def distinct(
+        self, clauses: list[s.Clause], kinds: tuple[s.Kinds, ...]
+    ) -> tuple[ir.Expr | None, ir.Expr | None, bool]:
+        """Return the required difference between options: length (m), angle (rad), and whether of kind of outcome.
+
+        `distinct by 5 cm or 20 deg` and `distinct by kind`: at most one of each.
+        """
         first: dict[bool, s.Clause] = {}
         for clause in clauses:
             kind = self._by_kind(clause)
@@ -83,7 +79,7 @@ class QuestionGates:
         if False in first:
             with suppress(Failed):  # reported
                 length, turn = self._bounds(first[False])
-        return DistinctClause(length, turn, True in first)
+        return length, turn, True in first
 
     def _by_kind(self, clause: s.Clause) -> bool:
         return isinstance(clause.value, s.Name) and clause.value.id == KIND and KIND not in self.check.scope.names

@@ -163,11 +163,6 @@ def question_kind(answer: Type, clauses: Set[str]) -> ir.QuestionKind:
     return next(name for name, rules in QUESTION_RULES.items() if rules.fits(answer, clauses))
 
 
-def asks_possibility(question: ir.Question) -> bool:
-    """Whether a question is about the course of the episode: whether that is possible."""
-    return question.kind == "possible"
-
-
 def has_countable_answers(question: ir.Question) -> bool:
     """Whether the answers of a question are names, whose frequencies can be counted."""
     return question.kind in ("labels", "possible")

@@ -81,7 +81,7 @@ class QuestionTexts:
     def templates(self, clauses: dict[str, list[s.Clause]]) -> tuple[ir.TextTemplate, ...]:
         """Return the texts with inserted values among options and answers."""
         written = [clause.value for kind in ("options", ANSWER) for clause in clauses.get(kind, [])]
-        holes = {text.value: text for text in s.texts(tuple(written)) if _BRACE.search(text.span.text)}
+        holes = {text.value: text for text in s.nodes(tuple(written), s.Text) if _BRACE.search(text.span.text)}
         return tuple(ir.TextTemplate(text=value, parts=self.text(text)) for value, text in holes.items())
 
     def _named(self, expr: ir.Expr) -> bool:

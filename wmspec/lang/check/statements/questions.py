@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeVar
-
 from wmspec.core.diagnostics import Note
 from wmspec.core.places import Location, Span
 from wmspec.lang.check.expressions.expressions import Expressions
-from wmspec.lang.check.expressions.typed import Failed
+from wmspec.lang.check.expressions.typed import without_failed
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.library.modules import Modules
 from wmspec.lang.check.statements.counterfactuals import Counterfactuals
@@ -24,8 +21,6 @@ from wmspec.lang.check.tables.vocabulary import LEGIBILITY
 from wmspec.lang.check.types.types import TRUTH
 from wmspec.lang.parse import syntax as s
 
-T = TypeVar("T")
-C = TypeVar("C")
 _SINGLE_CLAUSES = ("options", "orbit", "answer", "within", "difference", "stable")
 
 
@@ -60,16 +55,18 @@ class Questions:
         if ANSWER not in clauses:
             self.check.fail("WMS501", "this question has no answer", question.text.span, "add `answer EXPRESSION`")
         kind, options, answer = self.answers.answer(question, clauses)
-        margins = self._check_each(self.gates.margin, clauses.get("margin", []))
-        ensures = self._check_each(self.gates.ensure, clauses.get("ensure", []))
-        changes = [c for made in self._check_each(self.changes, question.counterfactuals) for c in made]
-        orbit = self._check_each(self.orbits.orbit, clauses.get(ORBIT, []))
+        margins = without_failed(self.gates.margin, clauses.get("margin", []))
+        ensures = without_failed(self.gates.ensure, clauses.get("ensure", []))
+        changes = [c for made in without_failed(self.changes, question.counterfactuals) for c in made]
+        orbit = without_failed(self.orbits.orbit, clauses.get(ORBIT, []))
         varied, siblings = orbit[0] if orbit else ((), ())
-        self._check_unique_names(changes)
-        kinds = [outcome for made in self._check_each(self.kinds, question.kinds) for outcome in made]
-        distinct = self.gates.distinct(clauses.get("distinct", []), question.kinds)
-        difference = self._check_each(self.gates.difference, clauses.get("difference", []))
-        stable = self._check_each(self.gates.separately, clauses.get("stable", []))
+        named = ((change.name, change.place) for change in changes)
+        message = "two counterfactuals of this question are named `{}`"
+        self.report.add_repeated(named, message, note="the first is here")
+        kinds = [outcome for made in without_failed(self.kinds, question.kinds) for outcome in made]
+        apart, turn, by_kind = self.gates.distinct(clauses.get("distinct", []), question.kinds)
+        difference = without_failed(self.gates.difference, clauses.get("difference", []))
+        stable = without_failed(self.gates.separately, clauses.get("stable", []))
         return ir.Question(
             name=question.name.id if question.name else "",
             text=text,
@@ -79,9 +76,9 @@ class Questions:
             answer=answer.expr,
             margins=tuple(margins),
             ensures=tuple(ensures),
-            distinct=distinct.length,
-            distinct_turn=distinct.turn,
-            distinct_kinds=distinct.kinds,
+            distinct=apart,
+            distinct_turn=turn,
+            distinct_kinds=by_kind,
             texts=self.texts.templates(clauses),
             kinds=tuple(kinds),
             orbit=varied,
@@ -106,16 +103,6 @@ class Questions:
             self.report.add("WMS202", message, name.span, "give one of them another name", notes)
         self._names.setdefault(name.id, name.span)
 
-    def _check_each(self, check: Callable[[C], T], clauses: list[C] | tuple[C, ...]) -> list[T]:
-        """Return the results for the clauses without errors."""
-        results = []
-        for clause in clauses:
-            try:
-                results.append(check(clause))
-            except Failed:
-                continue
-        return results
-
     def _model_text(self, kind: str, question: s.Question) -> tuple[str | ir.Interpolation, ...]:
         """Check a text for video models, at most one of a kind, for a picture as the answer."""
         written = [each for each in question.model_texts if each.kind == kind]
@@ -126,7 +113,7 @@ class Questions:
             if not any(clause.kind == ORBIT for clause in question.clauses):
                 message = f"`{kind}` describes a film, and this question has no closed set of films"
                 self.report.add("WMS502", message, one.span, "add `options orbit of ...`, or remove it")
-            texts = self._check_each(self.texts.pieces, [one.text])
+            texts = without_failed(self.texts.pieces, [one.text])
             if texts and "?" in "".join(part for part in texts[0] if isinstance(part, str)):
                 what = f"`{kind}` has a question in it; a video model continues a film and answers nothing"
                 self.report.add("WMS304", what, one.text.span, "describe the scene in statements")
@@ -149,15 +136,6 @@ class Questions:
         if isinstance(written, s.EachOther):
             return self.orbits.each_other(written)
         return (self.counterfactuals.counterfactual(written),)
-
-    def _check_unique_names(self, changes: list[ir.Counterfactual]) -> None:
-        """Report two counterfactuals of one name."""
-        first: dict[str, ir.Counterfactual] = {}
-        for change in changes:
-            if first.setdefault(change.name, change) is not change:
-                notes = (Note("the first is here", first[change.name].place),)
-                what = f"two counterfactuals of this question are named `{change.name}`"
-                self.report.add("WMS202", what, change.place, "give one of them another name", notes)
 
     def kinds(self, written: s.Kinds) -> tuple[ir.Outcome, ...]:
         """Return the kinds of outcome."""

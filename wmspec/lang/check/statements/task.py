@@ -13,7 +13,7 @@ from wmspec.core.limits import EPISODE_SECONDS
 from wmspec.core.places import Source, Span
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.scope import Scope
-from wmspec.lang.check.expressions.typed import Failed, Typed, constant
+from wmspec.lang.check.expressions.typed import Failed, Typed, constant, without_failed
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.library.expand import Assets
 from wmspec.lang.check.library.modules import Item, Modules
@@ -77,21 +77,12 @@ def _specs(program: Program, report: Report) -> tuple[ir.TaskSpec, ...]:
     if not tasks:
         _Task(None, Modules(program, report), (program.file.items,), report, set()).library()
         return ()
-    _check_unique_names(tasks, report)
+    # Instances of two tasks of one name would be confused.
+    report.add_repeated(((t.name.id, t.name.span) for t in tasks if t.name.id), "there are two tasks `{}`")
     specs = [spec for task in tasks for spec in _checked(task, program, report)]
     if not report.failed:
         warn_unused(program.file, report)
     return tuple(spec for spec in specs if spec is not None)
-
-
-def _check_unique_names(tasks: Iterable[s.Task], report: Report) -> None:
-    """Report two tasks of one name: their instances would be confused."""
-    named: dict[str, s.Task] = {}
-    for task in tasks:
-        if task.name.id and (first := named.setdefault(task.name.id, task)) is not task:
-            notes = (Note("declared here first", first.name.span),)
-            what = f"there are two tasks `{task.name.id}`"
-            report.add("WMS202", what, task.name.span, "give one of them another name", notes)
 
 
 def _variants(task: s.Task, report: Report) -> list[s.Variant | None]:
@@ -196,9 +187,7 @@ class _Task:
 
     def blocks(self) -> list[ir.Entity]:
         """Return all entities. Unused templates are checked as well."""
-        for block in self.unused:
-            with suppress(Failed):
-                self.things.block(block)
+        without_failed(self.things.block, self.unused)
         things = [thing for group in self.each(s.Block, self.things.block) for thing in group]
         report_placement_cycles(self.check, things)
         return things
@@ -267,14 +256,7 @@ class _Task:
 
     def each(self, sort: type[S], check: Callable[[S], T]) -> list[T]:
         """Return the results of checking every statement of a type, without failed ones."""
-        results = []
-        for statement in self.statements:
-            if isinstance(statement, sort):
-                try:
-                    results.append(check(statement))
-                except Failed:
-                    continue
-        return results
+        return without_failed(check, (x for x in self.statements if isinstance(x, sort)))
 
     def _docstring(self) -> str:
         assert self.declaration is not None

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 from wmspec.core.diagnostics import Note
 from wmspec.core.places import Location, Span
 from wmspec.lang.check.expressions.expressions import Expressions
-from wmspec.lang.check.expressions.typed import Failed, Typed
+from wmspec.lang.check.expressions.typed import Typed, without_failed
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.types.types import A_TIME, OBJECT, List
 from wmspec.lang.parse import syntax as s
@@ -18,12 +19,8 @@ NONE = "none"
 
 def visibility(check: Expressions, clauses: Sequence[s.Clause]) -> tuple[ir.Visibility, ...]:
     """Return the declared visibility of objects. Errors are reported, and their clauses left out."""
-    made = list[ir.Visibility]()
-    for clause in sorted(clauses, key=lambda each: each.span.start):
-        try:
-            made += _visibility(check, clause)
-        except Failed:
-            continue
+    ordered = sorted(clauses, key=lambda each: each.span.start)
+    made = [each for group in without_failed(partial(_visibility, check), ordered) for each in group]
     _report_conflicts(check, made, {Location.of(clause.span): clause.span for clause in clauses})
     return tuple(made)
 

@@ -21,21 +21,15 @@ class Dimension:
     angle: int = 0
 
     def __mul__(self, other: Dimension) -> Dimension:
-        return self._combine(other, 1)
+        return Dimension(
+            self.length + other.length, self.mass + other.mass, self.time + other.time, self.angle + other.angle
+        )
 
     def __truediv__(self, other: Dimension) -> Dimension:
-        return self._combine(other, -1)
+        return self * other**-1
 
     def __pow__(self, n: int) -> Dimension:
         return Dimension(self.length * n, self.mass * n, self.time * n, self.angle * n)
-
-    def _combine(self, other: Dimension, sign: int) -> Dimension:
-        return Dimension(
-            self.length + sign * other.length,
-            self.mass + sign * other.mass,
-            self.time + sign * other.time,
-            self.angle + sign * other.angle,
-        )
 
     def __str__(self) -> str:
         return _NAMES.get(self) or self.symbol

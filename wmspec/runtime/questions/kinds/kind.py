@@ -11,7 +11,7 @@ from wmspec.core.diagnostics import GraphicsError, WmsError
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Counterfactual, Level, Question, WhatIf
 from wmspec.runtime.questions.measure import Measured
-from wmspec.runtime.questions.model import Answer, Number, Option, Picture
+from wmspec.runtime.questions.model import Answer, Number, Option
 from wmspec.runtime.questions.question_context import AnswerSlot, QuestionContext
 from wmspec.runtime.questions.runs import Run
 from wmspec.runtime.questions.verbalize import fill_template, si_unit, verbalize_option
@@ -25,14 +25,6 @@ class OptionImage:
     run: Run
     camera: str
     time: float
-
-
-@dataclass(frozen=True)
-class OptionSet:
-    """Options as a row stores them: `texts` (None for pictures, empty without options) and `pictures`."""
-
-    texts: tuple[str, ...] | None
-    pictures: tuple[Picture, ...] = ()
 
 
 A = TypeVar("A", bound=Answer)
@@ -100,10 +92,6 @@ class Kind(ABC, Generic[A]):
     @abstractmethod
     def remedy(self, sort: str) -> str:
         """Return the remedy for an answer of type `sort` that depends on the smallest differences between engines."""
-
-    def option_set(self, options: Sequence[Option]) -> OptionSet:
-        """Return the options as a row stores them."""
-        return OptionSet(())
 
 
 def actual_value(asking: QuestionContext, measured: Measured) -> Any:

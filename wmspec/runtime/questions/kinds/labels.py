@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -10,15 +9,7 @@ from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import QuestionKind
 from wmspec.lang.check.tables.vocabulary import WORDS
 from wmspec.lang.check.types.types import TRUTH
-from wmspec.runtime.questions.kinds.kind import (
-    Kind,
-    OptionSet,
-    actual_value,
-    actual_words,
-    in_words,
-    nudged_value,
-    quantity,
-)
+from wmspec.runtime.questions.kinds.kind import Kind, actual_value, actual_words, in_words, nudged_value, quantity
 from wmspec.runtime.questions.model import Answer, Number, Option, Reject
 from wmspec.runtime.questions.question_context import AnswerSlot, QuestionContext
 from wmspec.runtime.questions.runs import Run
@@ -104,10 +95,6 @@ class Labels(Kind[LabelAnswer]):
                 "of a quantity that decides it, such as a distance"
             )
         return "use a larger margin"
-
-    def option_set(self, options: Sequence[Option]) -> OptionSet:
-        """Return texts."""
-        return OptionSet(tuple(option.text for option in options if option.text is not None))
 
 
 def same(a: Any, b: Any) -> bool:

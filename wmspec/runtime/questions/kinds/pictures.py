@@ -17,7 +17,7 @@ from wmspec.lang.check.ir.evaluate import evaluate, resolved
 from wmspec.lang.check.ir.ir import ACTUAL, Counterfactual, Level, OrbitFactor, Outcome, Question, QuestionKind, WhatIf
 from wmspec.runtime.caches.cache_keys import look_key
 from wmspec.runtime.questions.changes import change_of
-from wmspec.runtime.questions.kinds.kind import Kind, OptionImage, OptionSet
+from wmspec.runtime.questions.kinds.kind import Kind, OptionImage
 from wmspec.runtime.questions.measure import Measured
 from wmspec.runtime.questions.model import TRUTH, Answer, Option, OptionKind, Picture, Reject
 from wmspec.runtime.questions.picture_balance import MIN_DIFFERENT_SHARE
@@ -201,10 +201,6 @@ class Pictures(Kind[PictureAnswer]):
     def remedy(self, sort: str) -> str:
         """Return the remedy: larger differences between options."""
         return "use options that are further apart (`distinct by`)"
-
-    def option_set(self, options: Sequence[Option]) -> OptionSet:
-        """Return pictures."""
-        return OptionSet(None, tuple(option.picture for option in options if option.picture is not None))
 
 
 def max_distance(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:

@@ -5,16 +5,14 @@ An episode is possible if it is the same without the actions that break the laws
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import ClassVar
-
-import numpy as np
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.ir.ir import QuestionKind
 from wmspec.lang.check.statements.possibility import IMPOSSIBLE, POSSIBLE, VIOLATIONS
-from wmspec.runtime.questions.kinds.kind import Kind, OptionSet
+from wmspec.runtime.questions.kinds.kind import Kind
 from wmspec.runtime.questions.model import Answer, Option, Reject
 from wmspec.runtime.questions.observed import MIN_MOTION
 from wmspec.runtime.questions.picture_balance import MIN_DIFFERENT_SHARE, different_share
@@ -77,15 +75,11 @@ class Possible(Kind[PossibleAnswer]):
         """Return the remedy: a violation with a clear effect, or with none."""
         return "let the violation change much, or nothing at all"
 
-    def option_set(self, options: Sequence[Option]) -> OptionSet:
-        """Return texts."""
-        return OptionSet(tuple(option.text for option in options if option.text is not None))
-
 
 def _answer(asking: QuestionContext, run: Run) -> PossibleAnswer:
     lawful = lawful_run(asking, run)
     until = max(time for _, time in asking.views)
-    apart = _distance(run, lawful, until)
+    apart = run.distance(lawful, until)
     same = apart <= MIN_MOTION and all(
         _looks(run.scene, time) == _looks(lawful.scene, time) for time in _changes(run.scene, until)
     )
@@ -102,12 +96,6 @@ def lawful_run(asking: QuestionContext, run: Run) -> Run:
     except WmsError as error:
         raise Reject("unstable", f"without violations: {error.portable}") from None
     return Run(run.values, scene, trace, lambda change: lawful_run(asking, run.under(change)))
-
-
-def _distance(run: Run, lawful: Run, until: float) -> float:
-    """Return the largest distance (m) of a body between two episodes up to a time (s)."""
-    shown = run.trace.time <= until + 0.5 / run.scene.rate
-    return float(np.linalg.norm(run.centres() - lawful.centres(), axis=2)[shown].max(initial=0.0))
 
 
 def _changes(scene: Scene, until: float) -> Iterable[float]:

@@ -17,10 +17,10 @@ from wmspec.runtime.questions.legibility.picture_places import center, size
 from wmspec.runtime.questions.model import Legibility
 from wmspec.runtime.questions.patch import patch
 from wmspec.runtime.questions.runs import EnginePair
-from wmspec.runtime.questions.silhouette import camera_in_world
-from wmspec.sim.scene.model import Body, Camera, Frame, Scene
+from wmspec.sim.scene.model import Body, Camera, Frame, Scene, Shot
 from wmspec.sim.scene.model.digest import digest
 from wmspec.sim.scene.render.appearance import appearance_at
+from wmspec.sim.scene.render.camera import world_camera
 from wmspec.sim.scene.render.visible_rotation import visible_angle_about
 
 
@@ -45,7 +45,7 @@ class _Drawn:
     def camera(self) -> Camera:
         """The camera in the world."""
         run = self.image.run
-        return camera_in_world(run.scene, self.image.camera, run.trace.poses(self.image.time))
+        return world_camera(run.scene, Shot(self.image.camera, run.trace.poses(self.image.time)))
 
     def size(self, name: str) -> float:
         """Return the drawn size (px) of a body, 0 if it is absent."""

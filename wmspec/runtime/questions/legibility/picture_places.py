@@ -8,10 +8,9 @@ from wmspec.core.memoize import cached_on
 from wmspec.runtime.questions.legibility.bounds import REFERENCE_SIDE
 from wmspec.runtime.questions.observed import Observed
 from wmspec.runtime.questions.patch import patch
-from wmspec.runtime.questions.silhouette import camera_in_world
 from wmspec.runtime.questions.views import View
-from wmspec.sim.scene.model import Array, Frame
-from wmspec.sim.scene.render.camera import project
+from wmspec.sim.scene.model import Array, Frame, Shot
+from wmspec.sim.scene.render.camera import project, world_camera
 
 #: m: step of the numeric derivative of a projection.
 _STEP = 1e-3
@@ -54,7 +53,7 @@ def pixels_per_metre(observed: Observed, name: str, view: View) -> float:
     """Return the length (px) of a metre at the centre of a body, in the direction in which it is longest."""
     camera_name, time = view
     poses = observed.poses(time)
-    camera = camera_in_world(observed.scene, camera_name, poses)
+    camera = world_camera(observed.scene, Shot(camera_name, poses))
     frame = observed.picture(*view)
     height, width = frame.ids.shape
     middle = observed.track(name)[observed.moment(time)]
