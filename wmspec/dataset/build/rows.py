@@ -120,14 +120,14 @@ def encode(question: QuestionRow, rows_of: RowsOf, film: Row | None = None) -> R
 
 
 def _options(question: QuestionRow) -> Row:
-    options, pictured = question.options, question.kind == "pictures"
+    options = question.options
     texts = [o.text for o in options if o.text is not None]
     pictures = [o.picture for o in options if o.picture is not None]
-    if len(pictures if pictured else texts) != len(options):
+    if (texts and pictures) or len(texts) + len(pictures) != len(options):
         raise ValueError("every option of a question has a text, or every one has a picture")
     return {
-        "option_text": None if pictured else texts,
-        "option_image": [encode_picture(p.rgb) for p in pictures] if pictured else [],
+        "option_text": None if pictures else texts,
+        "option_image": [encode_picture(p.rgb) for p in pictures],
         "option_kind": [o.kind for o in options],
         "option_name": [o.name for o in options],
         "option_change": [_change(o.change) for o in options],
