@@ -17,13 +17,13 @@ def dumps(made: object) -> bytes:
     """Return nodes, and tuples and dictionaries of them, as bytes; a source text becomes a reference."""
     file = io.BytesIO()
     writer = pickle.Pickler(file, protocol=5)
-    writer.dispatch_table = {Source: lambda _: (_source, ())}
+    writer.dispatch_table = {Source: lambda _: (_reference, ())}
     writer.dump(made)
     return file.getvalue()
 
 
-def _source() -> Source:
-    """Stand for the source text, which the reader of the cache has."""
+def _reference() -> Source:
+    """Refer to the source text, which the reader of the cache has; `_Reader` replaces this function."""
     raise NotImplementedError
 
 
@@ -50,7 +50,7 @@ class _Reader(pickle.Unpickler):
         self._source = source
 
     def find_class(self, module: str, name: str) -> Any:
-        if (module, name) == (__name__, _source.__name__):
+        if (module, name) == (__name__, _reference.__name__):
             return self._given_source
         found = vars(self._modules[module]).get(name) if module in self._modules else None
         if isinstance(found, type) and found.__module__ == module and issubclass(found, Node | Span):

@@ -89,7 +89,7 @@ class _Handler(BaseHTTPRequestHandler):
             while not watch.stopped.is_set():
                 state = watch.after(version, HEARTBEAT)
                 version = state.version if state else version
-                news = f"data: {json.dumps(state, default=plain)}\n\n" if state else ": still here\n\n"
+                news = f"data: {json.dumps(state, default=to_json)}\n\n" if state else ": still here\n\n"
                 self.wfile.write(news.encode())
                 self.wfile.flush()
         except OSError:  # the page was closed
@@ -101,8 +101,8 @@ def page(name: str) -> str:
     return webpage("wmspec.editor", name=name)
 
 
-def plain(value: object) -> object:
-    """Return what stands for a value in JSON: the address of a picture, the text of a diagnostic, a record's fields."""
+def to_json(value: object) -> object:
+    """Convert a value that JSON lacks: a picture to its URL, a diagnostic to its text, a record to its fields."""
     match value:
         case bytes():
             return f"pictures/{picture_name(value)}.png" if value else ""

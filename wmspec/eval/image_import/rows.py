@@ -14,7 +14,7 @@ from wmspec.eval.image_import.decode import PictureFolder
 from wmspec.eval.image_import.table import Entry
 from wmspec.eval.image_import.wm_abench import Pictures
 
-#: Pictures by name.
+#: A source of pictures by name.
 PictureSource = PictureFolder | Pictures
 #: The name of the only engine and camera of an imported dataset.
 CAMERA_ENGINE = "camera"

@@ -88,7 +88,7 @@ class Baseline:
         return Reply("" if number is None else f"{number!r} {question.unit}".strip(), model_version="1")
 
     def _choose(self, question: Question, draw: float) -> int:
-        """Return the true option, a random one, one whose words are true most often, or the picture closest to all."""
+        """Return the true option, a random one, the one with the likeliest words, or the picture nearest the others."""
         if self._name == "oracle":
             assert question.answer is not None
             return question.answer
