@@ -10,8 +10,9 @@ from typing import Any
 import pytest
 
 from tests.dataset.forger import Forger, as_rejected, dot_truth, dotted, move_truth, nudge, older, swap_pictures
-from tests.endtoend.test_commands import COLLIDE, SPEED
+from tests.endtoend.test_commands import SPEED
 from tests.engines import installed
+from tests.films.conftest import SHOVE
 from wmspec.api import generate
 from wmspec.api.attesting import attest, check
 from wmspec.api.verifying import verify
@@ -27,17 +28,24 @@ def quiet(text: str) -> None:
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     installed("mujoco")
     folder = tmp_path_factory.mktemp("forger")
-    generate([SPEED, COLLIDE], folder / "out", per_task=4, backend="mujoco", size=64, seed=SEED, workers=0, tell=quiet)
+    generate([SPEED, SHOVE], folder / "out", per_task=4, backend="mujoco", size=64, seed=SEED, workers=0, tell=quiet)
     return folder / "out"
+
+
+@pytest.fixture(scope="module")
+def seal(made: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("seal")
+    attest(made, folder / "out", workers=0, tell=quiet)
+    return folder / "out/seal.json"
 
 
 def pictured(forger: Forger) -> list[dict[str, Any]]:
     """The rows whose options are pictures."""
-    return [row for row in forger.of("collide") if row["option_image"]]
+    return [row for row in forger.of("shove") if row["option_image"]]
 
 
 def answers(forger: Forger) -> None:
-    for row in forger.of("collide")[::3]:
+    for row in forger.of("shove")[::3]:
         move_truth(row)
 
 
@@ -62,23 +70,23 @@ def dot_of_another_version(forger: Forger) -> None:
 
 
 def large_dot_of_another_version(forger: Forger) -> None:
-    row = forger.of("collide")[0]
+    row = forger.of("shove")[0]
     row["context"][0] = dotted(row["context"][0], side=8)
     older(forger)
 
 
 def removed(forger: Forger) -> None:
-    row = forger.of("collide").pop(3)
-    forger.plan["tasks"]["collide"].remove(row["index"])
+    row = forger.of("shove").pop(3)
+    forger.plan["tasks"]["shove"].remove(row["index"])
 
 
 def removed_last(forger: Forger) -> None:
-    row = forger.of("collide").pop()
-    forger.plan["tasks"]["collide"].remove(row["index"])
+    row = forger.of("shove").pop()
+    forger.plan["tasks"]["shove"].remove(row["index"])
 
 
 def claimed_rejected(forger: Forger) -> None:
-    for row in (forger.of("collide").pop(3), forger.of("collide").pop(5)):
+    for row in (forger.of("shove").pop(2), forger.of("shove").pop(3)):
         forger.manifest["rejected"]["list"].append(as_rejected(row))
         counts = forger.manifest["rejected"]["count"]
         counts["alike"] = counts.get("alike", 0) + 1
@@ -97,7 +105,7 @@ def added(forger: Forger) -> None:
 
 
 def order(forger: Forger) -> None:
-    rows = forger.of("collide")
+    rows = forger.of("shove")
     rows[0], rows[2] = rows[2], rows[0]
 
 
@@ -107,8 +115,8 @@ def factor(forger: Forger) -> None:
 
 
 def spec_text(forger: Forger) -> None:
-    name = next(name for name in forger.manifest["specs"] if name.endswith("collide.wms"))
-    forger.spec(name, lambda text: text.replace("restitution: 0.8  called", "restitution: 0.2  called"))
+    name = next(name for name in forger.manifest["specs"] if name.endswith("shove.wms"))
+    forger.spec(name, lambda text: text.replace("damping: 0 Hz", "damping: 1 Hz"))
 
 
 def bundled_text(forger: Forger) -> None:
@@ -132,20 +140,20 @@ def croissant(forger: Forger) -> None:
 
 
 def example(forger: Forger) -> None:
-    shutil.copy(forger.folder / "examples/collide.webp", forger.folder / "examples/speed_tabletop.webp")
+    shutil.copy(forger.folder / "examples/shove.webp", forger.folder / "examples/speed_tabletop.webp")
 
 
 def extra(forger: Forger) -> None:
-    (forger.folder / "data/collide/loader.py").write_text("print(1)\n")
-    forger.manifest["files"]["data/collide/loader.py"] = "0" * 64
+    (forger.folder / "data/shove/loader.py").write_text("print(1)\n")
+    forger.manifest["files"]["data/shove/loader.py"] = "0" * 64
 
 
 def title(forger: Forger) -> None:
-    forger.manifest["tasks"]["collide"]["title"] = "Another title"
+    forger.manifest["tasks"]["shove"]["title"] = "Another title"
 
 
 def metadata(forger: Forger) -> None:
-    path = next(path for path in forger.rows if "collide" in path)
+    path = next(path for path in forger.rows if "shove" in path)
     forger.tables[path] = forger.tables[path].replace_schema_metadata({"note": "the answer is 1"})
 
 
@@ -192,22 +200,20 @@ def test_a_forgery_is_found_by_default(
 
 
 def test_a_licence_that_is_rewritten_everywhere_is_stated_as_not_covered(
-    forged: Callable[[Callable[[Forger], None]], Path], made: Path, tmp_path: Path
+    forged: Callable[[Callable[[Forger], None]], Path], seal: Path
 ) -> None:
-    attest(made, tmp_path / "seal", workers=0, tell=quiet)
     folder = forged(lambda forger: forger.manifest.update(licence="CC0-1.0"))
     result = verify(folder, workers=0, tell=quiet)
     assert result.verdict == "different", "card and metadata still state the licence of the specs"
     assert "CC0-1.0" in result.limits[0]
-    assert "the file manifest.json is not what was sealed" in check(folder, tmp_path / "seal/seal.json")
+    assert "the file manifest.json is not what was sealed" in check(folder, seal)
 
 
-@pytest.mark.parametrize("name", ["README.md", "croissant.json", "extra.txt", "examples/collide.webp"])
-def test_a_seal_covers_every_file(name: str, made: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["README.md", "croissant.json", "extra.txt", "examples/shove.webp"])
+def test_a_seal_covers_every_file(name: str, made: Path, seal: Path, tmp_path: Path) -> None:
     shutil.copytree(made, tmp_path / "out")
-    attest(tmp_path / "out", tmp_path / "seal", workers=0, tell=quiet)
-    assert check(tmp_path / "out", tmp_path / "seal/seal.json") == ()
+    assert check(tmp_path / "out", seal) == ()
     with (tmp_path / "out" / name).open("ab") as file:
         file.write(b" ")
-    (sentence,) = check(tmp_path / "out", tmp_path / "seal/seal.json")
+    (sentence,) = check(tmp_path / "out", seal)
     assert name in sentence
