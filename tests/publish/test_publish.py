@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterator
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +19,7 @@ from click.testing import CliRunner, Result
 
 from tests.browser import barriers, opened
 from tests.evaluate.made import in_numbers, in_pictures, in_words
-from tests.evaluate.manners import MANNERS, Manner, Response, always, chat, error, first_words, server
+from tests.evaluate.manners import MANNERS, Manner, Response, chat, error, first_words, server
 from wmspec.cli import main
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.models.question import Question, questions
@@ -240,15 +243,26 @@ def test_a_submission_may_come_from_any_writer_of_json(change: str, holder: Hold
     assert "24 of 24 replies" in wmspec("submit", holder.public, tmp_path / "s.jsonl").output
 
 
-@pytest.mark.parametrize("name", ["parts", "refusal field", "filter status", "moderation", "cut"])
-def test_the_script_of_the_folder_has_the_outcomes_of_evaluate(name: str, holder: Holder, tmp_path: Path) -> None:
+def test_the_script_of_the_folder_has_the_outcomes_of_evaluate(
+    holder: Holder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pytest.importorskip("openai")
-    out = tmp_path / "submission.jsonl"
+    out, outcomes = tmp_path / "submission.jsonl", Counter[str]()
+    manners = cycle(MANNERS[name] for name in ("parts", "refusal field", "filter status", "moderation", "cut"))
+
+    def respond(*request: Any) -> Response:
+        manner = next(manners)
+        outcomes[manner.outcome] += 1
+        return manner.respond(*request)
+
+    monkeypatch.setitem(MANNERS, "in turn", Manner(respond))
     with server(first_words) as running:
-        command = [sys.executable, str(holder.public / "answer.py"), "--model", name.replace(" ", "_")]
+        command = [sys.executable, str(holder.public / "answer.py"), "--model", "in_turn"]
         command += ["--output", str(out), "--base-url", running.address]
         subprocess.run(command, check=True, env={"OPENAI_API_KEY": "none", "PATH": os.environ["PATH"]})
-    assert f"24 {MANNERS[name].outcome}" in wmspec("submit", holder.public, out).output
+    said = wmspec("submit", holder.public, out).output
+    assert outcomes == {"answered": 5, "refused": 15, "truncated": 4}, "one request for each question"
+    assert all(re.search(rf"\b{count} {outcome}\b", said) for outcome, count in outcomes.items()), said
 
 
 def test_the_script_of_the_folder_answers_a_server_and_resumes(holder: Holder, tmp_path: Path) -> None:
@@ -296,19 +310,21 @@ def test_the_script_of_the_folder_sends_failed_requests_again(
     assert len(set(ids)) == len(ids) == 25
 
 
-@pytest.mark.parametrize("response", [chat("A sk-0123456789"), chat("A", "sk-0123456789"), error(400, "sk-0123456789")])
 def test_the_script_of_the_folder_writes_no_key(
-    response: Response, holder: Holder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    holder: Holder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("openai")
-    monkeypatch.setitem(MANNERS, "echo", always(response))
+    responses = cycle((chat("A sk-0123456789"), chat("A", "sk-0123456789"), error(400, "sk-0123456789")))
+    monkeypatch.setitem(MANNERS, "echo", Manner(lambda *_: next(responses)))
     out = tmp_path / "submission.jsonl"
     with server(first_words) as running:
         command = [sys.executable, str(holder.public / "answer.py"), "--model", "echo", "--output", str(out)]
         command += ["--base-url", running.address]
         env = {"OPENAI_API_KEY": "sk-0123456789", "PATH": os.environ["PATH"]}
         done = subprocess.run(command, check=False, env=env, capture_output=True, text=True)
-    assert "[key]" in out.read_text()
+    _, *lines = out.read_text().splitlines()
+    assert len(lines) == 24
+    assert all("[key]" in line for line in lines)
     assert "sk-0123456789" not in out.read_text() + done.stdout + done.stderr
 
 
