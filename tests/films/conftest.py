@@ -16,11 +16,14 @@ OPTIONS = {"backend": "mujoco,pybullet", "size": 64, "film": 12, "film_size": (1
 
 @pytest.fixture(scope="session")
 def films(shared: Shared) -> Path:
-    """Two closed sets of four futures: a ball on the left or right rolls to the left or right."""
+    """Two closed sets of four futures: a ball on the left or right rolls to the left or right.
+
+    Two processes make them.
+    """
     for engine in ("mujoco", "pybullet"):
         installed(engine)
 
     def make(folder: Path) -> None:
-        generate(SHOVE, folder / "out", per_task=8, workers=0, **OPTIONS)  # type: ignore[arg-type]
+        generate(SHOVE, folder / "out", per_task=8, workers=2, **OPTIONS)  # type: ignore[arg-type]
 
     return shared.folder("films", make) / "out"
