@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -13,16 +15,24 @@ from wmspec.core.diagnostics import WmsError
 
 
 @pytest.fixture(scope="session")
-def catalogue(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Path]]:
-    """Task -> its base layer, a random instance and that one's counterfactuals, for every task of ours."""
-    found = {}
-    for path in SPECS:
+def stages(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Path], list[Path]]:
+    """The base layer of a spec's task, a random instance and that one's counterfactuals; none if it cannot run yet."""
+
+    @cache
+    def written(path: Path) -> list[Path]:
         design = Design(task_of(path))
-        folder = tmp_path_factory.mktemp(design.spec.name)
         index, *_ = design.sample(1)
         try:
-            found[design.spec.name] = write_stages(design, design[index], folder)
+            return write_stages(design, design[index], tmp_path_factory.mktemp(design.spec.name))
         except WmsError as error:
             if "cannot be executed yet" not in str(error):
                 raise
-    return found
+            return []
+
+    return written
+
+
+@pytest.fixture(scope="session")
+def catalogue(stages: Callable[[Path], list[Path]]) -> dict[str, list[Path]]:
+    """Task -> its stages, for every task of ours."""
+    return {task_of(path).name: paths for path in SPECS if (paths := stages(path))}
