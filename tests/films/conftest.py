@@ -16,10 +16,7 @@ OPTIONS = {"backend": "mujoco,pybullet", "size": 64, "film": 12, "film_size": (1
 
 @pytest.fixture(scope="session")
 def films(shared: Shared) -> Path:
-    """Two closed sets of four futures: a ball on the left or right rolls to the left or right.
-
-    Two processes make them.
-    """
+    """Two closed sets of four futures: a ball on the left or right rolls left or right. Two processes make them."""
     for engine in ("mujoco", "pybullet"):
         installed(engine)
 

@@ -132,7 +132,7 @@ def test_films_are_reused(films: Path, tmp_path: Path) -> None:
 
 
 def test_lost_film_is_generated_again(films: Path, tmp_path: Path) -> None:
-    """With the others of its shard, in this process. By their hashes, they are those that two processes made."""
+    """Its shard is made again in this process, with the hashes of the files that two processes made."""
     folder = tmp_path / "out"
     shutil.copytree(films, folder)
     lost, changed = sorted(DatasetReader.open(folder).films)[:2]
@@ -151,7 +151,7 @@ def test_lost_film_is_generated_again(films: Path, tmp_path: Path) -> None:
 
 
 def test_films_are_verified_and_sealed(films: Path, tmp_path: Path) -> None:
-    """An altered film, with a hash that agrees, differs, and no other film or row does."""
+    """Verification reports an altered film, also if the manifest has its hash, and no other film or row."""
     folder = tmp_path / "out"
     shutil.copytree(films, folder)
     path = sorted(p for p in DatasetReader.open(folder).films if "mujoco" in p and "ids" not in p)[0]

@@ -34,9 +34,9 @@ def nvidia(path: Path) -> list[str]:
     ("specs", "most"), [(SPECS[::4], 2), pytest.param(SPECS, None, marks=pytest.mark.slow)], ids=["few", "all"]
 )
 def test_openusd_has_no_complaint(stages: Stages, specs: list[Path], most: int | None) -> None:
-    """Counterfactuals are stages of the same kinds of prims: where slow tests run, all of them are validated.
+    """Two stages of every fourth spec; where slow tests run, all stages of all specs.
 
-    So are the stages of all specs, and not of every fourth.
+    Counterfactuals have the same kinds of prims as the instance.
     """
     validated = [path for spec in specs for path in stages(spec)[:most]]
     assert len(validated) > len(specs), "most have a base and an instance"
