@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from wmspec.sim.scene.joints.articulations import Link, LoopClosure, MimicConstraint
 from wmspec.sim.scene.model import Scene
-from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 from wmspec.sim.scene.script import episode_script
 
-from .clearance import CLEARANCE, box_distance, is_clear
+from . import clearance
 from .mjcf import mjcf
 from .physics import prepare
-from .world import HEAVY, NEVER, World, rates
+from .world import World, rates
 
 WORLD = """model = mujoco.MjModel.from_xml_path(str(Path(__file__).with_name("scene.xml")))
 world = World(model, ASSEMBLY)"""
@@ -22,24 +20,6 @@ def native(scene: Scene) -> dict[str, str]:
     Raises WmsError for a scene that MuJoCo does not support.
     """
     whole, timeline = prepare(scene)
-    values = {"HEAVY": HEAVY, "NEVER": NEVER, "CLEARANCE": CLEARANCE, "ASSEMBLY": whole, "EPISODE": timeline}
-    run = episode_script(
-        "MuJoCo",
-        "mujoco",
-        scene,
-        parts=[
-            CollisionShape,
-            Rigid,
-            Link,
-            LoopClosure,
-            MimicConstraint,
-            Assembly,
-            rates,
-            box_distance,
-            is_clear,
-            World,
-        ],
-        values=values,
-        world=WORLD,
-    )
+    values = {"ASSEMBLY": whole, "EPISODE": timeline}
+    run = episode_script("MuJoCo", "mujoco", scene, parts=[rates, clearance, World], values=values, world=WORLD)
     return {"scene.xml": mjcf(scene, timeline, whole), "run.py": run}

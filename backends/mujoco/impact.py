@@ -15,6 +15,8 @@ import numpy as np
 from wmspec.sim.scene.model import Array, Friction
 
 IMPEDANCE = 0.9999
+SOLIMP = (IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0)
+TORSIONAL_FRICTION, ROLLING_FRICTION = 0.005, 0.0001  # required by the format, no effect at condim 3
 MIN_RESTITUTION = 0.04  # approximate restitution of a critically damped impact
 
 
@@ -33,6 +35,11 @@ SLIDING_RATE = (
 )
 _PHASES = (np.arange(64) + 0.5) / 64  # phases of the step at which the surface is reached
 _LONGEST = 800
+
+
+def constraint_solref(step: float) -> tuple[float, float]:
+    """Return the `solref` of grips, loop closures and mimic joints: as stiff as the step (s) allows."""
+    return -((0.1 / step) ** 2), -0.5 / step
 
 
 def solref(pair: Friction, step: float) -> tuple[float, float]:

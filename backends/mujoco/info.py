@@ -51,5 +51,5 @@ INFO = Info(
         Lack(TWO_FRICTIONS, "MuJoCo has one coefficient; the dynamic one is used", approximate=True),
     ),
     drawing_cost=1.0,
-    graphics=Graphics("EGL", mesa=(24, 3), variables=("MUJOCO_GL", "PYOPENGL_PLATFORM"), on_import=True),
+    graphics=Graphics("EGL", mesa=(24, 3), variables=("MUJOCO_GL", "PYOPENGL_PLATFORM")),
 )

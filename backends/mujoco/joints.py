@@ -11,7 +11,7 @@ from wmspec.sim.scene.joints.articulations import Link
 from wmspec.sim.scene.model import Friction, Scene
 from wmspec.sim.scene.model.transform import rotate
 
-from .impact import IMPEDANCE, solref
+from .impact import SOLIMP, solref
 from .text import text
 
 KINDS = {"hinge": "hinge", "slider": "slide", "ball": "ball"}
@@ -36,7 +36,7 @@ def add_joint(element: ET.Element, limb: Link, scene: Scene, step: float) -> Non
         low, high = limb.limits
         joint.set("range", text([max(low, -MAX_FINITE), min(high, MAX_FINITE)]))
         joint.set("solreflimit", text(solref(Friction(), step)))
-        joint.set("solimplimit", text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]))
+        joint.set("solimplimit", text(SOLIMP))
     element.insert(0, joint)
 
 

@@ -18,12 +18,11 @@ from wmspec.sim.scene.physics.episode import TOUCH_END, Episode, Kick, Vector
 from wmspec.sim.scene.physics.rigid import Assembly
 from wmspec.sim.scene.physics.speed import has_gyroscopic_spin
 
-from .impact import IMPEDANCE, solref, solreffriction
+from .impact import ROLLING_FRICTION, SOLIMP, TORSIONAL_FRICTION, constraint_solref, solref, solreffriction
 from .joints import add_actuator, add_joint, initial_control
 from .text import text
 from .world import HEAVY, rates
 
-TORSIONAL_FRICTION, ROLLING_FRICTION = 0.005, 0.0001  # required by the format, no effect at condim 3
 SLEEP_SPEED = 1e-6  # m/s
 _HIDDEN = "3"  # geom group that viewers hide by default
 
@@ -215,7 +214,7 @@ def _pair(contact: ET.Element, first: str, second: str, pair: Friction, episode:
         friction=text([pair.dynamic, pair.dynamic, TORSIONAL_FRICTION, ROLLING_FRICTION, ROLLING_FRICTION]),
         solref=text(solref(pair, episode.step)),
         solreffriction=text(solreffriction(pair, episode.step, led)),
-        solimp=text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]),
+        solimp=text(SOLIMP),
         gap=text([TOUCH_END]),  # detected from the margin on, force from 0 on
     )
 
@@ -228,7 +227,7 @@ def _equality(root: ET.Element, scene: Scene, episode: Episode, whole: Assembly)
     if not (episode.grips or whole.loop_closures or whole.mimic_constraints):
         return
     equality = ET.SubElement(root, "equality")
-    solref = text([-((0.1 / episode.step) ** 2), -0.5 / episode.step])
+    stiff = {"solref": text(constraint_solref(episode.step)), "solimp": text(SOLIMP)}
     for tie in whole.loop_closures:
         names = {"body1": scene.bodies[tie.second].name, "body2": scene.bodies[tie.first].name}
         points = tie.below
@@ -238,26 +237,16 @@ def _equality(root: ET.Element, scene: Scene, episode: Episode, whole: Assembly)
             names, points = {"body1": names["body2"]}, tie.above
         for i, point in enumerate(points):
             name = f"{scene.joints[tie.joint].name} {i}"
-            made = ET.SubElement(equality, "connect", {"name": name, **names, "anchor": text(point), "solref": solref})
-            made.set("solimp", text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]))
+            ET.SubElement(equality, "connect", {"name": name, **names, "anchor": text(point), **stiff})
     leads = {link.body: scene.joints[link.joint].name for tree in whole.trees for link in tree if link.joint >= 0}
     for gear in whole.mimic_constraints:  # coordinates are relative to the start, where the constraint holds
-        both = {"joint1": scene.joints[gear.joint].name, "joint2": leads[gear.leader], "solref": solref}
-        made = ET.SubElement(equality, "joint", both, polycoef=text([0.0, gear.ratio, 0.0, 0.0, 0.0]))
-        made.set("solimp", text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]))
+        both = {"joint1": scene.joints[gear.joint].name, "joint2": leads[gear.leader]}
+        ET.SubElement(equality, "joint", {**both, "polycoef": text([0.0, gear.ratio, 0.0, 0.0, 0.0]), **stiff})
     for number, grip in enumerate(episode.grips):
+        names = {"body1": scene.bodies[grip.hand].name, "body2": scene.bodies[grip.body].name}
         for i in range(len(grip.points)):
-            ET.SubElement(
-                equality,
-                "connect",
-                name=f"grip {number} {i}",
-                body1=scene.bodies[grip.hand].name,
-                body2=scene.bodies[grip.body].name,
-                anchor="0 0 0",
-                active="false",
-                solref=solref,
-                solimp=text([IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0]),
-            )
+            at = {"name": f"grip {number} {i}", **names, "anchor": "0 0 0", "active": "false"}
+            ET.SubElement(equality, "connect", {**at, **stiff})
 
 
 def _keyframe(

@@ -12,14 +12,13 @@ from wmspec.core.native_output import silence
 from wmspec.sim.scene.capability import require
 from wmspec.sim.scene.joints.articulations import trees
 from wmspec.sim.scene.joints.drives import required_step_rate
-from wmspec.sim.scene.model import Scene, Trace
+from wmspec.sim.scene.model import Scene
 from wmspec.sim.scene.physics.contact import colliding_geoms, combine_friction
-from wmspec.sim.scene.physics.episode import Episode, Recording, kinematic_recording, play
+from wmspec.sim.scene.physics.episode import Episode, Recording, play
 from wmspec.sim.scene.physics.readback import require_equal
 from wmspec.sim.scene.physics.rigid import Assembly, assembly
 from wmspec.sim.scene.physics.speed import step_multiplier
 from wmspec.sim.scene.physics.timeline import episode
-from wmspec.sim.scene.physics.to_trace import trace
 from wmspec.sim.scene.regime_thresholds import MAX_STEP_MULTIPLIER
 from wmspec.sim.scene.validate import validate
 
@@ -34,16 +33,8 @@ with silence():
     import mujoco
 
 
-def execute(scene: Scene) -> Trace:
-    """Return the trace of a scene's episode.
-
-    Raises WmsError for a scene that MuJoCo does not support, EngineError if MuJoCo fails.
-    """
-    whole, timeline = prepare(scene)
-    return trace(INFO.name, scene, timeline, kinematic_recording(timeline) or _record(scene, whole, timeline))
-
-
-def _record(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
+def record(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
+    """Return the recording of an episode. Raises EngineError if the engine fails."""
     with suppress_log():
         text = mjcf(scene, timeline, whole, seen=False)
         return _record_rollout(text, scene, whole, timeline) or _record_steps(text, scene, whole, timeline)

@@ -1,33 +1,9 @@
 """PyBullet: executes, renders and exports a scene. The engine is imported on first use."""
 
-from __future__ import annotations
-
-from wmspec.sim.scene.model import Renderer, Scene, Trace
+from wmspec.sim.scene.backend import on_first_use
 
 from .info import INFO as info
 
 __all__ = ["execute", "info", "native", "renderer"]
 
-
-def execute(scene: Scene) -> Trace:
-    """Return the trace of a scene's episode.
-
-    Raises WmsError for a scene that PyBullet does not support, EngineError if PyBullet fails.
-    """
-    from . import physics
-
-    return physics.execute(scene)
-
-
-def renderer(scene: Scene, width: int, height: int) -> Renderer:
-    """Return a renderer of the bodies and cameras of a scene."""
-    from . import render
-
-    return render.Renderer(scene, width, height)
-
-
-def native(scene: Scene) -> dict[str, str]:
-    """Return the episode in PyBullet's own format: file name -> text. Raises WmsError for unsupported scenes."""
-    from . import export
-
-    return export.native(scene)
+execute, renderer, native = on_first_use(__name__)

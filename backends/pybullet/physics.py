@@ -5,12 +5,11 @@ from __future__ import annotations
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.capability import require
 from wmspec.sim.scene.joints.drives import required_step_rate
-from wmspec.sim.scene.model import Scene, Trace
-from wmspec.sim.scene.physics.episode import Episode, Recording, kinematic_recording, play
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.scene.physics.episode import Episode, Recording, play
 from wmspec.sim.scene.physics.readback import require_equal
 from wmspec.sim.scene.physics.rigid import Assembly, assembly
 from wmspec.sim.scene.physics.timeline import episode
-from wmspec.sim.scene.physics.to_trace import trace
 from wmspec.sim.scene.validate import validate
 
 from .collision_margin import shrink_by_margin
@@ -22,16 +21,8 @@ with silence():
     import pybullet
 
 
-def execute(scene: Scene) -> Trace:
-    """Return the trace of a scene's episode.
-
-    Raises WmsError for a scene that PyBullet does not support, EngineError if PyBullet fails.
-    """
-    whole, timeline = prepare(scene)
-    return trace(INFO.name, scene, timeline, kinematic_recording(timeline) or _record(scene, whole, timeline))
-
-
-def _record(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
+def record(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
+    """Return the recording of an episode. Raises EngineError if the engine fails."""
     world = World(whole)
     try:
         verify(world, scene, timeline)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,7 @@ from wmspec.sim.scene.model import Array, Camera, Frame, Geom, Pose, Scene, Shot
 from wmspec.sim.scene.model.transform import apply, compose, inverse
 from wmspec.sim.scene.render.camera import projection_matrix, view_matrix, world_camera
 from wmspec.sim.scene.render.color import round_up_color
-from wmspec.sim.scene.render.contact_shadow import ContactShadows
+from wmspec.sim.scene.render.contact_shadow import ContactShadows, stacked
 from wmspec.sim.scene.render.near_plane import NearPlane
 from wmspec.sim.scene.render.picture import Image, halve, quantize, require_all_poses
 from wmspec.sim.scene.render.shadow import SUN_SHADE, ShadowCasters
@@ -149,7 +149,7 @@ class Renderer:
         pieces = [piece for piece in self._pieces if shown[piece.body]]
         if not pieces:
             return
-        every = compose(_stack(poses[piece.body] for piece in pieces), _stack(piece.pose for piece in pieces))
+        every = compose(stacked([poses[piece.body] for piece in pieces]), stacked([piece.pose for piece in pieces]))
         eyes = apply(inverse(every), camera.pose.position)
         for i, piece in enumerate(pieces):
             yield piece, Pose(every.position[i], every.orientation[i]), eyes[i]
@@ -196,12 +196,6 @@ class Renderer:
             physicsClientId=self._client,
         )
         return DepthLayer.of(image)
-
-
-def _stack(poses: Iterable[Pose]) -> Pose:
-    """Return poses as one with positions (n, 3) and orientations (n, 4)."""
-    every = list(poses)
-    return Pose(np.stack([pose.position for pose in every]), np.stack([pose.orientation for pose in every]))
 
 
 def _metres(z: NDArray[np.float32], camera: Camera) -> NDArray[np.float32]:

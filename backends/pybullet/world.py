@@ -11,7 +11,7 @@ import numpy as np
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.joints.articulations import Link, LoopClosure, MimicConstraint
 from wmspec.sim.scene.physics.episode import TOUCH_BEGIN, TOUCH_END, Grip
-from wmspec.sim.scene.physics.rest import Rest
+from wmspec.sim.scene.physics.rest import RestingWorld
 from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 
 from .articulations import add_multibody, reset_tree
@@ -30,12 +30,13 @@ TIE_FORCE = 1e6  # N: maximum force of a grip point
 MAX_JOINT_SPEED = 1e4  # rad/s or m/s of a joint; PyBullet's default is 100
 
 
-class World:
+class World(RestingWorld):
     """A client with the bodies of a scene in order. Close it after use."""
 
     def __init__(self, assembly: Assembly) -> None:
+        super().__init__(assembly)
         self.client = pybullet.connect(pybullet.DIRECT)
-        self.bodies, self.lift = assembly.bodies, list(-HEAVY_MASS * np.array(assembly.gravity))
+        self.lift = list(-HEAVY_MASS * np.array(assembly.gravity))
         pybullet.setGravity(*assembly.gravity, physicsClientId=self.client)
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=assembly.step,
@@ -53,7 +54,6 @@ class World:
             deterministicOverlappingPairs=1,
             physicsClientId=self.client,
         )
-        self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
         self.parts: dict[int, list[tuple[int, int]]] = {}
         for i, body in enumerate(self.bodies):
             if i not in self.trees:
@@ -68,12 +68,6 @@ class World:
         self.fresh = set(self.drives)
         self.held: set[int] = set()
         self.lifted: set[int] = set()
-        self.places: dict[int, tuple[float, ...]] = {}
-        self.loop_closures: dict[int, list[int]] = {}
-        self.met: set[tuple[int, int]] = set()
-        self.rest = Rest(self.bodies, assembly.step)
-        self.states: dict[int, Any] = {}
-        self.skipped: int | None = None
         for a, b in assembly.non_colliding_pairs:
             for one, other in [(one, other) for one in self.parts[a] for other in self.parts[b]]:
                 pybullet.setCollisionFilterPair(one[0], other[0], one[1], other[1], 0, physicsClientId=self.client)
@@ -90,16 +84,14 @@ class World:
             first, second, above, below = second, first, below, above
         other = self.ids[second] if second >= 0 else (-1, -1)
         for one, two in zip(above, below, strict=True):
-            made = pybullet.createConstraint(
-                *self.ids[first],
-                *other,
-                pybullet.JOINT_POINT2POINT,
-                [0.0, 0.0, 0.0],
-                list(one),
-                list(two),
-                physicsClientId=self.client,
-            )
-            pybullet.changeConstraint(made, maxForce=TIE_FORCE, erp=0.2, physicsClientId=self.client)
+            self.point(self.ids[first], other, one, two)
+
+    def point(self, one: tuple[int, int], other: tuple[int, int], here: Any, there: Any) -> int:
+        """Hold a point of a body or link to one of another, or of the world."""
+        ends = (*one, *other, pybullet.JOINT_POINT2POINT, [0.0, 0.0, 0.0], list(here), list(there))
+        made: int = pybullet.createConstraint(*ends, physicsClientId=self.client)
+        pybullet.changeConstraint(made, maxForce=TIE_FORCE, erp=0.2, physicsClientId=self.client)
+        return made
 
     def gear(self, gear: MimicConstraint) -> None:
         """Add a mimic constraint."""
@@ -202,37 +194,23 @@ class World:
 
         Distant ones are reset at times only.
         """
-        moves = [(body, np.concatenate([here, speeds], axis=1)) for body, (here, _, speeds) in paths.items()]
-        self.rest.follow(paths)
-
-        def move(i: int, near: set[int] | None = None) -> None:
-            for body, states in moves:
-                if near is None or body in near:
-                    x, y, z, c, u, v, w, *speeds = states[i].tolist()
-                    self.reset(self.ids[body][0], (x, y, z), (u, v, w, c), speeds[:3], speeds[3:])
+        self.moves = [(body, np.concatenate([here, speeds], axis=1)) for body, (here, _, speeds) in paths.items()]
+        self.rest_detector.follow(paths)
 
         def drive(i: int) -> None:
             if self.skipped is not None:
                 self.resume()
-            if moves:
-                move(i, self.rest.neighbours(i, self.state) if not self.loop_closures else None)
+            if self.moves:
+                self.move(i, self.rest_detector.neighbours(i, self.state) if not self.loop_closures else None)
 
-        self.move = move
         return drive
 
-    def stir(self) -> None:
-        """Leave out no step until everything rests again."""
-        self.states.clear()
-        self.rest.wake()
-        if self.skipped is not None:
-            self.move(self.skipped)
-            self.resume()
-
-    def resume(self) -> None:
-        """Reset held bodies, which were not reset while steps were left out."""
-        self.skipped = None
-        for body in self.places:
-            self.keep(body)
+    def move(self, i: int, near: set[int] | None = None) -> None:
+        """Reset kinematic bodies to their paths before step i, all or those in `near`."""
+        for body, states in self.moves:
+            if near is None or body in near:
+                x, y, z, c, u, v, w, *speeds = states[i].tolist()
+                self.reset(self.ids[body][0], (x, y, z), (u, v, w, c), speeds[:3], speeds[3:])
 
     def drive(self, body: int, here: Any, speeds: Any) -> None:
         """Reset a kinematic body to its path and hold it against gravity."""
@@ -273,7 +251,7 @@ class World:
         if self.places.get(body) != place:
             self.stir()
             self.places[body] = place
-        if not self.rest.idle:
+        if not self.rest_detector.idle:
             self.keep(body)
 
     def keep(self, body: int) -> None:
@@ -309,19 +287,7 @@ class World:
         if grip.body in self.trees:  # constraints go from link to free body only
             ends.reverse()
         (one, here), (other, there) = ends
-        self.loop_closures[number] = [
-            pybullet.createConstraint(
-                *(*one, *other),
-                pybullet.JOINT_POINT2POINT,
-                [0.0, 0.0, 0.0],
-                list(point),
-                list(anchor),
-                physicsClientId=self.client,
-            )
-            for point, anchor in zip(here, there, strict=True)
-        ]
-        for tie in self.loop_closures[number]:
-            pybullet.changeConstraint(tie, maxForce=TIE_FORCE, erp=0.2, physicsClientId=self.client)
+        self.loop_closures[number] = [self.point(one, other, *both) for both in zip(here, there, strict=True)]
 
     def loose(self, number: int, _grip: Grip) -> None:
         """Release a grip."""
@@ -333,12 +299,6 @@ class World:
         """Set mass and moments of inertia."""
         weight = {"mass": mass, "localInertiaDiagonal": moments}
         pybullet.changeDynamics(*self.ids[body], physicsClientId=self.client, **weight)
-
-    def leave_out(self, first: int, most: int) -> int:
-        """Leave out steps from `first` on that change nothing, at most `most`; return their number."""
-        if left_out := self.rest.leave_out(first, most, self.state):
-            self.skipped = first + left_out - 1
-        return left_out
 
     def step(self) -> None:
         """Advance one step with the forces of drives, which PyBullet's motors lack.
@@ -360,16 +320,10 @@ class World:
         pybullet.stepSimulation(physicsClientId=self.client)
         self.lifted.clear()
         self.states.clear()
-        self.rest.check(self.state, bool(self.loop_closures))
-
-    def state(self, body: int) -> Any:
-        """Return position, quaternion, linear and angular velocity of a body in world axes (13,)."""
-        if body not in self.states:
-            self.states[body] = self.read_state(body)
-        return self.states[body]
+        self.rest_detector.check(self.state, bool(self.loop_closures))
 
     def read_state(self, body: int) -> Any:
-        """Return the same from PyBullet."""
+        """Return the state of a body from PyBullet."""
         handle, link = self.ids[body]
         if link < 0:
             position, turn = pybullet.getBasePositionAndOrientation(handle, physicsClientId=self.client)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import inf
 from typing import Any
 
@@ -10,7 +9,6 @@ import numpy as np
 
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.joints.articulations import Link, MimicConstraint, ancestors
-from wmspec.sim.scene.physics.rigid import Assembly
 
 with silence():
     import sapien
@@ -18,27 +16,7 @@ with silence():
 JOINTS = {"fixed": "fixed", "hinge": "revolute", "slider": "prismatic"}
 MIMIC_FREQUENCY = 0.3  # rad per step: oscillation of a mimic joint about its leader
 MIMIC_DAMPING = 0.5  # its damping: a quarter of critical
-LIMIT_EPSILON = 1e-6  # rad or m: tolerance of limits in 32-bit floats
 MAX_JOINT_SPEED = 1e4  # rad/s or m/s; PhysX's default is 100
-
-
-def without_redundant_limits(assembly: Assembly) -> Assembly:
-    """Return the joints without limits that mimic joints enforce already.
-
-    With both limits active PhysX drifts: closed gripper fingers were 59 mm apart after 1 s.
-    """
-    limits = {limb.body: limb.limits for tree in assembly.trees for limb in tree}
-    kept = {gear.leader for gear in assembly.mimic_constraints if _within(gear, limits[gear.body], limits[gear.leader])}
-    trees = (tuple(replace(limb, limits=()) if limb.body in kept else limb for limb in tree) for tree in assembly.trees)
-    return replace(assembly, trees=tuple(trees))
-
-
-def _within(gear: MimicConstraint, mimics: tuple[float, ...], leads: tuple[float, ...]) -> bool:
-    """Whether the limits of a mimic joint keep its leader within its own."""
-    if not mimics or not leads or not gear.ratio:
-        return False
-    low, high = sorted((end - gear.offset) / gear.ratio for end in mimics)
-    return leads[0] - LIMIT_EPSILON <= low and high <= leads[1] + LIMIT_EPSILON
 
 
 def split_at_ball_joints(tree: tuple[Link, ...]) -> list[tuple[Link, ...]]:
@@ -91,13 +69,13 @@ def couple(gear: MimicConstraint, branch: tuple[Link, ...], links: dict[int, Any
     parts[0].articulation.create_fixed_tendon(parts, pulls, pulls, gear.offset, 0.0, stiffness, damping)
 
 
-def ball(limb: Link, part: Any, parent: Any) -> Any:
-    """Hold a body to its parent, or the world, at a point, as a constraint."""
+def ball(part: Any, parent: Any, inner: Any, outer: Any) -> Any:
+    """Hold a body to its parent, or the world, at the origins of two frames, as a constraint."""
     joint = sapien.physx.PhysxDriveComponent(part)
     if parent is not None:
         joint.set_parent(parent)
-    joint.set_pose_in_parent(frame(limb.above))
-    joint.set_pose_in_child(frame(limb.below))
+    joint.set_pose_in_parent(outer)
+    joint.set_pose_in_child(inner)
     for lock in (joint.set_limit_x, joint.set_limit_y, joint.set_limit_z):
         lock(0.0, 0.0)
     part.entity.add_component(joint)

@@ -10,7 +10,7 @@ import numpy as np
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.joints.articulations import Link, LoopClosure
 from wmspec.sim.scene.physics.episode import Grip
-from wmspec.sim.scene.physics.rest import Rest
+from wmspec.sim.scene.physics.rest import RestingWorld
 from wmspec.sim.scene.physics.rigid import Assembly, Rigid
 
 from .joints import ball, collision_words, connect, couple, frame, split_at_ball_joints
@@ -27,7 +27,7 @@ LANDING_ITERATIONS = 64  # for landings; with 4 a body rebounds with up to half 
 JUMP_DISTANCE = 1e-9  # m: a larger distance from the target means a teleport
 
 
-class World:
+class World(RestingWorld):
     """A SAPIEN scene with the given bodies in order.
 
     PhysX averages materials, but the geometric mean is required. So each pair of materials has a lane, a bit of the
@@ -36,6 +36,7 @@ class World:
     """
 
     def __init__(self, assembly: Assembly, landing: Collection[int]) -> None:
+        super().__init__(assembly)
         sapien.physx.set_scene_config(
             gravity=np.array(assembly.gravity, np.float32),
             bounce_threshold=0.01,  # m/s; the default of 2 suppresses bounces
@@ -48,21 +49,14 @@ class World:
         self.system = sapien.physx.PhysxCpuSystem()
         self.scene = sapien.Scene([self.system])
         self.scene.set_timestep(assembly.step)
-        self.bodies, self.landing = assembly.bodies, landing
+        self.landing = landing
         self.targets: dict[int, Any] = {}
         self.moves: dict[int, tuple[Any, ...]] = {}
         self.moved: dict[int, int] = {}
-        self.loop_closures: dict[int, list[Any]] = {}
-        self.rest_detector = Rest(assembly.bodies, assembly.step)
-        self.states: dict[int, Any] = {}
-        self.met: set[tuple[int, int]] = set()
-        self.places: dict[int, tuple[tuple[float, ...], Any, Any]] = {}  # of held bodies, with array and SAPIEN's pose
-        self.skipped: int | None = None
         self.lanes = lanes(assembly.bodies)
         self.apart = set(assembly.non_colliding_pairs)
         self.ignored = collision_words(tuple(sorted(self.apart)), len(self.bodies))
         self.mimic_constraints, self.seconds = assembly.mimic_constraints, assembly.step
-        self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
         self.joints: dict[int, Any] = {}
         made: dict[int, Any] = {}
         for i in range(len(self.bodies)):
@@ -86,15 +80,8 @@ class World:
 
     def point(self, body: int, parent: int, inner: Any, outer: Any) -> Any:
         """Hold a point of a body to one of another, or of the world."""
-        tie = sapien.physx.PhysxDriveComponent(self.parts[body])
-        if parent >= 0:
-            tie.set_parent(self.parts[parent])
-        tie.set_pose_in_parent(sapien.Pose(np.array(outer, np.float32)))
-        tie.set_pose_in_child(sapien.Pose(np.array(inner, np.float32)))
-        for lock in (tie.set_limit_x, tie.set_limit_y, tie.set_limit_z):
-            lock(0.0, 0.0)
-        self.parts[body].entity.add_component(tie)
-        return tie
+        ends = [sapien.Pose(np.array(at, np.float32)) for at in (inner, outer)]
+        return ball(self.parts[body], self.parts[parent] if parent >= 0 else None, *ends)
 
     def add(self, number: int) -> Any:
         """Add a body; the name of its entity is its number."""
@@ -128,7 +115,7 @@ class World:
         else:
             parts = self.articulate(branch)
         if top.kind == "ball":
-            self.joints[top.joint] = ball(top, parts[top.body], made.get(top.parent))
+            self.joints[top.joint] = ball(parts[top.body], made.get(top.parent), frame(top.below), frame(top.above))
         return parts
 
     def articulate(self, branch: tuple[Link, ...]) -> dict[int, Any]:
@@ -210,9 +197,9 @@ class World:
 
         return drive
 
-    def move(self, i: int, bodies: Iterable[int]) -> None:
-        """Set the targets of kinematic bodies for step `i`."""
-        for body in bodies:
+    def move(self, i: int, bodies: Iterable[int] | None = None) -> None:
+        """Set the targets of kinematic bodies for step `i`: of all, or of these."""
+        for body in self.moves if bodies is None else bodies:
             here, there, places, turns, jumps = self.moves[body]
             if jumps[i] or self.moved.get(body) != i - 1:
                 self.drive(body, here[i], there[i])
@@ -225,20 +212,6 @@ class World:
         """Place a kinematic body, which stays there."""
         self.targets.pop(body, None)
         self.parts[body].entity.set_pose(frame(here))
-
-    def stir(self) -> None:
-        """Leave out no step until everything rests again."""
-        self.states.clear()
-        self.rest_detector.wake()
-        if self.skipped is not None:
-            self.move(self.skipped, self.moves)
-            self.resume()
-
-    def resume(self) -> None:
-        """Reset held bodies, which were not reset while steps were left out."""
-        self.skipped = None
-        for body in self.places:
-            self.keep(body)
 
     def drive(self, body: int, here: Any, there: Any) -> None:
         """Set the target of a kinematic body for the next step; teleport it first if it is off its path."""
@@ -270,7 +243,7 @@ class World:
         place = tuple(self.bodies[body].start if at is None else at)
         if body not in self.places or self.places[body][0] != place:
             self.stir()
-            self.places[body] = place, np.array(place), frame(place)
+            self.places[body] = place, np.array(place), frame(place)  # with array and SAPIEN's pose
             if body not in self.trees:
                 self.parts[body].set_kinematic(True)
                 if at is not None:
@@ -316,26 +289,14 @@ class World:
         for tie in self.loop_closures.pop(number):
             self.parts[grip.body].entity.remove_component(tie)
 
-    def leave_out(self, first: int, most: int) -> int:
-        """Leave out steps from `first` on that change nothing, at most `most`; return their number."""
-        if left_out := self.rest_detector.leave_out(first, most, self.state):
-            self.skipped = first + left_out - 1
-        return left_out
-
     def step(self) -> None:
         """Advance one step."""
         self.system.step()
         self.states.clear()
         self.rest_detector.check(self.state, bool(self.loop_closures))
 
-    def state(self, body: int) -> Any:
-        """Return position, quaternion, linear and angular velocity of a body in world axes (13,)."""
-        if body not in self.states:
-            self.states[body] = self.read_state(body)
-        return self.states[body]
-
     def read_state(self, body: int) -> Any:
-        """Return the same from SAPIEN."""
+        """Return the state of a body from SAPIEN."""
         part = self.parts[body]
         place = part.entity_pose
         return np.concatenate([place.p, place.q, part.linear_velocity, part.angular_velocity])

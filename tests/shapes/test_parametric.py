@@ -154,7 +154,7 @@ def test_a_sweep_weighs_its_section_along_its_path(along: list[tuple[float, floa
     except UnfitError:
         return
     assert_weighs(shape, meshed(shape), 1e-6)
-    assert sum(piece.volume for piece, _ in shape.pieces()) == pytest.approx(shape.volume, rel=1e-6)
+    assert sum(piece.volume for piece, _ in shape.pieces) == pytest.approx(shape.volume, rel=1e-6)
 
 
 EXAMPLES: list[tuple[str, dict[str, Any]]] = [
@@ -179,7 +179,7 @@ def test_they_are_drawn_closed_and_from_outside(word: str, words: dict[str, Any]
     ways = np.random.default_rng(0).normal(size=(50, 3))
     for way in ways / np.linalg.norm(ways, axis=1, keepdims=True):
         drawn = (facets.points @ way).max()
-        touched = max((piece.corners() @ way).max() for piece, _ in shape.pieces())
+        touched = max((piece.corners() @ way).max() for piece, _ in shape.pieces)
         assert shape.reach(tuple(way)) == pytest.approx(drawn, abs=2e-3)
         assert shape.reach(tuple(way)) == pytest.approx(touched, abs=2e-3)
 

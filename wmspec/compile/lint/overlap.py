@@ -97,7 +97,7 @@ def _convex_pieces(values: Evaluator, name: str) -> tuple[PlacedShape, ...]:
     return tuple(
         PlacedShape(convex, pose.compose(piece.pose).compose(at))
         for piece in pieces(values, name)
-        for convex, at in piece.solid.pieces()
+        for convex, at in piece.solid.pieces
     )
 
 

@@ -199,7 +199,7 @@ def _is_within(values: Evaluator, name: str, eye: Vector) -> bool:
     if not all(low[i] < eye[i] < high[i] for i in range(3)):
         return False
     for piece in pieces(values, name):
-        for convex, at in piece.solid.pieces():
+        for convex, at in piece.solid.pieces:
             there = pose.compose(piece.pose).compose(at)
             local = rotate(inverse(there.orientation), add(eye, scale(-1.0, there.position)))
             if _is_inside(convex, local):

@@ -66,13 +66,7 @@ def material(surface: Surface) -> Material:
     }
     if height := RELIEF.get(_stuff(surface)):
         assert surface.texture
-        image = {
-            "type": "bitmap",
-            "bitmap": mitsuba().Bitmap(_grey(surface.texture)),
-            "raw": True,
-            "wrap_mode": "repeat",
-        }
-        made = {"type": "bumpmap", "arbitrary": image, "scale": height, "bsdf": made}
+        made = {"type": "bumpmap", "arbitrary": _image(_grey(surface.texture)), "scale": height, "bsdf": made}
     return Material(color, mitsuba().load_dict({"type": "twosided", "bsdf": made}))
 
 

@@ -78,26 +78,8 @@ def _way(action: Follow) -> Iterator[Diagnostic]:
 
 
 def _numbers(action: Action) -> list[ArrayLike]:
-    """Return all numbers of an action that must be finite."""
-    match action:
-        case Launch():
-            return [action.start, action.linear, action.angular]
-        case Glide(velocity=what) | Force(force=what) | Grip(points=what) | PassThrough(stop=what):
-            return [action.start, action.stop, what]
-        case Follow(orientations=None):
-            return [action.start, action.times, action.points]
-        case Follow():
-            return [action.start, action.times, action.points, np.asarray(action.orientations)]
-        case Teleport(position=what, orientation=turn):
-            return [action.start, what, *([] if turn is None else [turn])]
-        case Impulse():
-            return [action.start, action.impulse]
-        case Paint():
-            return [action.start, action.color]
-        case Release() | Vanish():
-            return [action.start]
-        case Steer():
-            return [action.start, action.target]
+    """Return all numbers of an action, which must be finite."""
+    return [value for value in vars(action).values() if not isinstance(value, str | None)]
 
 
 def sequence(scene: Scene) -> Iterator[Diagnostic]:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from importlib import import_module
+from typing import Any, Literal, Protocol
 
 from wmspec.sim.scene.capability import Lack
 from wmspec.sim.scene.model import Renderer, Scene, Trace
+from wmspec.sim.scene.physics.episode import kinematic_recording
+from wmspec.sim.scene.physics.to_trace import trace
 
 
 @dataclass(frozen=True)
@@ -18,8 +22,6 @@ class Graphics:
     mesa: tuple[int, int]
     #: Environment variables that select a driver; other values than the `api` break it.
     variables: tuple[str, ...] = ()
-    #: Whether the import of the engine selects the driver, so that a wrong driver breaks execution too.
-    on_import: bool = False
 
 
 @dataclass(frozen=True)
@@ -88,3 +90,22 @@ class Backend(Protocol):
     def native(self, scene: Scene) -> dict[str, str]:
         """Return the episode in the engine's own format, usable without wmspec: file name -> text."""
         ...
+
+
+def on_first_use(
+    package: str,
+) -> tuple[Callable[[Scene], Trace], Callable[[Scene, int, int], Renderer], Callable[[Scene], dict[str, str]]]:
+    """Return `execute`, `renderer` and `native` of an engine's package, which import its modules when called.
+
+    These are `physics` with `prepare` and `record`, `render` with `Renderer`, and `export` with `native`.
+    """
+
+    def module(name: str) -> Any:
+        return import_module(f"{package}.{name}")
+
+    def execute(scene: Scene) -> Trace:
+        whole, timeline = module("physics").prepare(scene)
+        recording = kinematic_recording(timeline) or module("physics").record(scene, whole, timeline)
+        return trace(module("info").INFO.name, scene, timeline, recording)
+
+    return execute, lambda *how: module("render").Renderer(*how), lambda scene: module("export").native(scene)

@@ -11,7 +11,7 @@ from wmspec.core.diagnostics import Diagnostic, Report, StageError
 from wmspec.core.places import PrimPlace
 from wmspec.sim.scene.joints.articulations import ancestors, loop_joints, trees
 from wmspec.sim.scene.joints.drives import mobility, too_damped, too_stiff
-from wmspec.sim.scene.model import Joint, PassThrough, Scene
+from wmspec.sim.scene.model import PassThrough, Scene
 from wmspec.sim.scene.physics.contact import colliders
 from wmspec.sim.scene.physics.speed import max_speed, min_thickness, step_multiplier
 from wmspec.sim.scene.regime_thresholds import MAX_ENTERED_FRACTION
@@ -145,18 +145,13 @@ def _rough(scene: Scene, most: float) -> Occurrences:
             yield body.path, f"friction {friction:g}, above {most:g}"
 
 
-def _stiff(scene: Scene, rate: int) -> Occurrences:
-    yield from ((joint.path, _drive(joint)) for joint in too_stiff(scene, rate))
-
-
-def _hasty(scene: Scene, rate: int, damped: bool) -> Occurrences:
-    hasty = (*too_stiff(scene, rate), *(too_damped(scene, rate) if damped else ()))
-    joints = {joint.name: joint for joint in hasty}
-    yield from ((joint.path, _drive(joint)) for joint in joints.values())
-
-
-def _damped(scene: Scene, rate: int) -> Occurrences:
-    yield from ((joint.path, _drive(joint)) for joint in too_damped(scene, rate))
+def _hasty(scene: Scene, rate: int, *, stiff: bool = True, damped: bool = True) -> Occurrences:
+    hasty = (*(too_stiff(scene, rate) if stiff else ()), *(too_damped(scene, rate) if damped else ()))
+    for joint, drive in {joint.name: (joint, joint.drive) for joint in hasty if joint.drive}.values():
+        yield (
+            joint.path,
+            f"a drive of stiffness {drive.stiffness:g} and damping {drive.damping:g}, stiff for its load",
+        )
 
 
 def _armatures(scene: Scene, least: float, most: float) -> Occurrences:
@@ -214,11 +209,6 @@ def _mimics_past(scene: Scene) -> Occurrences:
                 yield joint.path, f"a joint that mimics {joint.mimic.leader}, with a ball or fixed joint between"
 
 
-def _drive(joint: Joint) -> str:
-    assert joint.drive is not None
-    return f"a drive of stiffness {joint.drive.stiffness:g} and damping {joint.drive.damping:g}, stiff for its load"
-
-
 # ---------------------------------------------------------------- features
 
 PRIMITIVES = Capability("boxes, spheres, cylinders, cones, capsules")
@@ -271,7 +261,7 @@ def fast_impacts(gives: float, most: int) -> Capability:
 
 def stiff_drives(rate: int) -> Capability:
     """Drives that oscillate too fast for `rate` steps per second."""
-    return Capability("drives however stiff", partial(_stiff, rate=rate))
+    return Capability("drives however stiff", partial(_hasty, rate=rate, damped=False))
 
 
 def fine_drives(rate: int, *, damped: bool = True) -> Capability:
@@ -281,7 +271,7 @@ def fine_drives(rate: int, *, damped: bool = True) -> Capability:
 
 def damped_drives(rate: int) -> Capability:
     """Drives that decay too fast for `rate` steps per second."""
-    return Capability("drives however damped", partial(_damped, rate=rate))
+    return Capability("drives however damped", partial(_hasty, rate=rate, stiff=False))
 
 
 def armatures_above(share: float) -> Capability:

@@ -2,86 +2,22 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from pprint import pformat
-from typing import Any
+from types import ModuleType
+from typing import Any, Protocol
 
+from wmspec.sim.scene.joints.articulations import Link, LoopClosure, MimicConstraint
 from wmspec.sim.scene.model import Scene
-from wmspec.sim.scene.model.transform import (
-    conjugate,
-    cross,
-    from_rotation_vector,
-    multiply,
-    rotate,
-    rotate_one,
-    to_rotation_vector,
-)
-from wmspec.sim.scene.physics.episode import (
-    BREAK_LENGTH,
-    TOUCH_BEGIN,
-    TOUCH_END,
-    Aim,
-    Drag,
-    Episode,
-    Grip,
-    Hold,
-    Jump,
-    Kick,
-    KinematicPath,
-    Passage,
-    Push,
-    Recording,
-    apply_events,
-    apply_forces,
-    apply_grips,
-    broken_grips,
-    event_steps,
-    kinematic_recording,
-    path_steps,
-    perform,
-    play,
-    play_together,
-    quiet_steps,
-    record_state,
-    scripted_states,
-    to_body_frames,
-)
+from wmspec.sim.scene.model import transform as t
+from wmspec.sim.scene.physics import episode
+from wmspec.sim.scene.physics.rigid import Assembly, CollisionShape, Rigid
 
-_COMMON: tuple[Callable[..., Any], ...] = (
-    conjugate,
-    multiply,
-    cross,
-    rotate_one,
-    rotate,
-    from_rotation_vector,
-    to_rotation_vector,
-    Kick,
-    Push,
-    Drag,
-    Hold,
-    Jump,
-    Aim,
-    Grip,
-    Passage,
-    KinematicPath,
-    Episode,
-    Recording,
-    play,
-    play_together,
-    perform,
-    path_steps,
-    kinematic_recording,
-    scripted_states,
-    apply_events,
-    event_steps,
-    quiet_steps,
-    apply_forces,
-    record_state,
-    apply_grips,
-    broken_grips,
-    to_body_frames,
-)
+_TURNS = (t.conjugate, t.multiply, t.cross, t.rotate_one, t.rotate, t.from_rotation_vector, t.to_rotation_vector)
+_RECORDS = (CollisionShape, Rigid, Link, LoopClosure, MimicConstraint, Assembly)
 _HEAD = '''"""Plays the episode "{name}" in {engine} and writes its trace to trace.npz, next to this file.
 
 In trace.npz: time (T,) s; bodies (N,); position (T, N, 3) m and orientation (T, N, 4), quaternion (w, x, y, z), of the
@@ -122,26 +58,42 @@ def episode_script(
     module: str,
     scene: Scene,
     *,
-    parts: Sequence[Callable[..., Any]],
+    parts: Sequence[ModuleType | Callable[..., Any]],
     values: Mapping[str, object],
     world: str,
 ) -> str:
     """Return the text of a script.
 
-    `parts` are functions and classes to copy, `values` are literals by name whose `repr` is valid Python (with
-    `EPISODE`), and `world` are the lines that create the world.
+    `parts` are functions and classes to copy, or modules with nothing else; the constants that they name come along.
+    `values` are literals by name whose `repr` is valid Python (with `EPISODE`), and `world` are the lines that create
+    the world.
     """
-    values = {
-        "NAMES": [body.name for body in scene.bodies],
-        "TOUCH_BEGIN": TOUCH_BEGIN,
-        "TOUCH_END": TOUCH_END,
-        "BREAK_LENGTH": BREAK_LENGTH,
-        **values,
-    }
+    copied = [each for part in (*_TURNS, episode, *_RECORDS, *parts) for each in _definitions(part)]
+    texts = [inspect.getsource(each) for each in copied]
+    values = {"NAMES": [body.name for body in scene.bodies], **_constants(copied, texts), **values}
     sections = [
         _HEAD.format(name=scene.name, engine=engine, module=module),
-        *(inspect.getsource(part) for part in (*_COMMON, *parts)),
+        *texts,
         "\n".join(f"{name} = {pformat(value, width=110, sort_dicts=False)}" for name, value in values.items()) + "\n",
         _MAIN.format(world="\n".join(f"    {line}" for line in world.splitlines())),
     ]
     return "\n\n".join(sections)
+
+
+def _definitions(part: Any) -> list[Any]:
+    """Return the functions and classes of a module without its protocols; anything else as it is."""
+    if not inspect.ismodule(part):
+        return [part]
+    own = [each for each in vars(part).values() if getattr(each, "__module__", "") == part.__name__]
+    return [each for each in own if Protocol not in getattr(each, "__bases__", ())]
+
+
+def _constants(copied: Sequence[Any], texts: Sequence[str]) -> dict[str, object]:
+    """Return the constants that functions and classes name in their text, from their modules."""
+    names = [
+        (node.id, vars(sys.modules[each.__module__]))
+        for each, text in zip(copied, texts, strict=True)
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.Name) and node.id.isupper()
+    ]
+    return {name: module[name] for name, module in names if name in module}

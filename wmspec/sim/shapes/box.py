@@ -23,6 +23,7 @@ class Box(Shape):
     lengths = frozenset({1, 3})
     properties = RoundedBox.properties
     prims: ClassVar[tuple[str, ...]] = ("Cube",)
+    engine_kind = "box"
 
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> Shape:
@@ -68,12 +69,6 @@ class Box(Shape):
 
         half = np.array(self.half, np.float64)
         return join([side(half, axis, sign) for axis in range(3) for sign in (-1.0, 1.0)])
-
-    @property
-    def primitive(self) -> tuple[str, tuple[float, ...]]:
-        """A box in all engines."""
-        x, y, z = self.half
-        return "box", (float(x), float(y), float(z))
 
     def prim(self) -> Gprim:
         """A scaled USD cube."""

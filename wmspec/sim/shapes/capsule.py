@@ -24,6 +24,7 @@ class Capsule(Shape):
 
     parameters = frozenset({"size", "radius", "height"})
     prims = ("Capsule", "Capsule_1")
+    engine_kind = "capsule"
     symmetry = "axis"
 
     @classmethod
@@ -70,11 +71,6 @@ class Capsule(Shape):
         from wmspec.sim.shapes.texcoords import wrapped_texcoords
 
         return wrapped_texcoords(facets, self.radius, math.pi * self.radius + self.height, every)
-
-    @property
-    def primitive(self) -> tuple[str, tuple[float, ...]]:
-        """A capsule in all engines."""
-        return "capsule", (float(self.radius), float(self.height))
 
     def depth_at(self, point: Array) -> tuple[float, Array]:
         """Depth below the sphere around the nearest point of the segment."""

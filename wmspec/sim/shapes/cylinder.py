@@ -24,6 +24,7 @@ class Cylinder(Shape):
 
     parameters = frozenset({"size", "radius", "height"})
     prims = ("Cylinder", "Cylinder_1")
+    engine_kind = "cylinder"
     symmetry = "axis"
     rim = True
 
@@ -61,11 +62,6 @@ class Cylinder(Shape):
         from wmspec.sim.shapes.texcoords import capped_texcoords
 
         return capped_texcoords(facets, self.radius, self.height, every)
-
-    @property
-    def primitive(self) -> tuple[str, tuple[float, ...]]:
-        """A cylinder in all engines."""
-        return "cylinder", (float(self.radius), float(self.height))
 
     def depths_at(self, point: Array) -> list[tuple[float, Array]]:
         """Depth below caps and side."""

@@ -92,12 +92,9 @@ class Extrude(Shape):
             made.append(facets(points, np.tile([0.0, way, 0.0], (len(flat), 1)), seen, turned))
         return join(made)
 
+    @cached_property
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """Extrusions of convex parts of the outline."""
-        return self._pieces
-
-    @cached_property
-    def _pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         from wmspec.sim.shapes.mesh import hulls
 
         ends = (-self.depth / 2, self.depth / 2)

@@ -100,12 +100,9 @@ class Lathe(Shape):
 
         return wrapped_texcoords(facets, max(r for r, _ in self.profile), self._length, every)
 
+    @cached_property
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """Convex parts of the profile: revolved as a whole at the axis, in sectors elsewhere."""
-        return self._pieces
-
-    @cached_property
-    def _pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         from wmspec.sim.shapes.mesh import hulls
 
         return hulls(points for part in convex(self.profile) for points in _turned(part))

@@ -72,6 +72,7 @@ class Plane(Shape):
 
         return translated(self._slab.facets(), self.center)
 
+    @property
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """The slab."""
         return ((self._slab, Pose(self.center)),)

@@ -125,6 +125,8 @@ class Shape:
     """Valid numbers of lengths in `size`."""
     prims: ClassVar[tuple[str, ...]] = ()
     """Types of USD prims that `read` accepts."""
+    engine_kind: ClassVar[str] = ""
+    """Its name as a primitive of all engines, if it is one."""
     symmetry: ClassVar[Symmetry] = "none"
     """Rotations that leave its appearance unchanged: all, those about z, or none."""
     convex: ClassVar[bool] = True
@@ -231,8 +233,9 @@ class Shape:
 
         Box (half edges), sphere (radius), cylinder or capsule (radius, height of the straight part, along z).
         """
-        return None
+        return (self.engine_kind, tuple(self.sizes)) if self.engine_kind else None
 
+    @property
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """Return the convex collision shapes and their poses."""
         return ((self, IDENTITY),)

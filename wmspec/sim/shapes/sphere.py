@@ -23,6 +23,7 @@ class Sphere(Shape):
 
     parameters = frozenset({"size", "radius"})
     prims = ("Sphere",)
+    engine_kind = "sphere"
     symmetry = "ball"
 
     @classmethod
@@ -56,11 +57,6 @@ class Sphere(Shape):
         from wmspec.sim.shapes.texcoords import wrapped_texcoords
 
         return wrapped_texcoords(facets, self.radius, math.pi * self.radius, every)
-
-    @property
-    def primitive(self) -> tuple[str, tuple[float, ...]]:
-        """A sphere in all engines."""
-        return "sphere", (float(self.radius),)
 
     def depth_at(self, point: Array) -> tuple[float, Array]:
         """Depth below the sphere."""

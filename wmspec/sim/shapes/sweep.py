@@ -94,12 +94,9 @@ class Sweep(Shape):
         ends = ((rings[0, :-1], fan[:, ::-1]), (rings[-1, :-1], fan))
         return join([*made, *(smooth(points, faces, disc) for points, faces in ends)])
 
+    @cached_property
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """A prism for each straight part."""
-        return self._pieces
-
-    @cached_property
-    def _pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         from wmspec.sim.shapes.mesh import hulls
 
         return hulls([*a, *b] for a, b in pairwise(self._rings))

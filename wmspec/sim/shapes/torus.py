@@ -73,13 +73,10 @@ class Torus(Shape):
 
         return wrapped_texcoords(facets, self.radius, math.pi * self.thick, every)
 
+    @cached_property
     def pieces(self) -> tuple[tuple[Shape, Pose], ...]:
         """Sectors of the ring."""
-        return self._pieces
-
-    @cached_property
-    def _pieces(self) -> tuple[tuple[Shape, Pose], ...]:
-        return self._turned(_TOUCHED).pieces()
+        return self._turned(_TOUCHED).pieces
 
     def _turned(self, corners: int) -> Lathe:
         """Return the lathe of a profile with `corners` corners."""

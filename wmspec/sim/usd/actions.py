@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from pxr import Gf, Usd
@@ -52,12 +53,13 @@ def action(prim: Usd.Prim, bodies: Mapping[str, Body], joints: Mapping[str, Join
         refuse(prim, f"the verb '{verb}' is unknown", f"expected one of: {', '.join(TOKENS)}")
     kind, make = VERBS[verb]
     if kind is Steer:
-        return make(prim, _driven(prim, joints), world)
+        return Steer(prim.GetName(), _driven(prim, joints), seconds(prim, "wms:start"), *make(prim, world))
     body, motion = single_target(prim, "wms:object", bodies, "rigid body"), MOTIONS[kind]
     if body.motion not in motion:
         required = " or ".join(motion)
         refuse(prim, f"{verb} needs a {required} body, but {body.path} is {body.motion}", f"choose a {required} body")
-    return make(prim, body.name, world)
+    made: Action = kind(prim.GetName(), body.name, seconds(prim, "wms:start"), *make(prim, world))
+    return made
 
 
 def _driven(prim: Usd.Prim, joints: Mapping[str, Joint]) -> str:
@@ -75,17 +77,7 @@ def overlapping(performed: Sequence[tuple[Usd.Prim, Action]], bodies: Sequence[B
         refuse(prims[id(second)], reason, "end one before the other starts")
 
 
-def _launch(prim: Usd.Prim, body: str, world: StageFrame) -> Launch:
-    spin = world.direction(value(prim, "wms:spin", Gf.Vec3d(0)))
-    return Launch(prim.GetName(), body, seconds(prim, "wms:start"), _velocity(prim, world), spin)
-
-
-def _glide(prim: Usd.Prim, body: str, world: StageFrame) -> Glide:
-    start = seconds(prim, "wms:start")
-    return Glide(prim.GetName(), body, start, start + seconds(prim, "wms:duration"), _velocity(prim, world))
-
-
-def _follow(prim: Usd.Prim, body: str, world: StageFrame) -> Follow:
+def _path(prim: Usd.Prim, world: StageFrame) -> tuple[Array, Array, Array | None]:
     times = np.array(value(prim, "wms:times", ()), np.float64)
     points, turns = value(prim, "wms:points", ()), value(prim, "wms:orientations", ())
     if len(points) != len(times) or len(turns) not in (0, len(times)) or len(times) < 2:
@@ -101,40 +93,19 @@ def _follow(prim: Usd.Prim, body: str, world: StageFrame) -> Follow:
         refuse(prim, "wms:duration is not the last of wms:times", "author the same number for both")
     at = np.array([world.direction(point) for point in points])
     turned = np.array([_orientation(prim, turn, world) for turn in turns]) if len(turns) else None
-    return Follow(prim.GetName(), body, seconds(prim, "wms:start"), times, at, turned)
+    return times, at, turned
 
 
-def _teleport(prim: Usd.Prim, body: str, world: StageFrame) -> Teleport:
-    at = world.direction(value(prim, "wms:position", Gf.Vec3d(0)))
+def _place(prim: Usd.Prim, world: StageFrame) -> tuple[Array, Array | None]:
     turn = value(prim, "wms:orientation")
-    turned = None if turn is None else _orientation(prim, turn, world)
-    return Teleport(prim.GetName(), body, seconds(prim, "wms:start"), at, turned)
+    return _vector(prim, "position", world), None if turn is None else _orientation(prim, turn, world)
 
 
-def _impulse(prim: Usd.Prim, body: str, world: StageFrame) -> Impulse:
-    impulse = world.direction(value(prim, "wms:impulse", Gf.Vec3d(0)))
-    return Impulse(prim.GetName(), body, seconds(prim, "wms:start"), impulse)
-
-
-def _force(prim: Usd.Prim, body: str, world: StageFrame) -> Force:
-    start = seconds(prim, "wms:start")
-    force = world.direction(value(prim, "wms:force", Gf.Vec3d(0)))
-    return Force(prim.GetName(), body, start, start + seconds(prim, "wms:duration"), force)
-
-
-def _release(prim: Usd.Prim, body: str, _world: StageFrame) -> Release:
-    return Release(prim.GetName(), body, seconds(prim, "wms:start"))
-
-
-def _paint(prim: Usd.Prim, body: str, _world: StageFrame) -> Paint:
+def _color(prim: Usd.Prim) -> tuple[float, float, float]:
     red, green, blue = (float(part) for part in value(prim, "wms:color", Gf.Vec3d(0)))
     if not all(0 <= part <= 1 for part in (red, green, blue)):
         refuse(prim, f"wms:color = {(red, green, blue)}", "author sRGB in 0..1")
-    return Paint(prim.GetName(), body, seconds(prim, "wms:start"), (red, green, blue))
-
-
-def _vanish(prim: Usd.Prim, body: str, _world: StageFrame) -> Vanish:
-    return Vanish(prim.GetName(), body, seconds(prim, "wms:start"))
+    return red, green, blue
 
 
 def _pass_through(prim: Usd.Prim, bodies: Mapping[str, Body]) -> PassThrough:
@@ -143,8 +114,7 @@ def _pass_through(prim: Usd.Prim, bodies: Mapping[str, Body]) -> PassThrough:
     if body.motion == "static" or through.name == body.name:
         reason = f"{body.path} is {body.motion} and goes through {through.path}"
         refuse(prim, reason, "let a body that can move go through another one")
-    start = seconds(prim, "wms:start")
-    return PassThrough(prim.GetName(), body.name, through.name, start, start + seconds(prim, "wms:duration"))
+    return PassThrough(prim.GetName(), body.name, through.name, seconds(prim, "wms:start"), _stop(prim))
 
 
 def _hold(prim: Usd.Prim, body: str, bodies: Mapping[str, Body]) -> Grip:
@@ -153,27 +123,30 @@ def _hold(prim: Usd.Prim, body: str, bodies: Mapping[str, Body]) -> Grip:
     if hand.motion != "kinematic" or not len(points):
         reason = f"{hand.path} is {hand.motion}, and it has {len(points)} wms:points"
         refuse(prim, reason, "use a kinematic hand with 1 to 3 points")
-    start = seconds(prim, "wms:start")
-    return Grip(prim.GetName(), body, hand.name, start, start + seconds(prim, "wms:duration"), points)
+    return Grip(prim.GetName(), body, hand.name, seconds(prim, "wms:start"), _stop(prim), points)
 
 
-def _steer(prim: Usd.Prim, joint: str, _world: StageFrame) -> Steer:
-    return Steer(prim.GetName(), joint, seconds(prim, "wms:start"), float(value(prim, "wms:target", 0.0)))
+def _stop(prim: Usd.Prim) -> float:
+    return seconds(prim, "wms:start") + seconds(prim, "wms:duration")
 
 
-VERBS: dict[str, tuple[type[Action], Callable[[Usd.Prim, str, StageFrame], Action]]] = {
-    "launch": (Launch, _launch),
-    "glide": (Glide, _glide),
-    "follow": (Follow, _follow),
-    "teleport": (Teleport, _teleport),
-    "impulse": (Impulse, _impulse),
-    "force": (Force, _force),
-    "release": (Release, _release),
-    "drive": (Steer, _steer),
-    "paint": (Paint, _paint),
-    "vanish": (Vanish, _vanish),
+def _vector(prim: Usd.Prim, name: str, world: StageFrame) -> Array:
+    return world.direction(value(prim, f"wms:{name}", Gf.Vec3d(0)))
+
+
+VERBS: dict[str, tuple[type[Any], Callable[[Usd.Prim, StageFrame], tuple[Any, ...]]]] = {
+    "launch": (Launch, lambda prim, world: (_velocity(prim, world), _vector(prim, "spin", world))),
+    "glide": (Glide, lambda prim, world: (_stop(prim), _velocity(prim, world))),
+    "follow": (Follow, _path),
+    "teleport": (Teleport, _place),
+    "impulse": (Impulse, lambda prim, world: (_vector(prim, "impulse", world),)),
+    "force": (Force, lambda prim, world: (_stop(prim), _vector(prim, "force", world))),
+    "release": (Release, lambda *_: ()),
+    "drive": (Steer, lambda prim, _: (float(value(prim, "wms:target", 0.0)),)),
+    "paint": (Paint, lambda prim, _: (_color(prim),)),
+    "vanish": (Vanish, lambda *_: ()),
 }
-"""Verb -> action class and its reader, which receives the name of the body or joint."""
+"""Verb -> action class, and the reader of its numbers after `start`."""
 
 TOKENS = (*VERBS, "pass_through", "reach", "hold")
 """All verbs of a stage: those above, and those that involve several bodies."""

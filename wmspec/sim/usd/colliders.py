@@ -62,7 +62,7 @@ def collision_shapes(
     """
     prim, mesh = here.prim, here.shape
     if not isinstance(mesh, Mesh):
-        return tuple((piece, _placed(here.pose, at)) for piece, at in mesh.pieces())
+        return tuple((piece, _placed(here.pose, at)) for piece, at in mesh.pieces)
     match collision_approximation(prim, mesh, motion, notes):
         case "boundingSphere" | "boundingCube" as way:
             return (_bounds(mesh, here.pose, way),)

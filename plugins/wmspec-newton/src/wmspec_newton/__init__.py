@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.sim.scene.backend import on_first_use
 from wmspec.sim.scene.model import Renderer, Scene, Trace
 
 from .info import INFO as info
@@ -12,15 +13,7 @@ from .info import INFO as info
 __all__ = ["execute", "execute_all", "info", "native", "renderer"]
 __version__ = "0.2.0"
 
-
-def execute(scene: Scene) -> Trace:
-    """Return the trace of a scene's episode.
-
-    Raises WmsError for a scene that Newton does not support, EngineError if Newton fails.
-    """
-    from . import physics
-
-    return physics.execute(scene)
+execute, _, native = on_first_use(__name__)
 
 
 def execute_all(scenes: Sequence[Scene], device: str | None = None) -> list[Trace]:
@@ -37,13 +30,3 @@ def execute_all(scenes: Sequence[Scene], device: str | None = None) -> list[Trac
 def renderer(scene: Scene, width: int, height: int) -> Renderer:  # noqa: ARG001  the interface of engines
     """Raise WmsError: another engine draws."""
     raise WmsError("Newton does not draw for wmspec; name another engine with --renderer")
-
-
-def native(scene: Scene) -> dict[str, str]:
-    """Return `run.py`, which needs Newton and NumPy alone: file name -> text.
-
-    Raises WmsError for a scene that Newton does not support.
-    """
-    from . import export
-
-    return export.native(scene)

@@ -5,14 +5,11 @@ They are those of wmspec's MuJoCo backend, which fits them to analytic impacts.
 
 from __future__ import annotations
 
-from wmspec.backends.mujoco.impact import IMPEDANCE, solref, solreffriction
+from wmspec.backends.mujoco.impact import ROLLING_FRICTION, SOLIMP, TORSIONAL_FRICTION, solref, solreffriction
 from wmspec.sim.scene.model import Friction
 from wmspec.sim.scene.physics.contact import combine_friction
 from wmspec.sim.scene.physics.episode import TOUCH_END, Vector
 from wmspec.sim.scene.physics.rigid import Assembly
-
-TORSIONAL_FRICTION, ROLLING_FRICTION = 0.005, 0.0001  # required by the format, no effect at condim 3
-SOLIMP = (IMPEDANCE, IMPEDANCE, 0.001, 0.5, 2.0)
 
 #: For two materials and whether a kinematic body takes part: the columns of Newton's contact pairs.
 Contacts = dict[tuple[Vector, Vector, bool], dict[str, int | float | Vector]]
@@ -40,11 +37,6 @@ def _parameters(p: Vector, q: Vector, led: bool, step: float) -> dict[str, int |
         "solimp": SOLIMP,
         "gap": TOUCH_END,  # detected from the margin on, force from 0 on
     }
-
-
-def constraint_solref(step: float) -> Vector:
-    """Return the stiffness and damping of grips, loop closures and mimic joints: as stiff as the step (s) allows."""
-    return -((0.1 / step) ** 2), -0.5 / step
 
 
 def limit_gains(step: float) -> Vector:

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from typing import Any
 
+from wmspec.backends.mujoco.impact import constraint_solref
 from wmspec.backends.mujoco.info import CONTACT_YIELD, STEPS_PER_SECOND
 from wmspec.core.diagnostics import EngineError
 from wmspec.core.native_output import silence
 from wmspec.sim.scene.capability import require
 from wmspec.sim.scene.joints.drives import required_step_rate
-from wmspec.sim.scene.model import Scene, Trace
-from wmspec.sim.scene.physics.episode import Episode, Recording, kinematic_recording, play
+from wmspec.sim.scene.model import Scene
+from wmspec.sim.scene.physics.episode import Episode, Recording, play
 from wmspec.sim.scene.physics.readback import require_equal
 from wmspec.sim.scene.physics.rigid import Assembly, assembly
 from wmspec.sim.scene.physics.speed import step_multiplier
 from wmspec.sim.scene.physics.timeline import episode
-from wmspec.sim.scene.physics.to_trace import trace
 from wmspec.sim.scene.regime_thresholds import MAX_STEP_MULTIPLIER
 from wmspec.sim.scene.validate import validate
 
-from .contacts import constraint_solref, contacts, limit_gains
+from .contacts import contacts, limit_gains
 from .info import INFO
 from .world import World
 
@@ -31,16 +31,8 @@ warp.config.quiet, warp.config.enable_backward = True, False  # kernels without 
 SINGLE_PRECISION = 1e-6  # Newton uses 32-bit floats
 
 
-def execute(scene: Scene) -> Trace:
-    """Return the trace of a scene's episode.
-
-    Raises WmsError for a scene that Newton does not support, EngineError if Newton fails.
-    """
-    whole, timeline = prepare(scene)
-    return trace(INFO.name, scene, timeline, kinematic_recording(timeline) or _record(scene, whole, timeline))
-
-
-def _record(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
+def record(scene: Scene, whole: Assembly, timeline: Episode) -> Recording:
+    """Return the recording of an episode. Raises EngineError if the engine fails."""
     with silence():
         world = World(*arguments(whole, timeline))
         verify(world, scene)

@@ -152,6 +152,15 @@ def ancestors(body: int, above: Mapping[int, int]) -> list[int]:
     return way
 
 
+def subtree(tree: Sequence[Link | Branch], body: int) -> set[int]:
+    """Return the numbers of a body and of those below it, given a tree with parents before children."""
+    found = {body}
+    for branch in tree:
+        if branch.parent in found:
+            found.add(branch.body)
+    return found
+
+
 _SPREAD = 0.1  # m: spacing of the points of a hinge or fixed joint that closes a loop
 _POINTS = {
     "ball": ((0.0, 0.0, 0.0),),

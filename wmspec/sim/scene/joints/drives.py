@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wmspec.sim.scene.joints.articulations import Link, Tree, trees
+from wmspec.sim.scene.joints.articulations import Link, Tree, subtree, trees
 from wmspec.sim.scene.joints.com_frame import com_frame
 from wmspec.sim.scene.model import Array, Drive, Joint, Scene
 from wmspec.sim.scene.model.numbers import pose_of
@@ -86,7 +86,7 @@ def motions(scene: Scene, tree: Tree, link: Link) -> list[Array]:
     joint = compose(at.pose, pose_of(link.below))
     axes = [rotate(joint.orientation, axis) for axis in np.eye(3)]
     slides, turns = {"free": (3, 3), "ball": (0, 3), "hinge": (0, 1), "slider": (1, 0), "fixed": (0, 0)}[link.kind]
-    carried = _below(tree, link)
+    carried = subtree(tree, link.body)
     columns = []
     for axis, slide in [(a, True) for a in axes[:slides]] + [(a, False) for a in axes[:turns]]:
         column = np.zeros((len(tree), 6))
@@ -96,11 +96,3 @@ def motions(scene: Scene, tree: Tree, link: Link) -> list[Array]:
                 column[i] = [*axis, 0, 0, 0] if slide else [*cross(axis, arm), *axis]
         columns.append(column)
     return columns
-
-
-def _below(tree: Tree, link: Link) -> set[int]:
-    hanging = {link.body}
-    for other in tree:
-        if other.parent in hanging:
-            hanging.add(other.body)
-    return hanging

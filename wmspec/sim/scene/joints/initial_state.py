@@ -5,7 +5,7 @@ A moved body carries its subtree along.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from math import atan2
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from wmspec.core.diagnostics import Diagnostic, StageError
 from wmspec.core.places import PrimPlace
-from wmspec.sim.scene.joints.articulations import WORLD, Branch, joint_coordinate, relative_frame, spanning_trees
+from wmspec.sim.scene.joints.articulations import Branch, joint_coordinate, relative_frame, spanning_trees, subtree
 from wmspec.sim.scene.joints.mimics import mimic_error
 from wmspec.sim.scene.model import Body, Joint, Pose, Scene
 from wmspec.sim.scene.model.transform import compose, from_rotation_vector, identity, inverse, to_rotation_vector
@@ -46,7 +46,7 @@ def _apply_shift(
 ) -> Scene:
     """Return the scene with a body and its subtree moved; append a warning if the shift exceeds `REPORTED_SHIFT`."""
     step, gap, turn = moved
-    below = set(_below(tree, branch.body))
+    below = subtree(tree, branch.body)
     bodies = [
         replace(body, pose=compose(step, body.pose)) if i in below else body for i, body in enumerate(scene.bodies)
     ]
@@ -114,12 +114,3 @@ def _nearest(joint: Joint, between: Pose) -> Pose:
             return Pose(still.position, between.orientation)
         case _:
             return still
-
-
-def _below(tree: tuple[Branch, ...], body: int) -> Iterator[int]:
-    hanging = {body}
-    yield body
-    for branch in tree:
-        if branch.parent in hanging and branch.parent != WORLD:
-            hanging.add(branch.body)
-            yield branch.body

@@ -8,37 +8,37 @@ from wmspec.sim.scene.model.geometry import Array
 
 
 @dataclass(frozen=True)
-class Launch:
-    """Sets the velocity of a dynamic body to `linear` (3,) m/s and `angular` (3,) rad/s at `start` (s)."""
+class _OnBody:
+    """An action on `body`, from `start` (s) on."""
 
     name: str
     body: str
     start: float
+
+
+@dataclass(frozen=True)
+class Launch(_OnBody):
+    """Sets the velocity of a dynamic body to `linear` (3,) m/s and `angular` (3,) rad/s at `start` (s)."""
+
     linear: Array
     angular: Array
 
 
 @dataclass(frozen=True)
-class Glide:
+class Glide(_OnBody):
     """Moves a kinematic body with constant `velocity` (3,) m/s from `start` to `stop` (s)."""
 
-    name: str
-    body: str
-    start: float
     stop: float
     velocity: Array
 
 
 @dataclass(frozen=True)
-class Follow:
+class Follow(_OnBody):
     """Moves a kinematic body through `points[i]` (n, 3) m at `start + times[i]` (s), linear between them.
 
     `times` (n,) increase from 0. `orientations` (n, 4) are interpolated the shortest way; None keeps the orientation.
     """
 
-    name: str
-    body: str
-    start: float
     times: Array
     points: Array
     orientations: Array | None = None
@@ -50,47 +50,34 @@ class Follow:
 
 
 @dataclass(frozen=True)
-class Teleport:
+class Teleport(_OnBody):
     """Places a body at `position` (3,) m at `start` (s); a dynamic one keeps its velocities.
 
     `orientation` (4,): None keeps the one it has.
     """
 
-    name: str
-    body: str
-    start: float
     position: Array
     orientation: Array | None = None
 
 
 @dataclass(frozen=True)
-class Impulse:
+class Impulse(_OnBody):
     """Applies `impulse` (3,) N s, world axes, at the centre of mass of a dynamic body at `start` (s)."""
 
-    name: str
-    body: str
-    start: float
     impulse: Array
 
 
 @dataclass(frozen=True)
-class Force:
+class Force(_OnBody):
     """Applies `force` (3,) N, world axes, at the centre of mass of a dynamic body from `start` to `stop` (s)."""
 
-    name: str
-    body: str
-    start: float
     stop: float
     force: Array
 
 
 @dataclass(frozen=True)
-class Release:
+class Release(_OnBody):
     """Holds a dynamic body and all bodies jointed to it at their start until `start` (s)."""
-
-    name: str
-    body: str
-    start: float
 
 
 @dataclass(frozen=True)
@@ -119,22 +106,15 @@ class Grip:
 
 
 @dataclass(frozen=True)
-class Paint:
+class Paint(_OnBody):
     """Sets the `color` of all of a body, sRGB in 0..1, from `start` (s) on."""
 
-    name: str
-    body: str
-    start: float
     color: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Vanish:
+class Vanish(_OnBody):
     """Removes a non-static body without joints from `start` (s) on: it neither collides nor is visible."""
-
-    name: str
-    body: str
-    start: float
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from wmspec.sim.scene.model.transform import rotate
-from wmspec.sim.scene.physics.rigid import Rigid
+from wmspec.sim.scene.physics.rigid import Assembly, Rigid
 
 REST_SPEED, REST_SPIN = 5e-5, 5e-4  # m/s and rad/s: resting bodies creep by up to 1.2e-5 m/s
 JITTER_SPEED, JITTER_SPIN = 1e-3, 1e-2  # m/s and rad/s: tiles that lie on tiles tremble in place
@@ -20,11 +20,6 @@ REACH = 0.01  # m: at larger distances no engine pushes
 HORIZON = 1024  # steps that are examined at once while everything rests
 WINDOW = 16  # steps for which distant kinematic bodies stay where they are
 FASTEST_FALL = 0.1  # m/s: speed gained in a window
-#: The constants that a native script copies.
-CONSTANTS = (
-    "REST_SPEED", "REST_SPIN", "JITTER_SPEED", "JITTER_SPIN", "REST_CHECKS", "CHECK_STEPS", "REACH", "HORIZON",
-    "WINDOW", "FASTEST_FALL",
-)  # fmt: skip
 
 
 class Rest:
@@ -121,6 +116,55 @@ class Rest:
         close = (apart < ways[:, None] + reach[None]).any(axis=1)
         self.near = {body for body, is_near in zip(self.led, close.tolist(), strict=True) if is_near}
         return None
+
+
+class RestingWorld:
+    """What the worlds of engines share whose bodies do not sleep: they leave out steps while everything rests."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self.bodies = assembly.bodies
+        self.trees = {limb.body: tree for tree in assembly.trees for limb in tree}
+        self.rest_detector = Rest(assembly.bodies, assembly.step)
+        self.states: dict[int, Any] = {}
+        self.met: set[tuple[int, int]] = set()
+        self.places: dict[int, Any] = {}
+        self.loop_closures: dict[int, list[Any]] = {}
+        self.skipped: int | None = None
+
+    def move(self, i: int) -> None:
+        """Move all kinematic bodies in step i."""
+
+    def keep(self, body: int) -> None:
+        """Reset a held body to its place."""
+
+    def read_state(self, body: int) -> Any:
+        """Return position, quaternion, linear and angular velocity of a body from the engine."""
+
+    def stir(self) -> None:
+        """Leave out no step until everything rests again."""
+        self.states.clear()
+        self.rest_detector.wake()
+        if self.skipped is not None:
+            self.move(self.skipped)
+            self.resume()
+
+    def resume(self) -> None:
+        """Reset held bodies, which were not reset while steps were left out."""
+        self.skipped = None
+        for body in self.places:
+            self.keep(body)
+
+    def leave_out(self, first: int, most: int) -> int:
+        """Leave out steps from `first` on that change nothing, at most `most`; return their number."""
+        if left_out := self.rest_detector.leave_out(first, most, self.state):
+            self.skipped = first + left_out - 1
+        return left_out
+
+    def state(self, body: int) -> Any:
+        """Return position, quaternion, linear and angular velocity of a body in world axes (13,)."""
+        if body not in self.states:
+            self.states[body] = self.read_state(body)
+        return self.states[body]
 
 
 def is_moving(state: Any) -> bool:

@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import ceil
 
-import numpy as np
-
 from wmspec.sim.scene import model
 from wmspec.sim.scene.joints.articulations import jointed_bodies, trees
 from wmspec.sim.scene.joints.com_frame import body_frame_in_com, com_frame
 from wmspec.sim.scene.model import (
-    Body,
     Force,
     Impulse,
     Launch,
@@ -59,7 +56,9 @@ def kicks(scene: Scene, held: Sequence[Hold], rate: int) -> tuple[Kick, ...]:
     """Return initial velocities (zero for bodies released later), then launches, each at the nearest step."""
     later, tied = {hold.body: hold.until for hold in held}, jointed_bodies(scene)
     first = [
-        Kick(later[i], i, _REST, _REST) if i in later else Kick(0, i, *map(floats, _velocities(body)))
+        Kick(later[i], i, _REST, _REST)
+        if i in later
+        else Kick(0, i, floats(body.linear_velocity), floats(body.angular_velocity))
         for i, body in enumerate(scene.bodies)
         if body.motion == "dynamic" and body.name not in tied
     ]
@@ -174,10 +173,6 @@ def _push(action: Impulse | Force, body: int, rate: int) -> Push:
         return Push(first, first, body, floats(action.impulse * rate))
     steps = round(action.stop * rate) - first
     return Push(first, first + steps, body, floats(action.force * (action.stop - action.start) * rate / max(steps, 1)))
-
-
-def _velocities(body: Body) -> tuple[np.ndarray[tuple[int, ...], np.dtype[np.float64]], ...]:
-    return body.linear_velocity, body.angular_velocity
 
 
 def _index(scene: Scene) -> dict[str, int]:

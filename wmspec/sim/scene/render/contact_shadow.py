@@ -103,7 +103,7 @@ class ContactShadows:
 
     def __init__(self, scene: Scene) -> None:
         self._pieces = list(_pieces(scene)) if scene.light.shadows else []
-        self._frames = _stacked([piece.frame for piece in self._pieces])
+        self._frames = stacked([piece.frame for piece in self._pieces])
         self._middles = np.array([piece.box.middle for piece in self._pieces])
 
     def cast(
@@ -137,7 +137,7 @@ class ContactShadows:
         self, ids: NDArray[np.int16], depth: NDArray[np.float32], camera: Camera, shot: Shot
     ) -> Iterator[ShadedRegion]:
         """Yield the pixels that each caster may shade, body by body, without empty ones."""
-        bodies = _stacked([shot.poses[piece.body] for piece in self._pieces])
+        bodies = stacked([shot.poses[piece.body] for piece in self._pieces])
         frames = compose(compose(inverse(camera.pose), bodies), self._frames)
         x, y = rays(camera, ids.shape)
         for i, (piece, middle) in enumerate(zip(self._pieces, apply(frames, self._middles).tolist(), strict=True)):
@@ -170,7 +170,7 @@ class ShadedRegion:
         return numbers
 
 
-def _stacked(poses: Sequence[Pose]) -> Pose:
+def stacked(poses: Sequence[Pose]) -> Pose:
     """Return all poses as one with a leading axis."""
     return Pose(np.array([pose.position for pose in poses]), np.array([pose.orientation for pose in poses]))
 

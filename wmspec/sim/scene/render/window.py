@@ -133,15 +133,8 @@ class MovingBodies:
                 shaded &= (lit[..., axis] > low[axis]) & (lit[..., axis] < high[axis])
             rows, columns = np.flatnonzero(shaded.any(axis=1)), np.flatnonzero(shaded.any(axis=0))
             if len(rows):
-                yield (
-                    np.array([columns[0] * SEARCH_STRIDE - WINDOW_MARGIN, rows[0] * SEARCH_STRIDE - WINDOW_MARGIN]),
-                    np.array(
-                        [
-                            columns[-1] * SEARCH_STRIDE + SEARCH_STRIDE + WINDOW_MARGIN,
-                            rows[-1] * SEARCH_STRIDE + SEARCH_STRIDE + WINDOW_MARGIN,
-                        ]
-                    ),
-                )
+                first, last = np.array([columns[0], rows[0]]), np.array([columns[-1], rows[-1]])
+                yield first * SEARCH_STRIDE - WINDOW_MARGIN, (last + 1) * SEARCH_STRIDE + WINDOW_MARGIN
 
     def _columns(self, corners: Array, edge: float) -> Iterator[tuple[Array, Array]]:
         """Yield lowest and highest corners (3,), in the axes of the sun, of each body, or of all if they are many."""
