@@ -8,6 +8,7 @@ from wmspec.sim.scene.script import episode_script
 from . import clearance
 from .mjcf import mjcf
 from .physics import prepare
+from .warning_text import warning_text
 from .world import World, rates
 
 WORLD = """model = mujoco.MjModel.from_xml_path(str(Path(__file__).with_name("scene.xml")))
@@ -21,5 +22,6 @@ def native(scene: Scene) -> dict[str, str]:
     """
     whole, timeline = prepare(scene)
     values = {"ASSEMBLY": whole, "EPISODE": timeline}
-    run = episode_script("MuJoCo", "mujoco", scene, parts=[rates, clearance, World], values=values, world=WORLD)
+    parts = (warning_text, rates, clearance, World)
+    run = episode_script("MuJoCo", "mujoco", scene, parts=parts, values=values, world=WORLD)
     return {"scene.xml": mjcf(scene, timeline, whole), "run.py": run}

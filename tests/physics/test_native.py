@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import builtins
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from symtable import SymbolTable, symtable
 
 import numpy as np
 import pytest
@@ -100,6 +102,22 @@ def test_the_native_script_plays_the_same_episode(engine: str, play: Callable[[]
         assert tuple(got["bodies"]) == expected.bodies
         for field in ("time", "position", "orientation", "linear_velocity", "angular_velocity"):
             assert np.allclose(got[field], getattr(expected, field), rtol=0, atol=1e-9), field
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_native_script_contains_every_name_that_it_uses(engine: str) -> None:
+    """Also what only an engine's warning would call."""
+    whole = symtable(installed(engine).native(limbs())["run.py"], "run.py", "exec")
+    own = {symbol.get_name() for symbol in whole.get_symbols() if symbol.is_assigned() or symbol.is_imported()}
+    assert "World" in own
+    assert set(_globals(whole)) - own - set(dir(builtins)) == {"__file__"}
+
+
+def _globals(table: SymbolTable) -> Iterator[str]:
+    """Names that a scope and those within it take from the module."""
+    yield from (symbol.get_name() for symbol in table.get_symbols() if symbol.is_global() and symbol.is_referenced())
+    for inner in table.get_children():
+        yield from _globals(inner)
 
 
 def test_the_model_opens_in_mujoco_by_itself(tmp_path: Path) -> None:
