@@ -46,11 +46,15 @@ class _Builder:
     def every(self, nodes: list[Any]) -> tuple[Any, ...]:
         return tuple(self(n) for n in nodes if isinstance(n, Tree))
 
-    def _node(kind: Callable[..., Any], *first: str) -> Callable[[_Builder, Any, Span], Any]:
-        """Return the method of a rule whose children are the fields of a node, after `first`."""
+    def _node(kind: Callable[..., Any], *first: object, heads: int | None = None) -> Callable[..., Any]:
+        """Return the method of a rule whose children are the fields of a node, after `first`.
+
+        With a number of `heads`, the children after these are one field.
+        """
 
         def build(self: _Builder, c: Any, span: Span) -> Any:
-            return kind(*first, *map(self.maybe, c), span)
+            rest = () if heads is None else (self.every(c[heads:]),)
+            return kind(*first, *map(self.maybe, c[:heads]), *rest, span)
 
         return build
 
@@ -63,9 +67,7 @@ class _Builder:
         given = self.every(c[1].children) if c[1] is not None else ()
         return s.Use(self(c[0]), given, self.maybe(c[2]), self.maybe(c[3]), span)
 
-    def variant(self, c: Any, span: Span) -> s.Variant:
-        return s.Variant(self(c[0]), self.every(c[1:]), span)
-
+    variant = _node(s.Variant, heads=1)
     parameter = _node(s.Parameter)
 
     def choice(self, c: Any, span: Span) -> s.Parameter:
@@ -103,9 +105,7 @@ class _Builder:
     def setting(self, c: Any, span: Span) -> s.Setting:
         return s.Setting(c[0].text, self.text(c[1:], self.span(c[1])), span)
 
-    def design(self, c: Any, span: Span) -> s.Design:
-        return s.Design(self(c[0]), self.maybe(c[1]), self.every(c[2:]), span)
-
+    design = _node(s.Design, heads=2)
     tolerance = _node(s.Tolerance)
 
     def block(self, c: Any, span: Span) -> s.Block:
@@ -131,9 +131,7 @@ class _Builder:
         return s.Part(self(c[0]), self.members(c[1:])[0], span)
 
     property = _node(s.Property)
-
-    def action(self, c: Any, span: Span) -> s.Action:
-        return s.Action(self(c[0]), self(c[1]), self.every(c[2:]), span)
+    action = _node(s.Action, heads=2)
 
     def actions(self, c: Any, span: Span) -> s.Action:
         return s.Action(self(c[0]), self(c[2]), self.every(c[3:]), span, self(c[1]))
@@ -187,15 +185,9 @@ class _Builder:
 
     film_text = _node(s.ModelText, "film_text")
     action_text = _node(s.ModelText, "action_text")
-
-    def kinds(self, c: Any, span: Span) -> s.Kinds:
-        return s.Kinds(self.every(c), span)
-
+    kinds = _node(s.Kinds, heads=0)
     each_other = _node(s.EachOther)
-
-    def counterfactual(self, c: Any, span: Span) -> s.Counterfactual:
-        return s.Counterfactual(self(c[0]), self.every(c[1:]), span)
-
+    counterfactual = _node(s.Counterfactual, heads=1)
     change_action = _node(s.Change, "action")
     change_state = _node(s.Change, "state")
     change_level = _node(s.Change, "level")
@@ -213,8 +205,7 @@ class _Builder:
     def called(self, c: Any, span: Span) -> s.Called:
         return s.Called(self(c[0]), self.text(c[1:], self.span(c[1])), span)
 
-    def conditional(self, c: Any, span: Span) -> s.Operation:
-        return s.Operation("if", self.every(c), span)
+    conditional = _node(s.Operation, "if", heads=0)
 
     def taken_away(self, c: Any, span: Span) -> s.WhatIf:
         target = self(c[1])
@@ -223,14 +214,9 @@ class _Builder:
     under = _node(s.WhatIf)
     cause = _node(s.Cause)
 
-    def either(self, c: Any, span: Span) -> s.Operation:
-        return s.Operation("or", self.every(c), span)
-
-    def both(self, c: Any, span: Span) -> s.Operation:
-        return s.Operation("and", self.every(c), span)
-
-    def negate(self, c: Any, span: Span) -> s.Operation:
-        return s.Operation("not", self.every(c), span)
+    either = _node(s.Operation, "or", heads=0)
+    both = _node(s.Operation, "and", heads=0)
+    negate = _node(s.Operation, "not", heads=0)
 
     def compare(self, c: Any, span: Span) -> s.Operation:
         return s.Operation(c[1].text, (self(c[0]), self(c[2])), span)
@@ -251,9 +237,7 @@ class _Builder:
 
     member = _node(s.Member)
     index = _node(s.Index)
-
-    def call(self, c: Any, span: Span) -> s.Call:
-        return s.Call(self(c[0]), self.every(c[1:]), span)
+    call = _node(s.Call, heads=1)
 
     def argument(self, c: Any, span: Span) -> s.Argument:
         return s.Argument(self(c[0]) if len(c) > 1 else None, self(c[-1]), span)
@@ -269,11 +253,8 @@ class _Builder:
     def text(self, c: Any, span: Span) -> s.Text:
         return s.Text(re.sub(r"\\(.)", lambda m: _ESCAPES.get(m[1], m[1]), c[0].text[1:-1]), span)
 
-    def true(self, _: Any, span: Span) -> s.Truth:
-        return s.Truth(True, span)
-
-    def false(self, _: Any, span: Span) -> s.Truth:
-        return s.Truth(False, span)
+    true = _node(s.Truth, True)
+    false = _node(s.Truth, False)
 
     def name(self, c: Any, span: Span) -> s.Name:
         return s.Name(c[0].text, span)
