@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import TypeVar
 
@@ -53,32 +53,25 @@ def load_source(source: Source, folder: Path, report: Report) -> Program:
 
 def with_source_text(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     """Return the diagnostics with source text at the locations that the IR stores, where it is still readable."""
-    texts = _Texts()
+    source = cache(_readable)
+
+    def at(place: P) -> P | Span:
+        if not isinstance(place, Location) or (text := source(place.file)) is None:
+            return place
+        end = len(text.text)
+        return Span(text, min(place.start, end), min(place.end, end))
+
     return tuple(
-        replace(d, place=texts.at(d.place), notes=tuple(replace(note, place=texts.at(note.place)) for note in d.notes))
+        replace(d, place=at(d.place), notes=tuple(replace(note, place=at(note.place)) for note in d.notes))
         for d in diagnostics
     )
 
 
-class _Texts:
-    """Texts of files; each file is read once."""
-
-    def __init__(self) -> None:
-        self._sources: dict[str, Source | None] = {}
-
-    def at(self, place: P) -> P | Span:
-        """Return the source span of a location; other places are returned unchanged."""
-        if not isinstance(place, Location) or (source := self._source(place.file)) is None:
-            return place
-        end = len(source.text)
-        return Span(source, min(place.start, end), min(place.end, end))
-
-    def _source(self, name: str) -> Source | None:
-        if name not in self._sources:
-            self._sources[name] = None  # for tasks built in Python
-            with suppress(WmsError):
-                self._sources[name] = read_source(resolve_display_path(name))
-        return self._sources[name]
+def _readable(name: str) -> Source | None:
+    """Return the text of a file by its name in messages; None if it cannot be read, as for tasks built in Python."""
+    with suppress(WmsError):
+        return read_source(resolve_display_path(name))
+    return None
 
 
 def _uses(file: File) -> Iterator[Use]:

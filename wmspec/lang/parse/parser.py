@@ -13,28 +13,14 @@ from wmspec.lang.parse.lr_parser import END, LRParser, Tree
 from wmspec.lang.parse.quotes import join_lines, repair_quotes
 from wmspec.lang.parse.recover import drop_unreadable, recover
 from wmspec.lang.parse.repair import apply_repair, keeps_names, repair
-from wmspec.lang.parse.repair_candidates import short_text
+from wmspec.lang.parse.repair_candidates import INNER_KEYWORDS, SIGNS, short_text
 from wmspec.lang.parse.syntax import Expr, File
 from wmspec.lang.parse.tables import tables
 
 #: Names of terminals in messages.
-TERMINAL_NAMES = {
-    "NAME": "a name",
-    "STRING": "a text in quotes",
-    "LBRACE": "`{`",
-    "RBRACE": "`}`",
-    "COLON": "`:`",
-    "EQUAL": "`=`",
-    "RPAR": "`)`",
-    "RSQB": "`]`",
-    "COMMA": "`,`",
-    "IN": "`in`",
-    "BY": "`by`",
-    "APART": "`apart by`",
-    "THEN": "`then`",
-    "ELSE": "`else`",
-    "NUMBER": "a value",
-}
+TERMINAL_NAMES = {"NAME": "a name", "STRING": "a text in quotes", "NUMBER": "a value"}
+TERMINAL_NAMES |= {kind: f"`{sign}`" for kind, sign in SIGNS.items() if kind not in ("LPAR", "LSQB", "RANGE", "DOT")}
+TERMINAL_NAMES |= {kind: f"`{word}`" for kind, word in INNER_KEYWORDS.items() if kind not in ("AT", "FOR")}
 #: Deeper trees are rejected: recursive visitors would exhaust the stack.
 MAX_DEPTH = 100
 #: Maximum number of single repairs. Each one re-reads the text, so longer texts get fewer; later errors are dropped.

@@ -40,15 +40,7 @@ _FREQUENT_KEYWORDS = (
     *("answer", "options", "counterfactual", "ensure"),
 )
 #: Keywords that may be missing between two tokens.
-_INNER_KEYWORDS = {
-    "ELSE": "else",
-    "IN": "in",
-    "AT": "at",
-    "FOR": "for",
-    "BY": "by",
-    "THEN": "then",
-    "APART": "apart by",
-}
+INNER_KEYWORDS = {kind: kind.lower() for kind in ("ELSE", "IN", "AT", "FOR", "BY", "THEN")} | {"APART": "apart by"}
 _NUMBER = re.compile(r"\d+(\.\d+)?")
 #: Units that follow a number.
 COMMON_UNITS = ("mm", "cm", "m", "s", "ms", "deg", "kg", "g", "N", "rad")
@@ -262,7 +254,7 @@ def _missing_sign(place: RepairSite) -> Iterator[Repair]:
 
 def _missing_word(place: RepairSite) -> Iterator[Repair]:
     """A missing keyword within a statement, or a missing name, value or text."""
-    for kind, keyword in _INNER_KEYWORDS.items():
+    for kind, keyword in INNER_KEYWORDS.items():
         if kind in place.accepted:
             kinds = ("APART", "BY") if kind == "APART" else (kind,)
             yield place.missing(*kinds, message=f"`{keyword}` is missing here", help=f"write `{keyword}`", cost=3.0)
