@@ -126,10 +126,7 @@ def _result(check: Expressions, name: str, function: Function, written: list[s.A
     if function.result == QUANTITY:
         return _common_type(check, name, written, given)
     if function.result == ITEM:
-        items = given[0].type
-        assert isinstance(items, List)
-        assert items.item is not None
-        return items.item
+        return _item(given[0].type)
     return function.result
 
 

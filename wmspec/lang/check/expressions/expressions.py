@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from wmspec.core.diagnostics import Note, Remedy, Report
 from wmspec.core.places import Span
@@ -78,30 +78,9 @@ class Expressions:
         self._depth += 1
         try:
             self._deepen(0, e.span)
-            return self._infer(e, expected)
+            return _CHECKS[type(e)](self, e, expected)
         finally:
             self._depth -= 1
-
-    def _infer(self, e: s.Expr, expected: tuple[Type, ...]) -> Typed:
-        match e:
-            case s.Number():
-                return self._number(e, expected)
-            case s.Text() | s.Truth():
-                return Typed(ir.Value(value=e.value), TEXT if isinstance(e, s.Text) else TRUTH)
-            case s.Name():
-                return names.name(self, e, expected)
-            case s.Member():
-                return members.member(self, e)
-            case s.Index():
-                return members.index(self, e)
-            case s.Call():
-                return calls.call(self, e)
-            case s.Operation():
-                return operators.operation_of(self, e, expected)
-            case s.Items() | s.Called() | s.Range():
-                return lists.list_of(self, e, expected)
-            case s.WhatIf() | s.Cause():
-                return what_ifs.imagined(self, e)
 
     def all_of(self, e: s.Name, declared: s.Action | s.Factor) -> Typed:
         """Return all members of a set of actions or nuisances."""
@@ -181,7 +160,8 @@ class Expressions:
             self.fail(code, f"where this is used, {message}", given.span, "", (Note("it is used here", span),))
         self.fail(code, message, span, help, notes[:2])
 
-    def _number(self, e: s.Number, expected: tuple[Type, ...]) -> Typed:
+    def number(self, e: s.Number, expected: tuple[Type, ...]) -> Typed:
+        """Check a number with or without a unit."""
         scale, dimension = self.unit(e.unit, e.span, expected) if e.unit else (1.0, NUMBER)
         if not math.isfinite(e.value * scale):
             self.fail("WMS304", "this number is too large", e.span)
@@ -234,3 +214,21 @@ class Expressions:
         self._deepest = max(self._deepest, self._depth + more)
         if self._depth + more > MAX_DEPTH:
             self.fail("WMS105", "too many values depend on one another here", span, "make the chain shorter")
+
+
+#: The check of each sort of expression.
+_CHECKS: dict[type[s.Expr], Callable[[Expressions, Any, tuple[Type, ...]], Typed]] = {
+    s.Number: Expressions.number,
+    s.Text: lambda _, e, __: Typed(ir.Value(value=e.value), TEXT),
+    s.Truth: lambda _, e, __: Typed(ir.Value(value=e.value), TRUTH),
+    s.Name: names.name,
+    s.Member: lambda check, e, _: members.member(check, e),
+    s.Index: lambda check, e, _: members.index(check, e),
+    s.Call: lambda check, e, _: calls.call(check, e),
+    s.Operation: operators.operation_of,
+    s.Items: lists.items,
+    s.Called: lists.items,
+    s.Range: lambda check, e, _: lists.range_(check, e),
+    s.WhatIf: lambda check, e, _: what_ifs.what_if(check, e),
+    s.Cause: lambda check, e, _: what_ifs.cause(check, e),
+}

@@ -23,11 +23,6 @@ if TYPE_CHECKING:
 MAX_VALUES = 10_000
 
 
-def list_of(check: Expressions, e: s.Items | s.Called | s.Range, expected: tuple[Type, ...]) -> Typed:
-    """Check a list, a tuple or a range."""
-    return range_(check, e) if isinstance(e, s.Range) else items(check, e, expected)
-
-
 def items(check: Expressions, e: s.Items | s.Called, expected: tuple[Type, ...]) -> Typed:
     """Check a list of values of one type, or a tuple of two or three quantities. Labelled items belong to domains."""
     if isinstance(e, s.Called):

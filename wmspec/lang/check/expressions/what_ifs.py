@@ -19,12 +19,7 @@ if TYPE_CHECKING:
 _PICTURE = "frame"
 
 
-def imagined(check: Expressions, e: s.WhatIf | s.Cause) -> Typed:
-    """Check a what-if or a cause."""
-    return _what_if(check, e) if isinstance(e, s.WhatIf) else _cause(check, e)
-
-
-def _what_if(check: Expressions, e: s.WhatIf) -> Typed:
+def what_if(check: Expressions, e: s.WhatIf) -> Typed:
     """Check a value in the episode with one change."""
     word = "without" if e.change.kind == "without" else "under"
     _require_measuring(check, e, f"`{word}` changes the executed episode")
@@ -39,7 +34,7 @@ def _what_if(check: Expressions, e: s.WhatIf) -> Typed:
     return Typed(ir.WhatIf(value=value.expr, change=change), value.type)
 
 
-def _cause(check: Expressions, e: s.Cause) -> Typed:
+def cause(check: Expressions, e: s.Cause) -> Typed:
     """Check the one of several objects or actions without which a condition does not hold."""
     _require_measuring(check, e, "a cause is found by executing the episode without each candidate")
     condition = _inside(check, e.condition)
