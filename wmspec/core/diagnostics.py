@@ -243,6 +243,10 @@ class Report:
                 self.add("WMS202", message.format(name), place, help, (Note(note, first[name]),))
             first.setdefault(name, place)
 
+    def add_set_twice(self, named: Iterable[tuple[str, Place]], message: str = "`{}` is set twice") -> None:
+        """Record each name that is set again; in the message, `{}` stands for it."""
+        self.add_repeated(named, message, "remove one", "first set here")
+
     def include(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Record the diagnostics of an error or another report."""
         for d in diagnostics:

@@ -60,8 +60,7 @@ class Assets:
         """Report properties that belong to the links of an asset."""
         for p in block.properties:
             if p.name.id in _OF_LINKS:
-                link = p.name.id in ("mass",)
-                help = f"set it on a link: `part NAME {{ {p.name.id}: ... }}`" if link else "remove it"
+                help = "set it on a link: `part NAME { mass: ... }`" if p.name.id == "mass" else "remove it"
                 message = f"an object that is an asset from a file has no `{p.name.id}` of its own"
                 self.check.report.add("WMS203", message, p.name.span, help)
 
@@ -87,11 +86,9 @@ class Assets:
         self._report(faults, named)
         if any(fault.severity == "error" for fault in faults):
             raise Failed
-        bare = s.Block("object", block.name, self._own(block), block.span)
+        own = tuple(p for p in block.properties if p.name.id not in _OF_LINKS)
+        bare = s.Block("object", block.name, own, block.span)
         return Blocks(bare, tree, overrides, Writer(named.span), self._keeps_inertia(block))
-
-    def _own(self, block: s.Block) -> tuple[s.Property, ...]:
-        return tuple(p for p in block.properties if p.name.id not in _OF_LINKS)
 
     def _keeps_inertia(self, block: s.Block) -> bool:
         """Whether the object keeps impossible inertias of its file. Raises Failed for another word than `file`."""

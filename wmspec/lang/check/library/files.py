@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ntpath
+import os
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
@@ -62,9 +63,9 @@ def check_file(check: Expressions, name: str, text: s.Text, endings: tuple[str, 
         check.fail("WMS210", f"`{name}` takes no {path.suffix or 'such'} file", text.span, f"it can be one of: {can}")
     folder = resolve_display_path(text.span.source.name).parent
     if not is_within(folder, folder / file):
-        there = sorted(p.name for p in _neighbours(folder) if p.suffix.lower() in endings)[:8]
+        there = sorted(p.name for p in folder.glob("*") if p.suffix.lower() in endings)[:8]
         hint = f"files there: {', '.join(there)}" if there else "it is looked for beside the spec"
-        if _linked(folder / file):
+        if os.path.isfile(folder / file):  # noqa: PTH113  False for a name that is too long, or has a null character
             check.fail("WMS210", f"`{file}` is a link that leads out of the spec's folder", text.span, "copy it there")
         check.fail("WMS210", f"there is no file `{file}`", text.span, hint)
     if path.suffix.lower() in FILES["image"]:
@@ -85,20 +86,6 @@ def _mesh(check: Expressions, text: s.Text, folder: Path, file: str, prim: str) 
     if isinstance(read, tuple):
         check.report.include(mistake.named_at(text.span) for mistake in read)
         raise Failed
-
-
-def _linked(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):  # file name too long, null character
-        return False
-
-
-def _neighbours(folder: Path) -> Iterator[Path]:
-    try:
-        yield from folder.iterdir()
-    except OSError:
-        return
 
 
 def possible_texts(check: Expressions, e: s.Expr, seen: set[Span]) -> Iterator[s.Text]:

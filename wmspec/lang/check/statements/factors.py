@@ -107,12 +107,9 @@ class Factors:
         """Return the design, by default factorial. Errors are reported."""
         if not self.check.scope.designs:
             return ir.Plan()
-        first, *more = self.check.scope.designs
-        for other in more:
-            notes = (Note("first set here", first.span),)
-            self.check.report.add("WMS202", "`design` is set twice", other.span, "remove one", notes)
+        self.check.report.add_set_twice(("design", design.span) for design in self.check.scope.designs)
         try:
-            return self._plan(first)
+            return self._plan(self.check.scope.designs[0])
         except Failed:
             return ir.Plan()
 

@@ -243,13 +243,9 @@ class Entities:
 
     def _timings(self, action: s.Action, does: ResolvedAction) -> dict[str, ir.Setting]:
         """Return the start, duration and condition of an action, from `at`, `for`, `after`, `with` and `when`."""
-        spans: dict[str, Span] = {}
-        for timing in action.timings:
-            what = {"for": "how long this lasts", "when": "the condition of this"}.get(timing.kind, "when this starts")
-            if what in spans:
-                notes = (Note("first set here", spans[what]),)
-                self.report.add("WMS202", f"{what} is set twice", timing.span, "remove one", notes)
-            spans.setdefault(what, timing.span)
+        named = {"for": "how long this lasts", "when": "the condition of this"}
+        timed = ((named.get(t.kind, "when this starts"), t.span) for t in action.timings)
+        self.report.add_set_twice(timed, "{} is set twice")
         begin, span = actions.start(self.check, action)
         check_bounds(self.check, begin.expr, START, span, "`at`")
         settings = {"start": ir.Setting(value=begin.expr, place=Location.of(span))}

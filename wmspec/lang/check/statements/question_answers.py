@@ -59,7 +59,7 @@ class QuestionAnswers:
                 "WMS502", f"{noun} is no answer to a question", clause.value.span, _reduction_hint(answer.type)
             )
         if rule is not None:
-            self.check.fail("WMS502", rule.message.format(answer=noun), places[rule.at], rule.remedy)
+            self.check.fail("WMS502", rule.message.format(answer=noun), places[rule.at or rule.clause], rule.remedy)
         if possible:
             require_violation(self.check, clause.value)
             return kind, POSSIBLE_OPTIONS, Typed(answer.expr, TEXT)

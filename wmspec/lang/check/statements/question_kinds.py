@@ -18,13 +18,14 @@ ORBIT = "orbit"
 class ClauseRule:
     """A clause that a kind of question requires or refuses: `message` (`{answer}` is the answer's type) and `remedy`.
 
-    The error is located `at` a clause. The rule applies `where` the answer's type matches; always, if None.
+    The error is located `at` a clause, by default its own. The rule applies `where` the answer's type matches; always,
+    if None.
     """
 
     clause: str
     message: str
     remedy: str
-    at: str
+    at: str = ""
     where: Callable[[Type], bool] | None = None
 
     def applies_to(self, answer: Type) -> bool:
@@ -53,32 +54,27 @@ _NO_COUNTERFACTUALS = ClauseRule(
     clause=COUNTERFACTUAL,
     message="counterfactuals are the options of picture questions",
     remedy="answer with `frame(CAMERA, TIME)`",
-    at=COUNTERFACTUAL,
 )
 _NO_DISTANCE = ClauseRule(
     clause="distinct",
     message="`distinct by` is for options that are pictures, and the answer is {answer}",
     remedy="remove it",
-    at="distinct",
 )
 _NO_TOLERANCE = ClauseRule(
     clause="within",
     message="`within` is for answers that are quantities, and this one is {answer}",
     remedy="remove it",
-    at="within",
 )
 
 _NO_ORBIT = ClauseRule(
     clause=ORBIT,
     message="an orbit is the options of a picture question, and the answer to this is {answer}",
     remedy="answer with `frame(CAMERA, TIME)`, or list the options: `options [...]`",
-    at=ORBIT,
 )
 _NO_KINDS = ClauseRule(
     clause="kinds",
     message="`kinds` are those of outcomes that pictures show, and the answer to this is {answer}",
     remedy="ask for the kind itself: `answer if CONDITION then ... else ...`",
-    at="kinds",
 )
 
 #: Kinds of questions; the first that fits applies.
@@ -87,9 +83,7 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
         fits=lambda answer, _: answer == PICTURE,
         spoken=False,
         refused=(
-            ClauseRule(
-                "options", "the options of a picture question are its counterfactuals", "remove `options`", "options"
-            ),
+            ClauseRule("options", "the options of a picture question are its counterfactuals", "remove `options`"),
             _NO_TOLERANCE,
         ),
         needed=(
@@ -114,7 +108,6 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
                 clause="options",
                 message="the options of `answer possible` are possible and impossible",
                 remedy="remove `options`",
-                at="options",
             ),
         ),
     ),
@@ -161,11 +154,6 @@ QUESTION_RULES: dict[ir.QuestionKind, QuestionRules] = {
 def question_kind(answer: Type, clauses: Set[str]) -> ir.QuestionKind:
     """Return the kind of a question with this type of answer and these clauses."""
     return next(name for name, rules in QUESTION_RULES.items() if rules.fits(answer, clauses))
-
-
-def has_countable_answers(question: ir.Question) -> bool:
-    """Whether the answers of a question are names, whose frequencies can be counted."""
-    return question.kind in ("labels", "possible")
 
 
 def violated_rule(rules: QuestionRules, answer: Type, clauses: Set[str]) -> ClauseRule | None:

@@ -49,9 +49,7 @@ class Questions:
         clauses: dict[str, list[s.Clause]] = {}
         for clause in question.clauses:
             clauses.setdefault(clause.kind, []).append(clause)
-            if clause.kind in _SINGLE_CLAUSES and len(clauses[clause.kind]) > 1:
-                notes = (Note("first set here", clauses[clause.kind][0].span),)
-                self.report.add("WMS202", f"`{clause.kind}` is set twice", clause.span, "remove one", notes)
+        self.report.add_set_twice((c.kind, c.span) for c in question.clauses if c.kind in _SINGLE_CLAUSES)
         if ANSWER not in clauses:
             self.check.fail("WMS501", "this question has no answer", question.text.span, "add `answer EXPRESSION`")
         kind, options, answer = self.answers.answer(question, clauses)
@@ -106,9 +104,7 @@ class Questions:
     def _model_text(self, kind: str, question: s.Question) -> tuple[str | ir.Interpolation, ...]:
         """Check a text for video models, at most one of a kind, for a picture as the answer."""
         written = [each for each in question.model_texts if each.kind == kind]
-        for other in written[1:]:
-            notes = (Note("first set here", written[0].span),)
-            self.report.add("WMS202", f"`{kind}` is set twice", other.span, "remove one", notes)
+        self.report.add_set_twice((kind, each.span) for each in written)
         for one in written[:1]:
             if not any(clause.kind == ORBIT for clause in question.clauses):
                 message = f"`{kind}` describes a film, and this question has no closed set of films"
@@ -122,9 +118,7 @@ class Questions:
 
     def _legible(self, written: tuple[s.Legibility, ...]) -> bool:
         """Check `legibility off`, at most once."""
-        for other in written[1:]:
-            notes = (Note("first set here", written[0].span),)
-            self.report.add("WMS202", "`legibility` is set twice", other.span, "remove one", notes)
+        self.report.add_set_twice(("legibility", each.span) for each in written)
         for word in (each.word for each in written if each.word.id not in LEGIBILITY):
             remedy = "remove the line: questions must be legible unless it says `off`" if word.id == "on" else ""
             message = f"`legibility` is `off` or left out, not `{word.id}`"

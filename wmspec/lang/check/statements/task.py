@@ -241,10 +241,8 @@ class _Task:
 
     def film(self) -> ir.Film | None:
         """Return the film; a task has at most one."""
-        written = [x for x in self.statements if isinstance(x, s.Film)]
-        for other in written[1:]:
-            notes = (Note("first set here", written[0].span),)
-            self.report.add("WMS202", "a task has one film", other.span, "remove one", notes)
+        written = (("film", x.span) for x in self.statements if isinstance(x, s.Film))
+        self.report.add_set_twice(written, "a task has one film")
         return next(iter(self.each(s.Film, self.observations.film)), None)
 
     def _questions(self) -> list[ir.Question]:

@@ -3,33 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from contextlib import suppress
+from functools import partial
 
-from wmspec.core.diagnostics import Note, suggestion
-from wmspec.core.places import Span
+from wmspec.core.diagnostics import suggestion
 from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.expressions import Expressions
-from wmspec.lang.check.expressions.typed import Failed, constant
+from wmspec.lang.check.expressions.typed import constant, without_failed
 from wmspec.lang.check.tables.vocabulary import TOLERANCES
 from wmspec.lang.parse import syntax as s
 
 
 def tolerances(check: Expressions, written: Iterable[s.Tolerance]) -> dict[str, float]:
     """Return the tolerances (SI) by name; wrong ones are reported and left out."""
-    checked: dict[str, float] = {}
-    spans: dict[str, Span] = {}
-    for tolerance in written:
-        name = tolerance.name
-        if name.id in spans:
-            notes = (Note("first set here", spans[name.id]),)
-            check.report.add("WMS202", f"the tolerance `{name.id}` is set twice", name.span, "remove one", notes)
-        spans.setdefault(name.id, name.span)
-        with suppress(Failed):
-            checked[name.id] = _tolerance(check, tolerance)
-    return checked
+    every = list(written)
+    check.report.add_set_twice(((x.name.id, x.name.span) for x in every), "the tolerance `{}` is set twice")
+    return dict(without_failed(partial(_tolerance, check), every))
 
 
-def _tolerance(check: Expressions, tolerance: s.Tolerance) -> float:
+def _tolerance(check: Expressions, tolerance: s.Tolerance) -> tuple[str, float]:
+    """Return the name and the value."""
     name = tolerance.name
     if name.id not in TOLERANCES:
         message = f"there is no tolerance `{name.id}`"
@@ -40,4 +32,4 @@ def _tolerance(check: Expressions, tolerance: s.Tolerance) -> float:
     value = constant(typed.expr)
     if value is None:
         check.fail("WMS304", "a tolerance is a constant", tolerance.value.span, "write a quantity")
-    return value
+    return name.id, value
