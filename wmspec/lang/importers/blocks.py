@@ -175,12 +175,8 @@ class Blocks:
         return made | ({"repeats": self.write.numbers(look.repeats)} if look.image and look.repeats else {})
 
     def _friction(self, shape: Shape) -> dict[str, s.Expr]:
-        names = ("friction", "restitution")
-        return (
-            {n: self.write.number(x) for n, x in zip(names, shape.friction_restitution, strict=True)}
-            if shape.friction_restitution
-            else {}
-        )
+        given = zip(("friction", "restitution"), shape.friction_restitution or (), strict=False)
+        return {name: self.write.number(x) for name, x in given}
 
     def _form(self, form: Form, touched: s.Expr | None) -> dict[str, s.Expr]:
         if isinstance(form, MeshFile):

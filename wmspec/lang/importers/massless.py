@@ -80,7 +80,7 @@ class _Massless:
         elif joint.kind == "fixed":
             if link.shapes:
                 self._merge(link, joint)
-        elif self._has_matter_below(link.name) and not link.fixed:
+        elif self._has_matter(self._subtree(link.name)[1:]) and not link.fixed:
             self._lighten(link, "it moves with")
         elif link.shapes:
             self._hold(link, joint)
@@ -105,7 +105,7 @@ class _Massless:
         below = self._joints_below(frame.name)
         if frame.shapes or frame.mass is not None or not below:
             return
-        if any(j.kind == "fixed" and self._matter(j.child) for j in below):
+        if any(j.kind == "fixed" and self._has_matter(self._subtree(j.child)) for j in below):
             self._lighten(frame, "it is joined to its neighbours with")
         else:
             self._faults.approximate(
@@ -170,15 +170,9 @@ class _Massless:
                     found.append(child)
         return found
 
-    def _matter(self, name: str) -> bool:
-        """Whether a link, or one below it, has mass or shapes."""
-        return any(
-            self.links[n].mass is not None or bool(self.links[n].shapes) for n in self._subtree(name) if n in self.links
-        )
-
-    def _has_matter_below(self, name: str) -> bool:
-        below = self._subtree(name)[1:]
-        return any(self.links[n].mass is not None or bool(self.links[n].shapes) for n in below if n in self.links)
+    def _has_matter(self, names: list[str]) -> bool:
+        """Whether one of the links has mass or shapes."""
+        return any(self.links[n].mass is not None or bool(self.links[n].shapes) for n in names if n in self.links)
 
 
 def _with_friction(link: Link) -> tuple[Shape, ...]:

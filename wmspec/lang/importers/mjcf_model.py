@@ -11,7 +11,7 @@ from wmspec.core.native_output import silence
 from wmspec.core.places import FilePlace
 from wmspec.lang.importers.markup import Element
 from wmspec.lang.importers.mjcf_source import Source
-from wmspec.lang.importers.model import MAX_KINDS, Faults
+from wmspec.lang.importers.model import MAX_KINDS, Faults, UnreadableAsset
 
 _LINE = re.compile(r"line (\d+)")
 _HELP = "correct it; the MuJoCo XML reference describes the element"
@@ -59,7 +59,7 @@ def compiled(source: Source, faults: Faults) -> Compiled:
         if faults.diagnostics:
             break
         return made
-    raise faults.stop_reading()
+    raise UnreadableAsset
 
 
 def _reported(message: str, source: Source, faults: Faults) -> bool:

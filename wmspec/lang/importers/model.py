@@ -72,10 +72,6 @@ class Faults:
             raise self.stop(where, f"has more than {MAX_FAULTS} faults", "is this the right file?")
         self.warnings.append(Diagnostic(text, where, help, APPROXIMATION, severity="warning"))
 
-    def stop_reading(self) -> UnreadableAsset:
-        """Return the exception that ends reading after errors that were added."""
-        return UnreadableAsset()
-
     def stop(self, where: FilePlace, message: str, help: str) -> UnreadableAsset:
         """Add a fatal error; raise what this returns."""
         self.diagnostics.append(Diagnostic(message, where, help, ASSET))

@@ -14,6 +14,7 @@ from wmspec.core.diagnostics import StageError
 from wmspec.core.places import FilePlace, PrimPlace
 from wmspec.lang.check.tables.vocabulary import PROPERTIES
 from wmspec.lang.importers.blocks import to_identifier
+from wmspec.lang.importers.massless import placeholder
 from wmspec.lang.importers.model import MAX_LINKS, Asset, Faults, Joint, Link, Shape
 from wmspec.lang.importers.tree import WORLD
 from wmspec.lang.importers.turns import X
@@ -22,13 +23,10 @@ from wmspec.sim.scene import model
 from wmspec.sim.scene.joints.articulations import joint_coordinate, relative_frame
 from wmspec.sim.scene.model import Body, Pose
 from wmspec.sim.scene.model.transform import compose, identity, inverse, rotate
-from wmspec.sim.shapes import Sphere
 from wmspec.sim.usd.prims import Names
 
 Pair = tuple[str, str]
 
-#: Radius (m) of the placeholder ball for a body without geometry, invisible and without collisions.
-_PLACEHOLDER_RADIUS = 1e-3
 #: Default density of UsdPhysics (kg/m³).
 _DEFAULT_DENSITY = 1000.0
 _OVER = Pose(np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
@@ -62,9 +60,7 @@ class Stage:
             properties |= {"damping": body.linear_damping, "spin_damping": body.angular_damping}
         if body.motion == "dynamic" and body.inertia is None:
             properties["density"] = _DEFAULT_DENSITY
-        if not shapes:
-            middle = identity() if body.inertia is None else Pose(body.inertia.center, identity().orientation)
-            shapes = (Shape(Sphere(_PLACEHOLDER_RADIUS), middle, solid=False, drawn=False),)
+        shapes = shapes or (placeholder(body.inertia),)
         velocity, spin = (v if v.any() else None for v in (body.linear_velocity, body.angular_velocity))
         where = FilePlace(self._shown, element=f"`{body.path}`")
         made = Link(name, where, shapes, body.inertia, properties, body.motion != "dynamic", velocity, spin, passes)
