@@ -61,7 +61,7 @@ def test_connections_beyond_the_limit_are_refused_and_silent_ones_end(server: _S
             one.sendall(b"GET / HT")  # the beginning of a request, and no more
         further = [stack.enter_context(connection(server)) for _ in range(20)]
         assert all(one.recv(100).startswith(b"HTTP/1.1 503") for one in further)
-        assert len(server.open_connections) == 4, "refused ones have no thread"
+        assert len(server._opened) == 4, "refused ones have no thread"
         server.max_seconds = 0.0  # now their time is over
         assert all(one.recv(100) == b"" for one in held)
     server.max_seconds = 60.0

@@ -37,12 +37,6 @@ class BoundedServer(ThreadingHTTPServer):
         self._lock = Lock()
         super().__init__(address, handler)
 
-    @property
-    def open_connections(self) -> tuple[socket.socket, ...]:
-        """The connections that are being served."""
-        with self._lock:
-            return tuple(self._opened)
-
     def process_request(self, request: Any, client_address: Any) -> None:
         """Start the thread of a connection, or refuse it."""
         with self._lock:
@@ -65,8 +59,9 @@ class BoundedServer(ThreadingHTTPServer):
         now = monotonic()
         with self._lock:
             late = [request for request, since in self._opened.items() if now - since > self.max_seconds]
-        for request in late:
-            _end(request)
+        for request in late:  # its thread notices the end and closes it
+            with suppress(OSError):
+                request.shutdown(socket.SHUT_RDWR)
 
     def keep_open(self, request: socket.socket) -> None:
         """Exempt a connection from the time limit."""
@@ -86,9 +81,3 @@ class BoundedServer(ThreadingHTTPServer):
             request.send(_BUSY)
             request.recv(1 << 16)  # unread data would reset the connection before the answer arrives
         super().shutdown_request(request)
-
-
-def _end(request: socket.socket) -> None:
-    """Shut a connection down: its thread notices the end and closes it."""
-    with suppress(OSError):
-        request.shutdown(socket.SHUT_RDWR)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from wmspec.core.diagnostics import Report
 from wmspec.core.places import Span
@@ -199,7 +199,16 @@ def _type(meaning: Expressions | None, name: str, node: object) -> Type | None:
 # ---------------------------------------------------------------- names of one kind
 
 
-def _named(  # noqa: C901, PLR0912  one case per kind
+#: Whether a declaration is of a kind that is expected.
+_DECLARED: dict[str, Callable[[Any], bool]] = {
+    "template": lambda node: isinstance(node, s.Template),
+    "camera": lambda node: isinstance(node, s.Block) and node.kind == "camera",
+    "factor": lambda node: isinstance(node, s.Factor) and not node.nuisance,
+    "changed": lambda node: isinstance(node, s.Block | s.Action),
+}
+
+
+def _named(  # noqa: C901  one case per kind
     document: Document, meaning: Expressions | None, expected: ExpectedInput, offset: int
 ) -> Iterator[CompletionItem]:
     visible = Names(document).visible(offset)
@@ -214,21 +223,9 @@ def _named(  # noqa: C901, PLR0912  one case per kind
                     items = document.program.libraries[library].items
                     named = (i for i in items if isinstance(i, s.Factor | s.Let | s.Block | s.Template | s.Action))
                     yield from (CompletionItem(i.name.id, "name", _what(i)) for i in named)
-        case "template":
+        case "template" | "camera" | "factor" | "changed":
             for name, declared in visible.items():
-                if isinstance(declared.node, s.Template):
-                    yield CompletionItem(name, "name", "template")
-        case "camera":
-            for name, declared in visible.items():
-                if isinstance(declared.node, s.Block) and declared.node.kind == "camera":
-                    yield CompletionItem(name, "name", "camera")
-        case "factor":
-            for name, declared in visible.items():
-                if isinstance(declared.node, s.Factor) and not declared.node.nuisance:
-                    yield CompletionItem(name, "name", "factor")
-        case "changed":
-            for name, declared in visible.items():
-                if isinstance(declared.node, s.Block | s.Action):
+                if _DECLARED[expected.kind](declared.node):
                     yield CompletionItem(name, "name", _what(declared.node))
         case "verb":
             yield from _verbs(VERBS, "")
