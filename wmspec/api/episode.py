@@ -18,6 +18,7 @@ import wmspec.sim.usd.schema  # noqa: F401  registers the schemas, which must pr
 from wmspec.api.rendering import RenderOptions, renderer_of
 from wmspec.core.diagnostics import Diagnostic, StageError, WmsError, suggestion
 from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import writing
 from wmspec.dataset.build import typeset, video
 from wmspec.dataset.build.overlay import annotate
 from wmspec.runtime.caches.trace_cache import TraceCache
@@ -190,10 +191,8 @@ class Episode:
         camera = camera or self.views()[0][0]
         moments = (i / rate for i in range(int(self.time[-1] * rate + 1e-9) + 1))
         pictures = (self.picture(camera, moment, overlay=overlay, **options) for moment in moments)
-        try:
+        with writing(path):
             video.WRITERS[path.suffix.lower()](pictures, rate, path)
-        except OSError as error:
-            raise WmsError(f"cannot be written: {error.strerror or error}", FilePlace(str(path))) from None
         return path
 
     def save(self, path: str | PathLike[str]) -> None:

@@ -9,9 +9,9 @@ from collections.abc import Iterable
 from typing import Any
 
 from wmspec.cli.report_paths import relative_name
-from wmspec.core.diagnostics import Diagnostic
+from wmspec.core.diagnostics import Diagnostic, place_record
 from wmspec.core.disk_cache import digest
-from wmspec.core.places import FilePlace, Location, Place, Span
+from wmspec.core.places import Place
 
 
 def github(diagnostics: Iterable[Diagnostic]) -> str:
@@ -49,16 +49,13 @@ def _text(d: Diagnostic) -> str:
 
 def _where(place: Place | None) -> dict[str, Any]:
     """Return file, line and column of a place; empty if it is in no file."""
-    match place:
-        case Span():
-            line, column = place.source.position(place.end)
-            here = {"file": relative_name(place.source.name), "line": place.line, "endLine": line}
-            return here | ({"col": place.column, "endColumn": column} if line == place.line else {})
-        case Location():
-            return {"file": relative_name(place.file), "line": place.line, "col": place.column}
-        case FilePlace(path, line):
-            return {"file": relative_name(path), **({} if line is None else {"line": line})}
-    return {}
+    where = place_record(place)
+    if "file" not in where:
+        return {}
+    names = {"line": "line", "endLine": "endLine"}
+    if where.get("endLine") in (None, where.get("line")):
+        names |= {"column": "col", "endColumn": "endColumn"}
+    return {"file": relative_name(where["file"]), **{short: where[n] for n, short in names.items() if n in where}}
 
 
 def _escaped(text: str, *, properties: bool = False) -> str:

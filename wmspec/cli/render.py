@@ -24,6 +24,7 @@ from wmspec.cli.run import duration_option, parse_duration, print_notes
 from wmspec.core.crash import Crash
 from wmspec.core.diagnostics import EngineError, GraphicsError, StageError, WmsError
 from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import writing
 from wmspec.core.tally import Tally
 from wmspec.lang.check.tables.vocabulary import STAGES
 
@@ -173,8 +174,6 @@ def _write_stills(pictures: _Pictures, folder: Path, name: str) -> Iterator[Path
 
 
 def _save(picture: Image, path: Path) -> Path:
-    try:
+    with writing(path):
         picture.save(path)
-    except OSError as error:
-        raise WmsError(f"cannot be written: {error.strerror or error}", FilePlace(str(path))) from None
     return path

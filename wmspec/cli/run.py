@@ -121,13 +121,10 @@ def print_notes(episodes: Sequence[Episode]) -> None:
 
 def parse_duration(text: str) -> float:
     """Parse a time in seconds."""
-    from wmspec.lang.check.types.units import TIME, UnknownUnit, parse_quantity
+    from wmspec.lang.check.types.units import TIME, parse_quantity
 
-    try:
-        seconds, dimension = parse_quantity(text, "s")
-    except (ValueError, UnknownUnit):
-        seconds, dimension = 0.0, TIME
-    if dimension != TIME or not 0 < seconds <= EPISODE_SECONDS.most:
+    seconds = parse_quantity(text, "s", TIME)
+    if seconds is None or not 0 < seconds <= EPISODE_SECONDS.most:
         raise WmsError(f"--for {text}: expected a time such as 2s or 500ms, up to {EPISODE_SECONDS.most} s")
     return seconds
 

@@ -8,8 +8,8 @@ from urllib.parse import quote
 
 from wmspec import __version__
 from wmspec.cli.report_paths import file_of, source_root
-from wmspec.core.diagnostics import Diagnostic
-from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Span
+from wmspec.core.diagnostics import Diagnostic, place_record
+from wmspec.core.places import Place
 from wmspec.lang.parse.codes import CODES
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
@@ -54,22 +54,13 @@ def _result(diagnostic: Diagnostic, rules: list[str]) -> dict[str, Any]:
 
 
 def _location(place: Place) -> dict[str, Any]:
-    match place:
-        case Span():
-            line, column = place.source.position(place.end)
-            region = {"startLine": place.line, "startColumn": place.column, "endLine": line, "endColumn": column}
-            return _physical(place.source.name, region)
-        case Location():
-            return _physical(place.file, {"startLine": place.line, "startColumn": place.column})
-        case FilePlace():
-            return _physical(place.path, {"startLine": place.line} if place.line else {})
-        case PrimPlace():
-            return {"logicalLocations": [{"fullyQualifiedName": place.path}]}
-
-
-def _physical(name: str, region: dict[str, int]) -> dict[str, Any]:
-    where = {"artifactLocation": _artifact(name)}
-    return {"physicalLocation": where | ({"region": region} if region else {})}
+    where = place_record(place)
+    if "prim" in where:
+        return {"logicalLocations": [{"fullyQualifiedName": where["prim"]}]}
+    names = {"line": "startLine", "column": "startColumn", "endLine": "endLine", "endColumn": "endColumn"}
+    region = {name: where[key] for key, name in names.items() if key in where}
+    physical = {"artifactLocation": _artifact(where["file"])}
+    return {"physicalLocation": physical | ({"region": region} if region else {})}
 
 
 def _artifact(name: str) -> dict[str, str]:

@@ -80,13 +80,10 @@ def add_command(
 
 def _mass(text: str) -> tuple[str, float]:
     """Parse NAME=MASS into a name and kg."""
-    from wmspec.lang.check.types.units import MASS, UnknownUnit, parse_quantity
+    from wmspec.lang.check.types.units import MASS, parse_quantity
 
     name, _, amount = text.partition("=")
-    try:
-        kilograms, dimension = parse_quantity(amount, "kg")
-    except (ValueError, UnknownUnit):
-        kilograms, dimension = 0.0, MASS
-    if dimension != MASS or not 0 < kilograms < 1e6:
+    kilograms = parse_quantity(amount, "kg", MASS)
+    if kilograms is None or not 0 < kilograms < 1e6:
         raise WmsError(f"--mass {text}: expected NAME=MASS, such as mug=350g")
     return name, kilograms

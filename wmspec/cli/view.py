@@ -8,6 +8,7 @@ import click
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
+from wmspec.core.safe_io import writing
 
 #: The default number of instances per task, by suffix of the output.
 DEFAULT_PER_TASK = {".png": 3, ".html": 20, "": 50}
@@ -47,7 +48,11 @@ def view_command(dataset: Path, output: Path, per_task: int | None, results: tup
         )
     count = per_task or DEFAULT_PER_TASK[kind]
     if kind == ".png":
-        _sheet(dataset, output, count)
+        from wmspec.dataset.build.sheet import contact_sheet
+
+        picture = contact_sheet(dataset, count)
+        with writing(output):
+            picture.save(output)
         click.echo(output)
         return
     from wmspec.dataset.build.reader import DatasetReader
@@ -60,13 +65,3 @@ def view_command(dataset: Path, output: Path, per_task: int | None, results: tup
     some = any(task["instances"] > count for task in opened.manifest["tasks"].values())
     which = f" of {count} instances of each task (--per-task)" if some else ""
     click.echo(f"{where}: {shown:,} questions{which}; open it in a browser")
-
-
-def _sheet(dataset: Path, output: Path, per_task: int) -> None:
-    from wmspec.dataset.build.sheet import contact_sheet
-
-    picture = contact_sheet(dataset, per_task)
-    try:
-        picture.save(output)
-    except OSError as error:
-        raise WmsError(f"cannot be written: {error.strerror or error}", FilePlace(str(output))) from None

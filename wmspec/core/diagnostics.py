@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Span, without_folder
 from wmspec.core.spelling import closest_word
@@ -98,13 +98,14 @@ class Diagnostic:
             "code": self.code,
             "severity": self.severity,
             "message": self.message,
-            **_record(self.place),
+            **place_record(self.place),
             "help": self.help,
-            "notes": [{"message": n.message, **_record(n.place)} for n in self.notes],
+            "notes": [{"message": n.message, **place_record(n.place)} for n in self.notes],
         }
 
 
-def _record(place: Place | None) -> dict[str, object]:
+def place_record(place: Place | None) -> dict[str, Any]:
+    """Return a place as plain values: file, line and column, or the path of a prim."""
     match place:
         case Span(source=source, end=end):
             line, column = source.position(end)

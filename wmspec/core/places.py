@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import PurePath
 from typing import TypeAlias
@@ -122,11 +122,6 @@ Place: TypeAlias = Span | Location | PrimPlace | FilePlace
 def without_folder(place: Place) -> str:
     """Return a place with the name of its file alone: the text does not depend on where the file lies."""
     match place:
-        case Span(source=source):
-            return f"{PurePath(source.name).name}:{place.line}:{place.column}"
-        case Location(file=file):
-            return f"{PurePath(file).name}:{place.line}:{place.column}"
-        case FilePlace():
-            return str(replace(place, path=PurePath(place.path).name))
-        case PrimPlace():
-            return str(place)
+        case Span(source=Source(name=file)) | Location(file=file) | FilePlace(path=file):
+            return PurePath(file).name + str(place).removeprefix(file)
+    return str(place)

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.limits import FILE_BYTES, FOLDERS, PIXELS, TABLE_BYTES, XML_BYTES, Limit
+from wmspec.core.places import FilePlace
 
 if TYPE_CHECKING:  # most specs have no pictures, and checking those should not wait for Pillow
     from PIL import Image
@@ -88,6 +89,15 @@ def make_folders(path: Path) -> Path:
         raise OSError(errno.ENAMETOOLONG, f"it {FOLDERS.sentence}", str(path)[:200] + "...")
     path.mkdir(parents=True, exist_ok=True)
     return path
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Raise WmsError with the reason if the block cannot write to the path."""
+    try:
+        yield
+    except OSError as error:
+        raise WmsError(f"cannot be written: {error.strerror or error}", FilePlace(str(path))) from None
 
 
 def open_file(path: Path) -> io.BufferedReader:

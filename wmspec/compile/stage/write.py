@@ -16,10 +16,8 @@ from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import base_layer, override_layer
-from wmspec.core.diagnostics import WmsError
 from wmspec.core.limits import FILE_BYTES
-from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import read_bytes
+from wmspec.core.safe_io import read_bytes, writing
 from wmspec.lang.check.ir.ir import Counterfactual
 
 
@@ -82,9 +80,7 @@ def _copy_name(image: Path, folder: str = "textures") -> str:
 
 
 def _write(path: Path, content: bytes) -> Path:
-    try:
+    with writing(path):
         path.parent.mkdir(exist_ok=True)
         path.write_bytes(content)
-    except OSError as error:
-        raise WmsError(f"cannot be written: {error.strerror}", FilePlace(str(path))) from None
     return path

@@ -15,7 +15,7 @@ import wmspec.sim.usd.schema  # noqa: F401  importing it registers the schemas
 from wmspec.core.diagnostics import Diagnostic, StageError, WmsError
 from wmspec.core.limits import TRACE_BYTES, TooLarge
 from wmspec.core.places import FilePlace
-from wmspec.core.safe_io import is_file_name, open_file, regular_file
+from wmspec.core.safe_io import is_file_name, open_file, regular_file, writing
 from wmspec.sim.scene.model import Contact, Trace
 from wmspec.sim.usd.composed import require_bounded_layer
 from wmspec.sim.usd.files import complaint
@@ -28,20 +28,17 @@ def save(stage: Usd.Stage, trace: Trace, path: Path, notes: Sequence[Diagnostic]
     more: dict[str, Any] = {"notes": np.array([str(note) for note in notes])} if notes else {}
     touched = [(c.first, c.second, c.start, c.stop) for c in trace.contacts]
     pairs, times = [t[:2] for t in touched], [t[2:] for t in touched]
-    try:
-        with path.open("wb") as file:
-            np.savez_compressed(
-                file,
-                stage=np.array(_flat(stage)),
-                engine=np.array(trace.engine),
-                bodies=np.array(trace.bodies, dtype=np.str_),
-                contacts=np.array(pairs, dtype=np.str_).reshape(-1, 2),
-                contact_times=np.array(times, dtype=np.float64).reshape(-1, 2),
-                **{name: getattr(trace, name) for name in ARRAYS},
-                **more,
-            )
-    except OSError as error:
-        raise WmsError(f"cannot be written: {error.strerror}", FilePlace(str(path))) from None
+    with writing(path), path.open("wb") as file:
+        np.savez_compressed(
+            file,
+            stage=np.array(_flat(stage)),
+            engine=np.array(trace.engine),
+            bodies=np.array(trace.bodies, dtype=np.str_),
+            contacts=np.array(pairs, dtype=np.str_).reshape(-1, 2),
+            contact_times=np.array(times, dtype=np.float64).reshape(-1, 2),
+            **{name: getattr(trace, name) for name in ARRAYS},
+            **more,
+        )
 
 
 def _flat(stage: Usd.Stage) -> str:

@@ -202,14 +202,14 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
     return scale, dimension
 
 
-def parse_quantity(text: str, unit: str) -> tuple[float, Dimension]:
-    """Return the SI value and dimension of a number such as `350g`; without a unit it has `unit`.
-
-    Raises ValueError if there is no number, UnknownUnit for its unit.
-    """
+def parse_quantity(text: str, unit: str, dimension: Dimension) -> float | None:
+    """Return the SI value of a text such as `350g`, in `unit` if it names none; None if it is no such quantity."""
     number = text.rstrip("abcdefghijklmnopqrstuvwxyz ")
-    scale, dimension = parse_unit(text[len(number) :].strip() or unit)
-    return float(number) * scale, dimension
+    try:
+        scale, found = parse_unit(text[len(number) :].strip() or unit)
+        return float(number) * scale if found == dimension else None
+    except (ValueError, UnknownUnit):
+        return None
 
 
 def dimension_named(text: str) -> Dimension:
