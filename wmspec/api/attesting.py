@@ -38,8 +38,7 @@ def attest(
     Raises:
         WmsError: the dataset is unfinished or damaged, its seed can be guessed, or `output` cannot be written.
     """
-    reader, folder = DatasetReader.open(Path(dataset)), Path(output)
-    reader.intact()
+    reader, folder = DatasetReader.open(Path(dataset)).intact(), Path(output)
     made = attestation_of(reader)
     shown = set(reader.tasks[::SAMPLE_STRIDE])
     with TemporaryDirectory() as scratch:
@@ -69,6 +68,5 @@ def check(dataset: str | PathLike[str], sealed_as: str | PathLike[str]) -> tuple
 
     Raises WmsError if there is no dataset or no attestation, or if the dataset is damaged.
     """
-    reader = DatasetReader.open(Path(dataset))
-    reader.intact()
+    reader = DatasetReader.open(Path(dataset)).intact()
     return tuple(differences(Attestation.read(Path(sealed_as)), reader))

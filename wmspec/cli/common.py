@@ -16,7 +16,7 @@ import click
 
 from wmspec.core.diagnostics import Paint, Part, WmsError, suggestion, unpainted
 from wmspec.core.places import FilePlace, Source
-from wmspec.core.safe_io import make_folders
+from wmspec.core.safe_io import make_folders, writing
 
 if TYPE_CHECKING:
     from wmspec.api import Instance
@@ -34,6 +34,23 @@ dimension_option = click.option(
     "--dimension", multiple=True, metavar="PATH", help="Only tasks of this dimension, such as perception.motion."
 )
 size_option = click.option("--size", default="384", show_default=True, help="Picture size in pixels: 384, or 320x240.")
+
+limit_option = click.option(
+    "--limit",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Maximum number of questions, spread evenly over tasks and engines.",
+)
+image_size_option = click.option(
+    "--size",
+    type=click.IntRange(64, 4096),
+    default=768,
+    show_default=True,
+    help="Longest side of a picture, in pixels; larger pictures are downscaled.",
+)
+instance_timeout_option = click.option(
+    "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Time limit per instance, in seconds."
+)
 
 
 def by_size(sizes: Mapping[str, int]) -> dict[int, list[str]]:
@@ -198,8 +215,6 @@ def make_folder(path: Path) -> Path:
 
 def write_text(path: Path, text: str) -> Path:
     """Write a text file. Raises WmsError with the reason if that is impossible."""
-    try:
+    with writing(path):
         path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise WmsError(f"cannot be written: {error.strerror}", FilePlace(str(path))) from None
     return path

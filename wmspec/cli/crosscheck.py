@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import exit_if_failed, seed_option, specs_argument, tell, write_text
+from wmspec.cli.common import exit_if_failed, instance_timeout_option, seed_option, specs_argument, tell, write_text
 from wmspec.cli.crosscheck_outputs import write_outputs
 from wmspec.core.diagnostics import WmsError
 
@@ -81,9 +81,7 @@ MAX_PRINTED = 20
     help="Print annotations for GitHub; auto does if GITHUB_ACTIONS is true.",
 )
 @click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
-@click.option(
-    "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Time limit per instance, in seconds."
-)
+@instance_timeout_option
 def crosscheck_command(
     specs: tuple[Path, ...],
     backends: str,

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wmspec.api.progress import progress_bar
-from wmspec.cli.common import exit_if_failed, json_option, seed_option, split_options, tell
+from wmspec.cli.common import exit_if_failed, json_option, limit_option, seed_option, split_options, tell
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.tally import Tally
 
 if TYPE_CHECKING:
+    from wmspec.dataset.build.reader import DatasetReader
+    from wmspec.eval.models.question import Selection
     from wmspec.eval.models.request import Ask
     from wmspec.eval.models.results import Counts
     from wmspec.eval.models.run import Run, RunResult
@@ -70,12 +72,7 @@ SURPRISES = ("surprise:", "surprises:")
 @click.option("--engine", multiple=True, metavar="NAME", help="Only rows of this engine.")
 @click.option("--split", type=click.Choice(["train", "validation", "test"]), help="Only this split; groups stay whole.")
 @split_options
-@click.option(
-    "--limit",
-    type=click.IntRange(1),
-    metavar="N",
-    help="Maximum number of questions, spread evenly over tasks and engines.",
-)
+@limit_option
 @click.option("--max-requests", type=click.IntRange(0), metavar="N", help="Maximum number of requests in this call.")
 @click.option("--max-cost", type=click.FloatRange(0), metavar="COST", help="Maximum total cost of the results.")
 @click.option("--price", type=(float, float), metavar="IN OUT", help="Price per million input and output tokens.")
@@ -131,40 +128,41 @@ def evaluate_command(dataset: Path | None, rescore: Path | None, as_json: bool, 
 
 
 def _evaluate_surprises(dataset: Path, options: dict[str, Any], as_json: bool) -> None:
-    from wmspec.dataset.build.reader import DatasetReader
     from wmspec.eval.clips.surprise import SurpriseRun, evaluate_surprises
-    from wmspec.eval.models.question import Selection
 
-    output = _results_file(options)
-    opened = DatasetReader.open(dataset)
-    opened.intact()
-    run = SurpriseRun(opened, options["model"], Selection(options["task"], options["engine"], options["limit"]))
+    output, opened, selection = _of_films(dataset, options)
+    run = SurpriseRun(opened, options["model"], selection)
     with progress_bar(len(run.questions), "evaluating", "questions") as bar:
         ended = evaluate_surprises(run, output, lambda right, count: bar(_so_far(right, count, 0.0), 1))
     _print_counts(ended.counts, output, as_json)
 
 
 def _results_file(options: dict[str, Any]) -> Path:
-    """Return the results file. Raises WmsError if it is missing, or for an option that films do not have."""
+    """Return the results file. Raises WmsError if it is missing."""
     output: Path | None = options["output"]
     if output is None or output.suffix != ".parquet":
         raise WmsError("missing output: add -o results.parquet")
-    for name in ("ablate", "permute", "dry_run"):
-        if options[name]:
-            raise WmsError(f"--{name.replace('_', '-')}: not for models of films")
     return output
 
 
-def _evaluate_clips(dataset: Path, options: dict[str, Any], as_json: bool) -> None:
+def _of_films(dataset: Path, options: dict[str, Any]) -> tuple[Path, DatasetReader, Selection]:
+    """Return results file, dataset and selection. Raises WmsError for an option that models of films do not have."""
     from wmspec.dataset.build.reader import DatasetReader
-    from wmspec.eval.clips.questions import selected
-    from wmspec.eval.clips.run import ClipRun, evaluate_clips
     from wmspec.eval.models.question import Selection
 
     output = _results_file(options)
-    opened = DatasetReader.open(dataset)
-    opened.intact()
+    for name in ("ablate", "permute", "dry_run"):
+        if options[name]:
+            raise WmsError(f"--{name.replace('_', '-')}: not for models of films")
     selection = Selection(options["task"], options["engine"], options["limit"])
+    return output, DatasetReader.open(dataset).intact(), selection
+
+
+def _evaluate_clips(dataset: Path, options: dict[str, Any], as_json: bool) -> None:
+    from wmspec.eval.clips.questions import selected
+    from wmspec.eval.clips.run import ClipRun, evaluate_clips
+
+    output, opened, selection = _of_films(dataset, options)
     model, masks = options["model"].removeprefix(CLIPS), options["masks"]
     run = ClipRun(opened, model, selection, options["begins"], masks=masks)
     with progress_bar(len(selected(opened, selection)), "scoring", "clips") as bar:
@@ -188,8 +186,7 @@ def _run(dataset: Path, options: dict[str, Any]) -> tuple[Run, Server | None]:
     from wmspec.eval.models.run import Run, Settings
     from wmspec.eval.models.splits import Splits
 
-    opened = DatasetReader.open(dataset)
-    opened.intact()
+    opened = DatasetReader.open(dataset).intact()
     if options["ablate"] and options["model"] in baselines.NAMES:
         raise WmsError(f"--ablate: `{options['model']}` has no request to ablate; choose a model")
     template = options["prompt"] or ("frames" if opened.film is not None else "default")
@@ -253,9 +250,7 @@ def _evaluate(run: Run, server: Server | None, options: dict[str, Any], as_json:
     from wmspec.eval.models.models import open_model
     from wmspec.eval.models.run import evaluate
 
-    output: Path | None = options["output"]
-    if output is None or output.suffix != ".parquet":
-        raise WmsError("missing output: add -o results.parquet")
+    output = _results_file(options)
     settings = run.settings
     parameters = dict(settings.parameters)
     chosen = {written.partition("=")[0] for written in options["parameter"]}

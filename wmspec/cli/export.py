@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from wmspec.cli.common import exit_if_failed, split_options, tell
+from wmspec.cli.common import exit_if_failed, limit_option, split_options, tell
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.tally import Tally
 
@@ -30,12 +30,7 @@ TOOLS = ("inspect", "lmms-eval", "vlmevalkit", "hf", "chat", "questions", "video
 @split_options
 @click.option("--task", multiple=True, metavar="NAME", help="Only this task.")
 @click.option("--engine", multiple=True, metavar="NAME", help="Only rows of this engine.")
-@click.option(
-    "--limit",
-    type=click.IntRange(1),
-    metavar="N",
-    help="Maximum number of questions, spread evenly over tasks and engines.",
-)
+@limit_option
 @click.option("--frames", is_flag=True, help="For video: also write a PNG file of each shown frame.")
 def export_command(
     dataset: Path,
@@ -67,8 +62,7 @@ def export_command(
     from wmspec.eval.models.question import Selection
     from wmspec.eval.models.splits import Splits
 
-    opened = DatasetReader.open(dataset)
-    opened.intact()
+    opened = DatasetReader.open(dataset).intact()
     selection = Selection(task, engine, limit)
     if tool == "video":
         from wmspec.eval.export.video import export_video

@@ -13,6 +13,7 @@ from wmspec.cli import INTERRUPTED
 from wmspec.cli.common import (
     dimension_option,
     exit_if_failed,
+    instance_timeout_option,
     json_option,
     look_options,
     parse_share,
@@ -102,9 +103,7 @@ if TYPE_CHECKING:
     help="SPDX identifier of the data licence.  [default: from the specs; CC-BY-4.0 for specs of wmspec]",
 )
 @click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
-@click.option(
-    "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Time limit per instance, in seconds."
-)
+@instance_timeout_option
 @click.option(
     "--executor",
     type=click.Choice(["local", "ray"]),

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from wmspec.cli.common import image_size_option
 from wmspec.core.diagnostics import WmsError
 
 
@@ -21,13 +22,7 @@ from wmspec.core.diagnostics import WmsError
     help="Dimension of a task, such as perception.space.",
 )
 @click.option("--limit", type=click.IntRange(1), metavar="N", help="Maximum number of questions of a task.")
-@click.option(
-    "--size",
-    type=click.IntRange(64, 4096),
-    default=768,
-    show_default=True,
-    help="Longest side of a picture, in pixels; larger pictures are downscaled.",
-)
+@image_size_option
 def import_benchmark_command(
     form: str, folder: Path, output: Path, dimensions: tuple[str, ...], limit: int | None, size: int
 ) -> None:

@@ -6,18 +6,14 @@ from pathlib import Path
 
 import click
 
+from wmspec.cli.common import image_size_option
+
 
 @click.command("import-images")
 @click.argument("table", type=click.Path(path_type=Path))
 @click.option("--images", type=click.Path(path_type=Path), required=True, help="Folder of the pictures and clips.")
 @click.option("--output", "-o", type=click.Path(path_type=Path), required=True, help="Dataset folder.")
-@click.option(
-    "--size",
-    type=click.IntRange(64, 4096),
-    default=768,
-    show_default=True,
-    help="Longest side of a picture, in pixels; larger pictures are downscaled.",
-)
+@image_size_option
 def import_images_command(table: Path, images: Path, output: Path, size: int) -> None:
     """Create a dataset from your own photographs and clips.
 

@@ -52,8 +52,7 @@ def score_command(
     from wmspec.eval.publish.secret import Secret
 
     key, known = Secret.read(secret), published.read(questions)
-    opened = DatasetReader.open(dataset)
-    opened.intact()
+    opened = DatasetReader.open(dataset).intact()
     day = (date or datetime.now(UTC)).date().isoformat()
     sent = submissions.read(submission, known)
     rows = receipt.scored(opened, known, sent, key)

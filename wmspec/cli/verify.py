@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wmspec.cli.common import json_option, tell
+from wmspec.cli.common import instance_timeout_option, json_option, tell
 
 if TYPE_CHECKING:
     from wmspec.dataset.verify.model import Verification
@@ -34,9 +34,7 @@ MAX_PRINTED = 10
     help="Accept small differences of numbers and pictures: the dataset was made with other graphics or processors.",
 )
 @click.option("--workers", "-j", type=click.IntRange(1, 512), help="Worker processes.  [default: one per core]")
-@click.option(
-    "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Time limit per instance, in seconds."
-)
+@instance_timeout_option
 @json_option
 @click.pass_context
 def verify_command(ctx: click.Context, /, dataset: Path, as_json: bool, **options: Any) -> None:

@@ -6,7 +6,7 @@ import json
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -77,12 +77,13 @@ class DatasetReader:
                 wrong[lost] = "was modified" if (self.folder / lost).is_file() else "is missing"
         return wrong
 
-    def intact(self) -> None:
-        """Raise WmsError with the first damaged shards, if any."""
+    def intact(self) -> Self:
+        """Return the dataset. Raises WmsError with the first damaged shards, if any."""
         wrong = [f"{self.folder / path} {why}" for path, why in self.damaged().items()]
         if wrong:
             more = f", and {len(wrong) - 3:,} more are damaged" if len(wrong) > 3 else ""
             raise WmsError(f"{', '.join(wrong[:3])}{more}; {REPAIR_HINT}")
+        return self
 
     @property
     def film(self) -> FilmSettings | None:
