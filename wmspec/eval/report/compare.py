@@ -59,16 +59,18 @@ def _pair(kind: str, a: str, b: str, first: Floats, second: Floats, strata: Stra
     return Comparison(kind, a, b, difference, p, None, *only)
 
 
-def weights_in_average(questions: pd.DataFrame) -> Floats:
+def weights_in_average(questions: pd.DataFrame, by_kind: bool = False) -> Floats:
     """Return the weight of each question in the average: equal for dimensions, in these for tasks, then for questions.
 
-    `questions` has `task` and `dimension`.
+    `questions` has `task` and `dimension`. With `by_kind`, kinds of tasks have equal weights, and dimensions in these.
     """
     task = questions["task"]
-    first = questions.drop_duplicates("task")
-    by_task = {t: Column.of(t, d).dimension for t, d in zip(first["task"], first["dimension"], strict=True)}
-    dimension, tasks = task.map(by_task), pd.Series(by_task).value_counts()
-    each = dimension.nunique() * dimension.map(tasks) * task.map(task.value_counts())
+    first = questions.drop_duplicates("task").set_index("task")["dimension"]
+    kinds = first.str.split(".").str[0] if by_kind else first.map(lambda _: "")
+    dimensions = kinds + "/" + [Column.of(str(t), d).dimension for t, d in first.items()]
+    in_kind, in_dimension = dimensions.groupby(kinds).nunique(), dimensions.value_counts()
+    of_task = kinds.nunique() * kinds.map(in_kind) * dimensions.map(in_dimension)
+    each = task.map(of_task) * task.map(task.value_counts())
     return np.asarray(1 / each.to_numpy(dtype=float))
 
 

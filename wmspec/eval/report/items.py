@@ -14,9 +14,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from wmspec.eval.report.compare import weights_in_average
 from wmspec.eval.report.intervals import Floats, seeded_generator
 from wmspec.eval.report.replies import BASELINES, PEOPLE, Replies
-from wmspec.eval.report.tables import Column
 
 #: Minimum number of systems for a fit; maximum number of suspects; candidate sizes of the short form.
 MIN_SYSTEMS, MAX_SUSPECTS, FORM_SIZES = 5, 30, (10, 20, 50, 100, 200, 500)
@@ -106,7 +106,7 @@ def items(replies: Replies) -> Items | None:
         )
         for name, b, p, r in zip(scores.index, difficulty, answers.mean(1), rest, strict=True)
     )
-    forms, short = _short(answers, _weights(replies, scores), about["task"].to_numpy(dtype=str))
+    forms, short = _short(answers, weights_in_average(about, by_kind=True), about["task"].to_numpy(dtype=str))
     return Items(
         made,
         tuple(Ability(s, float(a)) for s, a in zip(scores.columns, ability, strict=True)),
@@ -175,22 +175,6 @@ def item_rest_correlation(answers: Floats) -> Floats:
 
 
 # ---------------------------------------------------------------- short form
-
-
-def _weights(replies: Replies, scores: pd.DataFrame) -> Floats:
-    """Return the weight of every item in the mean of the tables' averages: equal for kinds, dimensions and tasks."""
-    about = replies.main_questions.loc[scores.index]
-    task = about["task"]
-    kind = about["dimension"].str.split(".").str[0]
-    whole = (
-        kind
-        + "/"
-        + pd.Series([Column.of(t, d).dimension for t, d in zip(task, about["dimension"], strict=True)], task.index)
-    )
-    dimensions = pd.DataFrame({"k": kind, "d": whole}).drop_duplicates().groupby("k").size()
-    tasks = pd.DataFrame({"d": whole, "t": task}).drop_duplicates().groupby("d").size()
-    each = kind.nunique() * kind.map(dimensions) * whole.map(tasks) * task.map(task.value_counts())
-    return np.asarray(1 / each.to_numpy(dtype=float))
 
 
 def _short(answers: Floats, weights: Floats, task: NDArray[np.str_]) -> tuple[tuple[Form, ...], NDArray[np.intp]]:

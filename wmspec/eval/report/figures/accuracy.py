@@ -17,6 +17,7 @@ from wmspec.eval.report.figures.style import (
     draw_interval,
     format_percent_axis,
     label_rows,
+    note_at_right,
     panels,
     signed_points,
     to_svg,
@@ -54,7 +55,7 @@ def _averages(ax: Axes, table: Table, systems: tuple[str, ...]) -> None:
             continue
         draw_interval(ax, estimate, y, color(system, systems))
         ax.plot(estimate.value, y, "o", color=color(system, systems), markersize=6, clip_on=False)
-        ax.annotate(f"{estimate.value:.0%}", (1.02, y), xycoords=("axes fraction", "data"), va="center", color=GREY)
+        note_at_right(ax, y, f"{estimate.value:.0%}")
     label_rows(ax, systems)
     format_percent_axis(ax)
 

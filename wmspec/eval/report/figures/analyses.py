@@ -19,6 +19,7 @@ from wmspec.eval.report.figures.style import (
     format_percent_axis,
     label_rows,
     legend,
+    note_at_right,
     panels,
     signed_points,
     systems_as_lines,
@@ -97,14 +98,7 @@ def filtered(report: Report) -> Iterator[SvgFigure]:
             ax.plot(f.everything.value, y, "o", color="white", markeredgecolor=tone, markersize=7, clip_on=False)
             ax.plot(f.perceived.value, y, "o", color=tone, markersize=6, clip_on=False)
             sure = f.gain.low is not None and f.gain.high is not None and f.gain.low * f.gain.high > 0
-            ax.annotate(
-                signed_points(f.gain.value),
-                (1.02, y),
-                xycoords=("axes fraction", "data"),
-                va="center",
-                weight="bold" if sure else "normal",
-                color=INK if sure else GREY,
-            )
+            note_at_right(ax, y, signed_points(f.gain.value), **{"weight": "bold", "color": INK} if sure else {})
         label_rows(ax, systems)
         format_percent_axis(ax)
     reading = (

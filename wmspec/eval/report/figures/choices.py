@@ -17,6 +17,7 @@ from wmspec.eval.report.figures.style import (
     format_percent_axis,
     label_rows,
     legend,
+    note_at_right,
     panels,
     systems_as_lines,
     to_svg,
@@ -62,13 +63,7 @@ def flips(report: Report) -> Iterator[SvgFigure]:
     for y, flip in enumerate(whole):
         ax.barh(y, flip.flips.value, height=0.6, color=color(flip.system, report.systems))
         draw_interval(ax, flip.flips, y, INK)
-        ax.annotate(
-            f"right in all orders: {flip.always:.0%}",
-            (1.02, y),
-            xycoords=("axes fraction", "data"),
-            va="center",
-            color=GREY,
-        )
+        note_at_right(ax, y, f"right in all orders: {flip.always:.0%}")
     label_rows(ax, [f.system for f in whole])
     format_percent_axis(ax)
     reading = (

@@ -6,6 +6,7 @@ import io
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from typing import Any, Literal
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -77,12 +78,12 @@ def systems_as_lines(systems: Sequence[str]) -> tuple[str, ...]:
     return (*models[:MAX_LINES], *(s for s in systems if s == PEOPLE))
 
 
-def format_percent_axis(axes: Axes, which: str = "x", least: float = 0, most: float = 1) -> None:
+def format_percent_axis(axes: Axes, which: Literal["x", "y"] = "x", least: float = 0, most: float = 1) -> None:
     """Format an axis of shares in percent."""
     axis = axes.xaxis if which == "x" else axes.yaxis
     (axes.set_xlim if which == "x" else axes.set_ylim)(least, most)
     axis.set_major_formatter(mpl.ticker.PercentFormatter(1, decimals=0))
-    axes.grid(axis="both" if which == "both" else which, color=PALE, linewidth=0.6)  # type: ignore[arg-type]
+    axes.grid(axis=which, color=PALE, linewidth=0.6)
     axes.set_axisbelow(True)
 
 
@@ -91,6 +92,11 @@ def draw_interval(axes: Axes, estimate: Estimate, y: float, color: str) -> None:
     if estimate.low is not None and estimate.high is not None:
         ends = [estimate.low, estimate.high]
         axes.plot(ends, [y, y], color=color, linewidth=2.2, solid_capstyle="round", clip_on=False)
+
+
+def note_at_right(axes: Axes, y: float, text: str, **how: Any) -> None:
+    """Write a text at the right of a row."""
+    axes.annotate(text, (1.02, y), xycoords=("axes fraction", "data"), va="center", **{"color": GREY} | how)
 
 
 def signed_points(share: float, decimals: int = 1) -> str:
