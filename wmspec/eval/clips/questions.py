@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Literal
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.films import read_frames, read_ids
@@ -61,25 +61,13 @@ class FilmQuestion(QuestionIdentity):
         return f"{folder.removesuffix(f'_{self.engine}')}_{engine}/{name}"
 
 
-def film_questions(dataset: DatasetReader, ids: Collection[str]) -> Iterator[FilmQuestion]:
-    """Yield the questions with closed sets of films among these ids, in dataset order.
-
-    Raises WmsError for a dataset without films.
-    """
-    return _questions(dataset, ids, lambda row: bool(row["option_film"]))
-
-
-def possible_questions(dataset: DatasetReader, ids: Collection[str]) -> Iterator[FilmQuestion]:
-    """Yield the questions whether a film is possible among these ids, in dataset order.
-
-    Raises WmsError for a dataset without films.
-    """
-    return _questions(dataset, ids, lambda row: bool(row.get("film_split")))
-
-
-def _questions(
-    dataset: DatasetReader, ids: Collection[str], accepts: Callable[[dict[str, Any]], bool]
+def film_questions(
+    dataset: DatasetReader, ids: Collection[str], having: Literal["option_film", "film_split"] = "option_film"
 ) -> Iterator[FilmQuestion]:
+    """Yield the questions with closed sets of films among these ids, or whether a film is possible (`film_split`).
+
+    They are in dataset order. Raises WmsError for a dataset without films.
+    """
     if dataset.film is None:
         raise WmsError(f"{dataset.folder} has no films", help="make it with `wmspec generate ... --film 24`")
     expected = set(ids)
@@ -87,7 +75,7 @@ def _questions(
     for task in dataset.tasks:
         if task in tasks and dataset.columns(task):
             for row in dataset.rows(task, _COLUMNS):
-                if row["id"] in expected and accepts(row):
+                if row["id"] in expected and row.get(having):
                     yield _question(row)
 
 

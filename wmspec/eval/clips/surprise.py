@@ -29,7 +29,7 @@ from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import Frames
 from wmspec.dataset.film.distances import Array
 from wmspec.eval.clips import results as clip_results
-from wmspec.eval.clips.questions import FilmQuestion, film_questions, limited, possible_questions
+from wmspec.eval.clips.questions import FilmQuestion, film_questions, limited
 from wmspec.eval.clips.run import ClipResult, Progress, results_about
 from wmspec.eval.models import results
 from wmspec.eval.models.question import Selection
@@ -71,7 +71,7 @@ class FunctionSurprises:
     def _matrix(self, films: list[Frames], texts: list[str], question: FilmQuestion) -> Array:
         split = question.context
         rows = [
-            [self._one(shown[:split], film[split:], question.rate, text) for film in films]
+            [self._values(shown[:split], film[split:], question.rate, text).mean() for film in films]
             for shown, text in zip(films, texts, strict=True)
         ]
         return np.array(rows)
@@ -80,9 +80,6 @@ class FunctionSurprises:
         """Return the surprises (n) of a film after its first `split` frames, or one for all."""
         frames = read_frames(self._dataset.folder, question.film)
         return self._values(frames[:split], frames[split:], question.rate, question.text)
-
-    def _one(self, context: Frames, future: Frames, rate: int, text: str) -> float:
-        return float(self._values(context, future, rate, text).mean())
 
     def _values(self, context: Frames, future: Frames, rate: int, text: str) -> Array:
         value = np.asarray(self._function(context.copy(), future.copy(), rate, text), float)
@@ -174,7 +171,7 @@ class SurpriseRun:
     @cached_property
     def whole(self) -> list[FilmQuestion]:
         """The questions of the dataset whether a film is possible."""
-        return list(possible_questions(self.dataset, self._ids))
+        return list(film_questions(self.dataset, self._ids, "film_split"))
 
     @cached_property
     def questions(self) -> list[FilmQuestion]:

@@ -36,10 +36,7 @@ class Export:
     @cached_property
     def tasks(self) -> dict[str, list[str]]:
         """The tasks that have questions, with the questions' ids."""
-        tasks: dict[str, list[str]] = {}
-        for id in self.selection.ids(self.dataset):
-            tasks.setdefault(id.partition("/")[0], []).append(id)
-        return tasks
+        return self.selection.by_task(self.dataset)
 
     def rows(self, task: str) -> Iterator[Row]:
         """Yield the questions of a task, few in memory at a time."""

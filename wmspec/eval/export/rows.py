@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -92,15 +93,9 @@ def exported_row(question: Question, prompt: Prompt) -> Row:
 def write(path: Path, rows: Iterable[Row]) -> int:
     """Write rows as Parquet; returns their number. Raises OSError if that fails."""
     make_folders(path.parent)
-    count = 0
+    left, count = iter(rows), 0
     with pq.ParquetWriter(path, SCHEMA, compression="zstd") as file:
-        batch: list[Row] = []
-        for row in rows:
-            batch.append(row)
-            count += 1
-            if len(batch) == _GROUP:
-                file.write_table(pa.Table.from_pylist(batch, schema=SCHEMA))
-                batch = []
-        if batch:
+        while batch := list(islice(left, _GROUP)):
             file.write_table(pa.Table.from_pylist(batch, schema=SCHEMA))
+            count += len(batch)
     return count

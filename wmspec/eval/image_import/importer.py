@@ -9,15 +9,19 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
+
 from wmspec import __version__
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import make_folders, read_bytes
 from wmspec.dataset.build import files
+from wmspec.dataset.build.card import configuration
 from wmspec.dataset.build.croissant import TaskMetadata, metadata
 from wmspec.dataset.build.rows import table
 from wmspec.dataset.build.schema import SHARD, manifest_fault
 from wmspec.dataset.build.shards import parquet
+from wmspec.dataset.build.splits import TEST
 from wmspec.eval.image_import.decode import PictureFolder
 from wmspec.eval.image_import.rows import CAMERA_ENGINE, rows, schema
 from wmspec.eval.image_import.table import Entry, read
@@ -50,20 +54,14 @@ def import_images(path: Path, folder: Path, output: Path, size: int) -> ImportRe
         tasks.setdefault(entry.task, []).append(entry)
     _check_dimensions(path, tasks)
     _clear(output)
-    shards = {_path(name): _shard(of_one, pictures) for name, of_one in tasks.items()}
-    with files.with_remedies(output):
-        make_folders(output / files.PROGRESS)
-    for name, content in shards.items():
-        files.write(output, name, content)
-    files.write(output, files.CARD, _card(path, tasks).encode())
-    files.write(output, files.CROISSANT, files.pretty_json(_metadata(tasks)))
-    about = {"name": path.name, "sha256": files.digest(path)}
-    records = {
-        _path(name): {"rows": len(of_one), "sha256": hashlib.sha256(shards[_path(name)]).hexdigest()}
+    shards = {
+        f"data/{name}/test-00000-of-00001.parquet": (of_one, table(rows(of_one, pictures), schema(of_one)))
         for name, of_one in tasks.items()
     }
-    files.write(output, files.MANIFEST, files.pretty_json(_manifest(about, tasks, records, size)))
-    (output / files.PROGRESS).rmdir()
+    with files.with_remedies(output):
+        make_folders(output / files.PROGRESS)
+    records = {name: _write_shard(output, name, *shard) for name, shard in shards.items()}
+    _finish(output, path, files.digest(path), tasks, records, size)
     unlicensed = sum(not entry.license for entry in entries)
     return ImportResult({name: len(of_one) for name, of_one in tasks.items()}, pictures.unused, unlicensed)
 
@@ -88,16 +86,11 @@ def import_wm_abench(
                 islice(read_file(source, path, pictures, len(known)), None if limit is None else limit - len(known))
             )
             if made:
-                content = parquet(table(rows(made, pictures, len(known)), schema(made)))
                 name = f"data/{source.task}/test-{number:05}-of-{len(source.files):05}.parquet"
-                files.write(output, name, content)
-                shards[name] = {"rows": len(made), "sha256": hashlib.sha256(content).hexdigest()}
+                content = table(rows(made, pictures, len(known)), schema(made))
+                shards[name] = _write_shard(output, name, made, content)
                 known += made
-    files.write(output, files.CARD, _card(folder, tasks).encode())
-    files.write(output, files.CROISSANT, files.pretty_json(_metadata(tasks)))
-    about = {"name": folder.name, "sha256": hashlib.sha256(files.pretty_json(shards)).hexdigest()}
-    files.write(output, files.MANIFEST, files.pretty_json(_manifest(about, tasks, shards, size)))
-    (output / files.PROGRESS).rmdir()
+    _finish(output, folder, hashlib.sha256(files.pretty_json(shards)).hexdigest(), tasks, shards, size)
     return ImportResult({name: len(of_one) for name, of_one in tasks.items()}, (), 0)
 
 
@@ -114,12 +107,22 @@ def _check_dimensions(path: Path, tasks: dict[str, list[Entry]]) -> None:
             )
 
 
-def _path(task: str) -> str:
-    return f"data/{task}/test-00000-of-00001.parquet"
+def _write_shard(output: Path, name: str, entries: list[Entry], content: pa.Table) -> dict[str, Any]:
+    """Write a shard; return its entry in the manifest."""
+    written = parquet(content)
+    files.write(output, name, written)
+    return {"rows": len(entries), "sha256": hashlib.sha256(written).hexdigest()}
 
 
-def _shard(entries: list[Entry], pictures: PictureFolder) -> bytes:
-    return parquet(table(rows(entries, pictures), schema(entries)))
+def _finish(
+    output: Path, source: Path, digest: str, tasks: dict[str, list[Entry]], shards: dict[str, dict[str, Any]], size: int
+) -> None:
+    """Write card, metadata and manifest of what was imported from a `source` with this digest."""
+    files.write(output, files.CARD, _card(source, tasks).encode())
+    files.write(output, files.CROISSANT, files.pretty_json(_metadata(tasks)))
+    about = {"name": source.name, "sha256": digest}
+    files.write(output, files.MANIFEST, files.pretty_json(_manifest(about, tasks, shards, size)))
+    (output / files.PROGRESS).rmdir()
 
 
 def _clear(output: Path) -> None:
@@ -191,13 +194,10 @@ def _card(path: Path, tasks: dict[str, list[Entry]]) -> str:
     licenses = sorted({e.license for e in entries if e.license}) or ["unknown"]
     lines = ["---", "license:", *(f"- {json.dumps(name)}" for name in licenses), "configs:"]
     for name in tasks:
-        lines += [f"- config_name: {json.dumps(name)}", "  data_files:", "  - split: test"]
-        lines += [f"    path: {json.dumps(f'data/{name}/test-*.parquet')}"]
+        lines += configuration(name, name, TEST)
     lines += ["---", "", f"# {len(entries):,} questions about photographs", ""]
     lines += [
-        f"Recast by wmspec from `{path.name}`. The pictures were turned upright, brought to sRGB, made no larger than"
-    ]
-    lines += [
+        f"Recast by wmspec from `{path.name}`. The pictures were turned upright, brought to sRGB, made no larger than",
         "the requested size, and encoded without loss and without metadata.",
         "",
         "| task | dimension | questions |",

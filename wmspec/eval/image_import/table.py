@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from wmspec.core.diagnostics import Diagnostic, Report, WmsError, suggestion
+from wmspec.core.diagnostics import Report, WmsError, suggestion
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes
 from wmspec.eval.image_import.decode import CLIP_SUFFIXES, STILL_SUFFIXES, PictureFolder
@@ -87,9 +87,7 @@ def read(path: Path, pictures: PictureFolder) -> tuple[Entry, ...]:
     entries = [_Row(path, line, cells, pictures, report).entry() for line, cells in rows]
     _check_repeats(path, [entry for entry in entries if entry], report)
     if not rows and not report.failed:
-        report.include(
-            [Diagnostic("the table has no rows", FilePlace(str(path)), "write one question a row below the names")]
-        )
+        report.add("", "the table has no rows", FilePlace(str(path)), "write one question a row below the names")
     report.stop_if_failed()
     return tuple(entry for entry in entries if entry)
 
@@ -112,17 +110,13 @@ def _rows(path: Path, report: Report) -> Iterator[tuple[int, dict[str, str]]]:
         for cells in reader:
             if len(cells) > len(head):
                 message = f"the row has {len(cells)} cells, the table {len(head)} columns"
-                report.include(
-                    [Diagnostic(message, FilePlace(str(path), line), 'put a cell with a comma in it in "quotes"')]
-                )
+                report.add("", message, FilePlace(str(path), line), 'put a cell with a comma in it in "quotes"')
             elif any(cell.strip() for cell in cells):
                 yield line, {name: cell.strip() for name, cell in zip(head, cells, strict=False)}
             line = reader.line_num + 1
     except csv.Error as error:
         place = FilePlace(str(path), reader.line_num)
-        report.include(
-            [Diagnostic(f"this is not CSV: {error}", place, 'write a quote inside of a quoted cell twice: ""')]
-        )
+        report.add("", f"this is not CSV: {error}", place, 'write a quote inside of a quoted cell twice: ""')
 
 
 def _check_header(path: Path, head: list[str], report: Report) -> bool:
@@ -132,9 +126,9 @@ def _check_header(path: Path, head: list[str], report: Report) -> bool:
         if name not in head:
             close = suggestion(name, [n for n in head if n not in COLUMNS and n])
             remedy = f"call it so; it holds {COLUMNS[name]}" + (f"; {close}" if close.startswith("did") else "")
-            report.include([Diagnostic(f"there is no column `{name}`", place, remedy)])
+            report.add("", f"there is no column `{name}`", place, remedy)
     for name in sorted({n for n in head if head.count(n) > 1}):
-        report.include([Diagnostic(f"there are two columns `{name}`", place, "leave one out")])
+        report.add("", f"there are two columns `{name}`", place, "leave one out")
     for name in head:
         known = name in COLUMNS or (
             name.startswith(FACTOR_PREFIX) and _NAME.fullmatch(name.removeprefix(FACTOR_PREFIX))
@@ -143,7 +137,7 @@ def _check_header(path: Path, head: list[str], report: Report) -> bool:
             remedy = (
                 suggestion(name, COLUMNS) or f"known are {', '.join(COLUMNS)}, and {FACTOR_PREFIX}NAME for what varies"
             )
-            report.include([Diagnostic(f"column `{name}` is not known", place, remedy)])
+            report.add("", f"column `{name}` is not known", place, remedy)
     return not report.failed
 
 
@@ -154,7 +148,7 @@ def _check_repeats(path: Path, entries: list[Entry], report: Report) -> None:
         key = (entry.task, entry.text, entry.pictures, frozenset(entry.options))
         if key in first:
             message = f"the row repeats the question of line {first[key]}"
-            report.include([Diagnostic(message, FilePlace(str(path), entry.line), "leave one of them out")])
+            report.add("", message, FilePlace(str(path), entry.line), "leave one of them out")
         first.setdefault(key, entry.line)
 
 
@@ -211,7 +205,7 @@ class _Row:
     def _wrong(self, column: str, message: str, remedy: str) -> None:
         self._right = False
         place = replace(self._place, element=f"column `{column}`")
-        self._report.include([Diagnostic(message, place, remedy)])
+        self._report.add("", message, place, remedy)
 
     def _filled(self, column: str) -> str:
         if not self._cell(column):

@@ -135,6 +135,13 @@ class Selection:
         chosen = _interleave(list(queues.values()), self.limit)
         return [id for id in everything if id in chosen]
 
+    def by_task(self, dataset: DatasetReader) -> dict[str, list[str]]:
+        """Return the ids of the questions by task. Raises WmsError as `ids` does."""
+        tasks: dict[str, list[str]] = {}
+        for id in self.ids(dataset):
+            tasks.setdefault(id.partition("/")[0], []).append(id)
+        return tasks
+
 
 def _interleave(queues: list[dict[str, str]], limit: int) -> set[str]:
     """Return the first of every shuffled queue, then the second, and so on.

@@ -15,10 +15,10 @@ import pyarrow.parquet as pq
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.parquet_io import read_table
 from wmspec.core.places import FilePlace
-from wmspec.core.resources import resource
-from wmspec.core.safe_io import make_folders, read_bytes
+from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
+from wmspec.eval.export.folder import Folder
 from wmspec.eval.export.rows import SCHEMA as EXPORT_SCHEMA
 from wmspec.eval.export.rows import exported_rows
 from wmspec.eval.models.prompt import Prompt
@@ -54,16 +54,13 @@ def publish(
     index_path = place / INDEX_FILE
     if place.exists() and any(place.iterdir()) and not index_path.exists():
         raise WmsError(f"{place} holds files that are no published questions; choose another folder with -o")
-    ids: dict[str, list[str]] = {}
-    for id in selection.ids(dataset):
-        ids.setdefault(id.partition("/")[0], []).append(id)
+    ids, folder = selection.by_task(dataset), Folder(place)
     digests: dict[str, str] = {}
     with files.with_remedies(place):
         for task, of_task in ids.items():
             rows = sorted(_rows(dataset, of_task, prompt, secret), key=lambda row: row["id"])
             digests |= {row["id"]: _digest(row) for row in rows}
-            path = place / f"data/{task}.parquet"
-            make_folders(path.parent)
+            path = folder.path(f"data/{task}.parquet")
             pq.write_table(pa.Table.from_pylist(rows, schema=_SCHEMA), path, compression="zstd", row_group_size=64)
         index = {
             "format": 1,
@@ -72,12 +69,9 @@ def publish(
             "prompt_hash": prompt.hash,
             "tasks": {task: len(of_task) for task, of_task in ids.items()},
         }
-        for module in sorted(resource("eval/replies").glob("*.py")):
-            target = place / "wmspec_reply" / module.name
-            make_folders(target.parent)
-            target.write_bytes(read_bytes(module))
+        folder.copy_reader()
         for name in ("README.md", "answer.py"):
-            (place / name).write_bytes(read_bytes(resource("eval/publish/files") / name))
+            folder.copy(f"eval/publish/files/{name}", name)
         index_path.write_bytes(files.pretty_json(index))
     return len(digests)
 

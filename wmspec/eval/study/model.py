@@ -12,10 +12,10 @@ from pydantic import ValidationError
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes
-from wmspec.dataset.build.files import with_remedies
 from wmspec.dataset.build.format_units import DISPLAY_UNITS
 from wmspec.eval.models.prompt import FrozenModel
 from wmspec.eval.models.question import Question
+from wmspec.eval.models.results import write_atomically
 from wmspec.eval.replies import LETTERS
 
 #: The study's file, the page's folder, and the folder of editable texts.
@@ -146,8 +146,4 @@ def load(folder: Path) -> Study:
 
 def save(study: Study, folder: Path) -> None:
     """Write a study's file. Raises WmsError if it cannot be written."""
-    path = folder / STUDY_FILE
-    with with_remedies(path):
-        part = path.with_suffix(".part")
-        part.write_text(study.model_dump_json(exclude_defaults=True) + "\n", encoding="utf-8")
-        part.replace(path)
+    write_atomically(folder / STUDY_FILE, (study.model_dump_json(exclude_defaults=True) + "\n").encode())
