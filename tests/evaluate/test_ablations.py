@@ -12,11 +12,10 @@ from hypothesis import strategies as st
 from tests.evaluate.made import in_numbers, in_pictures, in_words
 from tests.evaluate.test_evaluate import all_questions, evaluate, rows
 from wmspec.eval.models import prompt, results
-from wmspec.eval.models.ablation import Ablation, applies
+from wmspec.eval.models.ablation import Ablation, applies, reworded
 from wmspec.eval.models.model import Reply
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.request import Ask, Picture, Text
-from wmspec.eval.models.rewording import reworded
 from wmspec.lang.check.tables.vocabulary import WORDS
 
 #: Options that specs of the catalogue have.

@@ -20,9 +20,9 @@ from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import encode, encode_mp4
 from wmspec.dataset.film.distances import end_distance, film_distance
 from wmspec.eval.clips import run as run_module
-from wmspec.eval.clips.bits import count, overlaps, packed
 from wmspec.eval.clips.decide import decide
 from wmspec.eval.clips.measure import Measurement, measure
+from wmspec.eval.clips.pixels import count, overlaps, packed
 from wmspec.eval.clips.questions import FilmQuestion, film_questions, reference_of
 from wmspec.eval.clips.reference import Reference
 from wmspec.eval.clips.run import ClipRun, evaluate_clips, rescore_clips

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tests.films.corrupt import KEEPS, SPOILS, Original
-from wmspec.eval.clips.bits import overlaps
 from wmspec.eval.clips.decide import decide
 from wmspec.eval.clips.measure import measure
+from wmspec.eval.clips.pixels import overlaps
 from wmspec.eval.clips.reference import Reference, WholeFilm
 
 SIDE, FRAMES, CONTEXT = 20, 20, 4

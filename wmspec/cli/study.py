@@ -123,7 +123,7 @@ def collect_command(
     ANSWERS are files saved by the page without a server.
     """
     from wmspec.eval.study.collect import collect
-    from wmspec.eval.study.payments import payments as sheet
+    from wmspec.eval.study.collect import payments as sheet
 
     if output.suffix != ".parquet":
         raise WmsError("missing output: add -o results.parquet")

@@ -10,15 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.dataset.film.codec import Frames
-from wmspec.dataset.film.distances import Array
+from wmspec.dataset.film.distances import Array, Mask
 from wmspec.eval.clips import normalise
-from wmspec.eval.clips.bits import count, overlaps
 from wmspec.eval.clips.normalise import Begins
 from wmspec.eval.clips.pixels import (
     THUMBNAIL,
     Motion,
+    count,
     gradient_gap,
     gradients,
+    overlaps,
     physics_iq,
     shrink_mask,
     squared_error,
@@ -29,7 +30,6 @@ from wmspec.eval.clips.read import Clip
 from wmspec.eval.clips.reference import Reference
 from wmspec.eval.clips.segment import cleaned
 
-Mask = NDArray[np.bool_]
 #: Side (cells) of the pictures of gradient histograms.
 _GRADIENT_CELLS = 16
 

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.dataset.film.codec import Frames
+from wmspec.dataset.film.distances import Mask
 from wmspec.eval.clips.packages import opencv
 
-Mask = NDArray[np.bool_]
 Begins = Literal["context", "first", "after"]
 Fit = Literal["stretch", "bars", "crop"]
 

@@ -9,11 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.dataset.film.codec import Frames
-from wmspec.dataset.film.distances import Array
-from wmspec.eval.clips.bits import Bits, count, overlaps, packed
+from wmspec.dataset.film.distances import Array, Mask
 from wmspec.eval.clips.packages import opencv
-
-Mask = NDArray[np.bool_]
 
 #: Sides (px) of thumbnails, of the picture whose gradients are counted, and of a cell; orientations of gradients.
 THUMBNAIL, GRADIENT_SIDE, CELL, BINS = 64, 128, 8, 8
@@ -140,3 +137,30 @@ def squared_error(a: NDArray[np.uint8], b: NDArray[np.uint8], mask: Mask | None 
     """Return the sum of squared differences of two pictures (h, w, 3), within a mask (h, w) if there is one."""
     cv2 = opencv()
     return float(cv2.norm(a, b, cv2.NORM_L2SQR, None if mask is None else mask.astype(np.uint8)))
+
+
+#: Masks (..., words) of 64 pixels a word; the last word is filled up with zeros.
+Bits = NDArray[np.uint64]
+
+_WORD = 64
+
+
+def packed(masks: Mask) -> Bits:
+    """Return masks (..., h, w) as words (..., ceil(h w / 64))."""
+    flat = masks.reshape(*masks.shape[:-2], -1)
+    length = -(-flat.shape[-1] // _WORD) * _WORD
+    made = np.zeros((*flat.shape[:-1], length // 8), np.uint8)
+    bytes_ = np.packbits(flat, axis=-1)
+    made[..., : bytes_.shape[-1]] = bytes_
+    return made.view(np.uint64)
+
+
+def count(bits: Bits) -> NDArray[np.int64]:
+    """Return the number of pixels of each mask."""
+    return np.asarray(np.bitwise_count(bits).sum(axis=-1, dtype=np.int64))
+
+
+def overlaps(a: Bits, b: Bits) -> Array:
+    """Return the intersection over union of each pair of masks; 1 if both are empty."""
+    both, either = count(a & b), count(a | b)
+    return np.asarray(np.where(either == 0, 1.0, both / np.maximum(either, 1)))

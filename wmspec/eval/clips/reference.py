@@ -14,18 +14,16 @@ from wmspec.dataset.film.codec import Frames, Ids
 from wmspec.dataset.film.distances import (
     END_FRAMES,
     Array,
+    Mask,
     end_distance,
     film_distance,
     object_points,
     widths_of,
 )
-from wmspec.eval.clips.bits import Bits, count, packed
 from wmspec.eval.clips.packages import opencv
-from wmspec.eval.clips.pixels import Motion, difference, gradients, thumbnails
+from wmspec.eval.clips.pixels import Bits, Motion, count, difference, gradients, packed, thumbnails
 from wmspec.eval.clips.sam2 import Tracker
 from wmspec.eval.clips.segment import Found, Palette, Segmenter, distances_from, joined, palette
-
-Mask = NDArray[np.bool_]
 
 #: A body moves if the union of its masks is larger than its median mask by this factor, and by these pixels.
 GROWTH, GROWTH_PIXELS = 1.15, 4

@@ -17,13 +17,12 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import regular_file
 from wmspec.dataset.build.files import with_remedies
+from wmspec.dataset.build.rows import Row
 from wmspec.eval.clips.decide import REASONS, Decision, decide, track_error
 from wmspec.eval.clips.measure import Measurement
 from wmspec.eval.clips.questions import FilmQuestion
 from wmspec.eval.models import results
 from wmspec.eval.models.causes import NO_FUTURE
-
-Row = dict[str, Any]
 
 #: The version of the decision rules.
 RULES_VERSION = 4

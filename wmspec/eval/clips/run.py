@@ -24,6 +24,7 @@ from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
 from wmspec.dataset.build.films import read_ids
 from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.build.rows import Row
 from wmspec.dataset.film.distances import object_points, working_size
 from wmspec.eval.clips import results as clip_results
 from wmspec.eval.clips import sources, strips
@@ -40,7 +41,6 @@ from wmspec.eval.models import results
 from wmspec.eval.models.question import Selection
 from wmspec.eval.models.results import Counts
 
-Row = dict[str, Any]
 #: Called after every clip with the number of right ones and the number of clips.
 Progress = Callable[[int, int], None]
 #: Number of closed sets whose films are in memory.

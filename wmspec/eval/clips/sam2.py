@@ -6,12 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.film.codec import Frames
+from wmspec.dataset.film.distances import Mask
 
-Mask = NDArray[np.bool_]
 #: Returns the masks (objects, n, h, w) of objects in frames (n, h, w, 3), given those (objects, h, w) of the first.
 Tracker = Callable[[Frames, Mask], Mask]
 #: How `--masks` names the model.

@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.dataset.film.codec import Frames
-from wmspec.dataset.film.distances import Array, mask_points
-from wmspec.eval.clips.bits import Bits, packed
+from wmspec.dataset.film.distances import Array, Mask, mask_points
 from wmspec.eval.clips.packages import opencv
+from wmspec.eval.clips.pixels import Bits, packed
 
-Mask = NDArray[np.bool_]
 #: Colours (k, 3) in Lab.
 Palette = NDArray[np.float32]
 

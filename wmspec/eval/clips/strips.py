@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
 from wmspec.dataset.build import typeset
+from wmspec.dataset.build.rows import Row
 from wmspec.dataset.film.codec import Frames
-
-Row = dict[str, Any]
 
 #: Number of frames of a strip, and their width (px).
 FRAMES, WIDTH = 6, 176

@@ -26,6 +26,7 @@ from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build.films import read_frames
 from wmspec.dataset.build.reader import DatasetReader
+from wmspec.dataset.build.rows import Row
 from wmspec.dataset.film.codec import Frames
 from wmspec.dataset.film.distances import Array
 from wmspec.eval.clips import results as clip_results
@@ -34,8 +35,6 @@ from wmspec.eval.clips.run import ClipResult, Progress, results_about
 from wmspec.eval.models import results
 from wmspec.eval.models.question import Selection
 from wmspec.lang.check.statements.possibility import IMPOSSIBLE, POSSIBLE
-
-Row = dict[str, Any]
 
 #: Prefixes of latent models and of tables of surprises among models.
 FUNCTION, TABLE = "surprise:", "surprises:"

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from wmspec.core import rng
+from wmspec.eval.models.images import decode_image
 from wmspec.eval.models.model import Reply
-from wmspec.eval.models.montage import decode_image
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.request import Ask
 

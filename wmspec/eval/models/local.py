@@ -10,9 +10,8 @@ from typing import Any
 
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.safe_io import read_bytes
-from wmspec.eval.models.images import AS_THEY_ARE, ImageOptions
+from wmspec.eval.models.images import AS_THEY_ARE, ImageOptions, decode_image
 from wmspec.eval.models.model import Reply, storable
-from wmspec.eval.models.montage import decode_image
 from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
 
 _INSTALL = "install it with `pip install 'wmspec[local]'`"

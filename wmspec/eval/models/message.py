@@ -1,4 +1,4 @@
-"""The text, reasoning and finish reason in a response of chat completions, as servers of several kinds write them."""
+"""Chat completions: the schema that constrains an answer, and what a response says."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from wmspec.eval.models.model import Reply, storable
+from wmspec.eval.models.request import Ask
 
 #: Types of content parts that hold reasoning, and fields of a message that do.
 _REASONING_PARTS = frozenset({"thinking", "reasoning", "redacted_thinking", "reasoning_text", "summary_text"})
@@ -63,3 +64,22 @@ def _flat(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         return "\n".join(filter(None, map(_flat, value)))
     return ""
+
+
+def response_format(ask: Ask) -> dict[str, Any] | None:
+    """Return `response_format` of OpenAI's chat completions; None for a question that is answered in words.
+
+    The reply is an object with the key `answer`, which the reader of replies takes as the conclusion.
+    """
+    question = ask.question
+    if ask.labels == "words":
+        return None
+    labels = [ask.label(place) for place in range(len(question.options))]
+    answer: dict[str, Any] = {"type": "string", "enum": labels} if labels else {"type": "number"}
+    schema = {
+        "type": "object",
+        "properties": {"answer": answer},
+        "required": ["answer"],
+        "additionalProperties": False,
+    }
+    return {"type": "json_schema", "json_schema": {"name": "answer", "strict": True, "schema": schema}}

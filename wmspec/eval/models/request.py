@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from wmspec.dataset.build.films import ShownFilm
 from wmspec.eval.models.ablation import Ablation, Words, option_words
-from wmspec.eval.models.montage import VIDEO_RATE, encode_video, montage
+from wmspec.eval.models.images import VIDEO_RATE, encode_video, montage
 from wmspec.eval.models.prompt import Labels, Prompt
 from wmspec.eval.models.question import Question
 from wmspec.eval.replies import LETTERS

@@ -1,7 +1,9 @@
-"""Collects people's answers as results, and computes the performance and agreement of raters."""
+"""Collects people's answers as results: performance and agreement of raters, and their payment sheet."""
 
 from __future__ import annotations
 
+import csv
+import io
 import sqlite3
 from collections import Counter, defaultdict
 from collections.abc import Hashable, Iterable, Sequence
@@ -228,3 +230,27 @@ def _about(study: Study, rows: Sequence[results.Row], collected: StudyResult) ->
         "raters": [asdict(rater) for rater in collected.raters],
         "agreement": [asdict(agreement) for agreement in collected.agreement],
     }
+
+
+#: The columns, in order.
+COLUMNS = (
+    "rater", "study_id", "session_id", "code", "answered", "steps", "checks_passed", "checks", "minutes", "verdict",
+)  # fmt: skip
+
+
+def verdict(rater: Rater) -> str:
+    """Return `pay` for a person who answered everything and whose checks suffice, else `incomplete` or `look`."""
+    if rater.answered < rater.steps:
+        return "incomplete"
+    return "pay" if rater.counted else "look"
+
+
+def payments(raters: Sequence[Rater]) -> str:
+    """Return the sheet as CSV, in the order of raters."""
+    text = io.StringIO()
+    out = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    out.writeheader()
+    for rater in raters:
+        known = {name: getattr(rater, name) for name in COLUMNS if name not in ("minutes", "verdict")}
+        out.writerow({**known, "minutes": f"{rater.minutes:.1f}", "verdict": verdict(rater)})
+    return text.getvalue()
