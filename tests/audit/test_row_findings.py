@@ -10,12 +10,11 @@ from typing import Any
 import pytest
 
 from wmspec.dataset.audit.cases import Case, Unit
-from wmspec.dataset.audit.constant_answers import constant_answer_finding
+from wmspec.dataset.audit.constant_answers import constant_answer_finding, what_if_finding
 from wmspec.dataset.audit.given import companion_finding, given_by, given_in_words, required_moments, varied_factors
+from wmspec.dataset.audit.legibility import motion_finding
 from wmspec.dataset.audit.model import Finding
-from wmspec.dataset.audit.motion import motion_finding
 from wmspec.dataset.audit.vocabulary import vocabulary_finding
-from wmspec.dataset.audit.what_if_answers import what_if_finding
 from wmspec.runtime.questions.legibility.bounds import BOUNDS, REFERENCE_SIDE
 
 WEIGHTS, WAYS = ("light", "heavy"), ("left", "right")

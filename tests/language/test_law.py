@@ -11,14 +11,13 @@ from tests.examples import examples
 from tests.language.specs import DEEDS, FEW, SPECS, busy_text, random_spec, task_from, task_of
 from tests.stage.composed import Difference, diff
 from tests.stage.law import violations
-from wmspec.compile.design.depend import Dependencies, dependencies
+from wmspec.compile.design.depend import Dependencies, changed_by, dependencies
 from wmspec.compile.design.design import Design
 from wmspec.compile.design.what_ifs import what_ifs
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import document
 from wmspec.compile.stage.layers import base_layer, compose, override_layer
-from wmspec.compile.stage.one_factor import changed_by
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.ir.record import from_json, to_json
 

@@ -18,17 +18,15 @@ import wmspec
 from tests.engines import installed
 from tests.language.specs import SPECS, task_of
 from tests.stage.law import violations
-from wmspec.compile.design.depend import Dependencies
+from wmspec.compile.design.depend import Dependencies, changed_by
 from wmspec.compile.design.design import Design
 from wmspec.compile.layout.evaluator import Evaluator
-from wmspec.compile.robots.arm import downward_pose
-from wmspec.compile.robots.base_pose import base
+from wmspec.compile.layout.placement import base
+from wmspec.compile.robots.arm import downward_pose, solve
 from wmspec.compile.robots.franka import PANDA
-from wmspec.compile.robots.ik import solve
 from wmspec.compile.robots.plan import plan
 from wmspec.compile.robots.planning import matrix
 from wmspec.compile.stage.episode import document
-from wmspec.compile.stage.one_factor import changed_by
 from wmspec.core.diagnostics import EngineError, SpecError
 from wmspec.core.resources import resource
 from wmspec.sim.usd import read

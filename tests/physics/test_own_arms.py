@@ -9,8 +9,8 @@ import pytest
 import wmspec
 from tests.command import wmspec as command
 from tests.engines import installed
+from wmspec.compile.robots.arm import solve
 from wmspec.compile.robots.arm_assets import read_arm, write_arm
-from wmspec.compile.robots.ik import solve
 from wmspec.core.diagnostics import WmsError
 
 pytest.importorskip("pybullet_data")

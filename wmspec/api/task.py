@@ -209,7 +209,7 @@ class Instance:
         return f"<Instance {self.index} of {self.task.name}: {self}>"
 
     def __str__(self) -> str:
-        from wmspec.compile.design.describe import format_levels
+        from wmspec.compile.design.levels import format_levels
 
         return format_levels(self.task.design.factors, self.factors)
 

@@ -12,8 +12,8 @@ from wmspec.api.agreement import Tasks
 from wmspec.api.generating import plan_dataset
 from wmspec.api.loading import Tell, warn
 from wmspec.api.progress import Progress, silent
-from wmspec.compile.design.describe import format_levels
 from wmspec.compile.design.design import Design
+from wmspec.compile.design.levels import format_levels
 from wmspec.dataset.build.answer_counts import AnswerCounts, count_answers
 from wmspec.dataset.build.batching import batches
 from wmspec.dataset.build.generate import failed_outcome, job_of

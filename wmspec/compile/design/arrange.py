@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, combinations, islice
 
-from wmspec.compile.design.blocks import Blocks, Groups, RepeatedPlan, TooManyTied
+from wmspec.compile.design.blocks import Blocks, Groups, MemberOrder, RepeatedPlan, TooManyTied
 from wmspec.compile.design.columns import Column, FreeFactor, Strata
 from wmspec.compile.design.constrain import Constraint
 from wmspec.compile.design.constraint_chain import MAX_COUNTED, Chain, TooManyCombinations
-from wmspec.compile.design.describe import format_levels
-from wmspec.compile.design.levels import Level
-from wmspec.compile.design.order import MemberOrder
+from wmspec.compile.design.levels import Level, format_levels
 from wmspec.compile.design.plans import Arrangement, Factorial, Latin, Listed, Ranks, Sample
 from wmspec.core.diagnostics import Note, SpecError
 from wmspec.lang.check.ir.ir import Choices, TaskSpec

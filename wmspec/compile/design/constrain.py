@@ -10,8 +10,7 @@ from math import prod
 from typing import Any
 
 from wmspec.compile.design.depend import dependencies
-from wmspec.compile.design.describe import format_levels
-from wmspec.compile.design.levels import Level
+from wmspec.compile.design.levels import Level, format_levels
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.core.diagnostics import ImpossibleValue, SpecError, WmsError
 from wmspec.core.places import Location

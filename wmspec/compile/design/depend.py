@@ -13,7 +13,7 @@ from wmspec.compile.layout.evaluator import ACTED_ON, INHERITED
 from wmspec.compile.layout.motion import PLACING
 from wmspec.core.memoize import LRU
 from wmspec.lang.check.ir.evaluate import subexpressions
-from wmspec.lang.check.ir.ir import Call, Choices, Entity, Expr, Property, Ref, TaskSpec, Value
+from wmspec.lang.check.ir.ir import Call, Choices, Counterfactual, Entity, Expr, Property, Ref, TaskSpec, Value
 from wmspec.lang.check.tables.vocabulary import BY_MATERIAL, MEASURES
 
 #: Properties that determine the form of an object or part.
@@ -247,3 +247,18 @@ _COMPOSITE_SOURCES: dict[str, Callable[[Dependencies, Entity], Iterator[str | Ex
     "way": Dependencies._way,
     "there": Dependencies._there,
 }
+
+
+def changed_by(change: Counterfactual) -> tuple[str, ...]:
+    """Return the sources that a counterfactual changes: an `owner.property`, presence, or two start times."""
+    if change.change == "levels":
+        return tuple(change.levels)
+    if change.change == "without":
+        return (f"{change.owner}.there", f"{change.owner}.present")
+    if change.change == "add":
+        return (f"{change.owner}.there",)
+    if change.change == "order":
+        return (f"{change.owner}.start", f"{change.property}.start")
+    if change.property == "mass":  # which takes the place of a density
+        return (f"{change.owner}.mass", f"{change.owner}.density")
+    return (f"{change.owner}.{change.property}",)

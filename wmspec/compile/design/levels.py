@@ -1,11 +1,18 @@
-"""Levels of factors and nuisances, and their distribution."""
+"""Levels of factors and nuisances: their distribution, and their words in messages."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Iterable, Mapping
 from itertools import accumulate
+from typing import TYPE_CHECKING
 
-from wmspec.lang.check.ir.ir import Choices, Domain, Interval, Normal, Scalar
+from wmspec.lang.check.ir.ir import Choices, Domain, Factor, Interval, Normal, Scalar
+from wmspec.lang.check.types import units
+
+if TYPE_CHECKING:
+    from wmspec.compile.design.design import Design, Instance
+
 
 #: A value of a factor or nuisance: a number, a truth value, a word, or a point.
 Level = Scalar | tuple[float, ...]
@@ -35,3 +42,27 @@ def _normal(share: float) -> float:
     standard = NormalDist()
     tail = standard.cdf(-3.0)
     return standard.inv_cdf(tail + share * (1 - 2 * tail))
+
+
+def format_levels(factors: Iterable[Factor], values: Mapping[str, Level]) -> str:
+    """Return, for example, `tone = red, pace = 0.5 m/s`; factors without a value are omitted."""
+    return ", ".join(f"{f.name} = {_format_level(values[f.name], f.unit)}" for f in factors if f.name in values)
+
+
+def format_instance(design: Design, instance: Instance) -> str:
+    """Return the index of an instance, followed by its factors if they are few."""
+    where = format_levels(design.factors, instance.factors)
+    return f"in instance {instance.index}" + (f" ({where})" if where and len(where) < 60 else "")
+
+
+def _format_level(value: Level, unit: str) -> str:
+    """Return a level with its unit."""
+    match value:
+        case bool():
+            return "true" if value else "false"
+        case float():
+            return units.format_quantity(value, units.parse_unit(unit)[1])
+        case tuple():
+            return f"({', '.join(_format_level(x, unit) for x in value)})"
+        case _:
+            return str(value)

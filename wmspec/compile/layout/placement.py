@@ -1,13 +1,14 @@
-"""Poses of objects: explicit, resting exactly on a surface, or in the cavity of a compound object."""
+"""Poses of objects: explicit, resting exactly on a surface, or in the cavity of a compound object; and of robots."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wmspec.compile.layout import assets, scatter
+from wmspec.compile.layout import assets, scatter, surfaces
 from wmspec.compile.layout.geometry import own_rotation
 from wmspec.compile.layout.solids import Face, reach
 from wmspec.compile.layout.surfaces import Spot, contact_face, is_point
+from wmspec.core.diagnostics import ImpossibleValue
 from wmspec.core.space import Pose, add, align_z, from_ypr, inverse, multiply, rotate, scale
 
 if TYPE_CHECKING:
@@ -50,3 +51,16 @@ def rest(values: Evaluator, owner: str, at: Spot, yaw: float, pitch: float = 0.0
         face = Face((x, y, 0.0))
     depth = reach(assets.pieces(values, owner), rotate(inverse(own), (0.0, 0.0, -1.0)))
     return Pose(add(face.middle, scale(depth, face.normal)), multiply(align_z(face.normal), own))
+
+
+def base(values: Evaluator, robot: str) -> Pose:
+    """Return the pose of a robot's base."""
+    at, yaw = values.spot(robot), values.number(robot, "yaw")
+    if values.has(robot, "on"):
+        if len(at) == 3:
+            raise ImpossibleValue(
+                f"`{robot}` stands on something, so its place there is (x, y)", values.source_location(robot, "at")
+            )
+        return Pose(surfaces.top_point(values, values.reference(robot, "on"), at).middle, from_ypr(yaw))
+    assert surfaces.is_point(at)
+    return Pose(at if len(at) == 3 else (*at, 0.0), from_ypr(yaw))

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from wmspec.compile.design.depend import Dependencies
-from wmspec.compile.design.describe import format_instance
 from wmspec.compile.design.design import Design, Instance
+from wmspec.compile.design.levels import format_instance
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.lint.question_rules import is_posed
 from wmspec.compile.lint.rule import Breach, rule

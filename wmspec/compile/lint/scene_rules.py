@@ -8,8 +8,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from wmspec.compile.design.depend import Dependencies
-from wmspec.compile.design.describe import format_instance
 from wmspec.compile.design.design import Design, Instance
+from wmspec.compile.design.levels import format_instance
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.layout.geometry import all_pieces, touchable
 from wmspec.compile.layout.view import camera_direction, common_direction

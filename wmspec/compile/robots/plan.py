@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wmspec.compile.layout.placement import base
 from wmspec.compile.robots import grasps, moves
 from wmspec.compile.robots.arm import Arm
-from wmspec.compile.robots.base_pose import base
 from wmspec.compile.robots.collision import collision
 from wmspec.compile.robots.franka import PANDA
 from wmspec.compile.robots.manipuland import Manipuland

@@ -8,8 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from wmspec.compile.robots.arm import Arm, Array
-from wmspec.compile.robots.ik import rotation_vector, solve
+from wmspec.compile.robots.arm import Arm, Array, rotation_vector, solve
 
 KNOT_RATE = 20  # Hz: the cubic spline errs by at most 0.05 mm
 KNOT_DECIMALS = 6  # of knots (rad or m), for equal results on every processor

@@ -12,7 +12,7 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from wmspec.compile.robots.base_pose import base
+from wmspec.compile.layout.placement import base
 from wmspec.compile.robots.ground_path import PathSegment, Pose2D, Straight, arc_length_at, pose_along
 from wmspec.compile.robots.obstacles import Outline, hull, object_outlines, obstacles
 from wmspec.compile.robots.roads import CAR_LENGTH, CAR_WIDTH, OffRoadError, Traffic, road

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from wmspec.compile.design.depend import dependencies
+from wmspec.compile.design.depend import changed_by, dependencies
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.objects import add_object
-from wmspec.compile.stage.one_factor import changed_by
 from wmspec.core.memoize import LRU
 from wmspec.lang.check.ir.ir import TaskSpec
 from wmspec.lang.check.tables.vocabulary import PROPERTIES

@@ -6,8 +6,8 @@ An arm references its asset and has joint trajectories and holds. Cars and walke
 from __future__ import annotations
 
 from wmspec.compile.layout.evaluator import Evaluator
+from wmspec.compile.layout.placement import base
 from wmspec.compile.robots import car
-from wmspec.compile.robots.base_pose import base
 from wmspec.compile.robots.plan import ARMS, arm_of, plan
 from wmspec.compile.robots.travel import travels
 from wmspec.compile.stage import materials

@@ -9,8 +9,8 @@ from __future__ import annotations
 from hashlib import blake2b
 from pathlib import Path
 
-from wmspec.compile.design.describe import format_levels
 from wmspec.compile.design.design import Design, Instance
+from wmspec.compile.design.levels import format_levels
 from wmspec.compile.design.what_ifs import what_ifs
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document

@@ -13,17 +13,15 @@ import numpy as np
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.audit import balance, groups, metadata, probes
 from wmspec.dataset.audit.cases import Unit, full_size_pictures, task_of, units
-from wmspec.dataset.audit.constant_answers import constant_answer_finding
+from wmspec.dataset.audit.constant_answers import constant_answer_finding, what_if_finding
 from wmspec.dataset.audit.counts import check_files, check_rows, counts
 from wmspec.dataset.audit.duplicates import ReadFullSize, duplicate_findings, duplicates, mark_faint
 from wmspec.dataset.audit.given import companion_finding
 from wmspec.dataset.audit.image_similarity import QUANTILES, option_similarity, similarity_finding
-from wmspec.dataset.audit.legibility import legibility_finding
+from wmspec.dataset.audit.legibility import legibility_finding, motion_finding
 from wmspec.dataset.audit.model import Audit, Counts, Finding, Likeness, Probe, Spread, Summary, Test
-from wmspec.dataset.audit.motion import motion_finding
 from wmspec.dataset.audit.stability import stability
 from wmspec.dataset.audit.vocabulary import vocabulary_finding
-from wmspec.dataset.audit.what_if_answers import what_if_finding
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.runtime.workers.pool import JobFailure, PoolConfig, map_ordered
 

@@ -7,11 +7,9 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmspec.dataset.audit.cases import THUMBNAIL_SIZE, Case, Thumbnail
-
-Array = NDArray[np.float64]
+from wmspec.dataset.film.distances import Array
 
 #: Side of a picture for probes (px), and levels of each colour in a histogram.
 GRID_SIZE, COLOUR_LEVELS = 8, 4

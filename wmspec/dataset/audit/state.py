@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from wmspec.dataset.audit.cases import Case
 from wmspec.dataset.build.rows import Row
-
-Array = NDArray[np.float64]
+from wmspec.dataset.film.distances import Array
 
 #: Features of an object: position and area in the picture, orientation, colour.
 POSE_CHANNELS = ("across", "down", "share", "qw", "qx", "qy", "qz")

@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from wmspec.compile.design.depend import dependencies
+from wmspec.compile.design.depend import changed_by, dependencies
 from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.design.what_ifs import possible_what_ifs
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage.document import Document
 from wmspec.compile.stage.episode import build_document
-from wmspec.compile.stage.one_factor import changed_by
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.limits import MAX_DRAWS
 from wmspec.lang.check.ir.ir import TaskSpec

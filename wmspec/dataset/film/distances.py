@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Masks = NDArray[np.bool_]
+Mask = NDArray[np.bool_]
 
 #: The area (px) of the pictures in which films are compared: their size keeps its aspect.
 WORKING_AREA = 256 * 256
@@ -38,7 +38,7 @@ def nearest_pixels(pictures: NDArray[Any], size: tuple[int, int]) -> NDArray[Any
     return pictures[..., rows, :][..., columns]
 
 
-def mask_points(mask: Masks) -> Array:
+def mask_points(mask: Mask) -> Array:
     """Return the three points (3, 2) of a mask (h, w), x and y in px; NaN if it is absent."""
     rows = np.flatnonzero(mask.any(axis=1))
     if not len(rows):

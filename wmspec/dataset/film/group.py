@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.memoize import LRU
+from wmspec.dataset.build.rows import Row
 from wmspec.dataset.film.distances import Array, pairwise, point_distance, widths_of, working_size
 from wmspec.dataset.film.draw import DrawnFilm, draw_film
-from wmspec.dataset.film.text import model_text
 from wmspec.dataset.film.timing import FilmSettings, FilmTimes, film_times, shown_times
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Question, TaskSpec
@@ -32,8 +32,6 @@ MIN_APART = 0.4
 MIN_DIFFERENCE = 0.25
 #: An object moves in a frame if it is this far (px of the working size) from where it was in the frame before.
 MIN_STEP = 0.5
-
-Row = dict[str, Any]
 
 
 def has_film(spec: TaskSpec, question: Question) -> bool:
@@ -313,3 +311,13 @@ def _track(film: DrawnFilm, objects: list[str], width: int, height: int) -> list
 
 def _number(value: float) -> float | None:
     return None if np.isnan(value) else float(value)
+
+
+_SENTENCE = re.compile(r"[^.!?]+(?:\.\d[^.!?]*)*[.!?]+\s*")
+_OF_PICTURES = re.compile(r"\bpictures?\b", re.IGNORECASE)
+
+
+def model_text(question: str) -> str:
+    """Return the sentences of a question that neither ask nor speak of pictures."""
+    sentences = [match[0].strip() for match in _SENTENCE.finditer(question)]
+    return " ".join(s for s in sentences if not s.endswith("?") and not _OF_PICTURES.search(s))
