@@ -10,13 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wmspec.cli.sarif import sarif
-from wmspec.compile.lint import change_rules, design_rules, option_rules, scene_rules, task_rules
+from wmspec.compile.lint import change_rules, option_rules, scene_rules, task_rules
 from wmspec.core.diagnostics import Diagnostic, Note, Report, SpecError, StageError, WmsError, escape_controls
 from wmspec.core.places import FilePlace, Location, Place, PrimPlace, Source, Span
 from wmspec.lang.parse.codes import CODES
 from wmspec.lang.parse.load import with_source_text
 
-RULES = [r for room in (task_rules, design_rules, option_rules, scene_rules, change_rules) for r in room.RULES]
+RULES = [r for room in (task_rules, option_rules, scene_rules, change_rules) for r in room.RULES]
+RULES += task_rules.DESIGN_RULES
 SOURCE = Source("a.wms", "task t : custom {\n  horizon 1 s\n}\n")
 
 

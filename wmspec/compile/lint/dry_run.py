@@ -11,8 +11,6 @@ from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.lint import (
     action_rules,
     change_rules,
-    design_rules,
-    drive_rules,
     giveaway_rules,
     hidden_rules,
     option_rules,
@@ -66,7 +64,7 @@ def dry_run(spec: TaskSpec, report: Report) -> Design | None:
     with linter.collecting():
         linter.check(LintTask(spec, depend), (*task_rules.RULES, *giveaway_rules.TASK_RULES))
         design = Design(spec)
-        linter.check(design, design_rules.RULES)
+        linter.check(design, task_rules.DESIGN_RULES)
         instances = [design[index] for index in design.sample(SAMPLE_SIZE)]
         tried = [Evaluator(spec, instance.values, None, instance.key) for instance in instances]
         work = len(spec.things) + ROBOT_ACTION_COST * sum(
@@ -101,7 +99,6 @@ def _lint_scene(scene: LintScene, linter: Linter, budget: _ChangeBudget | None) 
     linter.check(scene, action_rules.RULES)
     linter.check(scene, hidden_rules.RULES)
     linter.check(scene, regime_rules.RULES)
-    linter.check(scene, drive_rules.RULES)
     linter.check(scene, giveaway_rules.SCENE_RULES)
     things = {t.name for t in spec.things}
     for question in spec.questions if budget else ():

@@ -1,4 +1,4 @@
-"""Rules on a task, checked without building scenes: statements without effect."""
+"""Rules on a task and its design, checked without scenes: what has no effect, and samples that are too large."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from wmspec.compile.design.depend import Dependencies
+from wmspec.compile.design.design import Design
 from wmspec.compile.lint.rule import Breach, rule
 from wmspec.lang.check.expressions.measured import is_measured
 from wmspec.lang.check.ir.evaluate import subexpressions
@@ -118,3 +119,23 @@ def _dependencies(task: LintTask, expressions: Iterable[Expr]) -> frozenset[str]
 
 def _sources(task: LintTask, expressions: Iterable[Expr]) -> frozenset[str]:
     return frozenset[str]().union(*map(task.depend.expression, expressions))
+
+
+@rule("WMS406")
+def idle_require(design: Design) -> Iterator[Breach]:
+    """Find conditions that exclude nothing."""
+    for number, require in enumerate(design.spec.requires):
+        if all(len(c.allowed) == c.tries for c in design.conditions if c.statement == number):
+            yield Breach("this `require` excludes nothing", require.place, "remove it, or fix its condition")
+
+
+@rule("WMS408")
+def short_sample(design: Design) -> Iterator[Breach]:
+    """Find samples larger than the number of combinations."""
+    plan, size = design.spec.plan, len(design.blocks.members(0))
+    if plan.kind == "sample" and plan.count and plan.place and size < plan.count:
+        message = f"a sample of {plan.count} exceeds the {size} combinations"
+        yield Breach(message, plan.place, "ask for fewer, widen a domain, or say `repeat`")
+
+
+DESIGN_RULES = (idle_require, short_sample)
