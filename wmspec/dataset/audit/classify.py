@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.dataset.film.distances import Array
 
 try:
     from sklearn import config_context
@@ -25,6 +24,7 @@ try:
 except ImportError as error:
     raise WmsError("an audit needs scikit-learn", help="pip install 'wmspec[audit]'") from error
 
+Array = NDArray[np.float64]
 
 FOLDS = 5
 #: Trees of a forest, minimum samples in a leaf, share of features tried at a split. All features are tried, because

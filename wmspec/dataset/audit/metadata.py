@@ -15,7 +15,7 @@ from scipy import stats
 from wmspec.dataset.audit.balance import ANSWER, PLACE, codes, value_of
 from wmspec.dataset.audit.cases import Case, Unit
 from wmspec.dataset.audit.model import Test
-from wmspec.dataset.audit.statistics import SEED, contingency_table, independence
+from wmspec.dataset.audit.statistics import SEED, contingency_table, independence, pearson
 
 CHECK = "metadata"
 #: Remainders of numbers are tested by these divisors: the usual numbers of levels and of instances of a group.
@@ -112,11 +112,8 @@ def _surprise(drawn: NDArray[np.float32], code: Codes) -> NDArray[np.float64]:
     """Return the chi-square p-value of the table of each permutation (permutations, levels, cases) with a number."""
     shown = np.eye(code.max() + 1, dtype=np.float32)[code]
     tables = (drawn.reshape(-1, len(code)) @ shown).reshape(*drawn.shape[:2], -1).astype(np.float64)
-    rows, columns = tables.sum(-1, keepdims=True), tables.sum(-2, keepdims=True)
-    expected = rows * columns / len(code)
-    seen = ((tables - expected) ** 2 / np.where(expected, expected, 1.0)).sum((-2, -1))
     freedom = (tables.shape[-1] - 1) * (tables.shape[-2] - 1)
-    return np.asarray(stats.chi2.sf(seen, freedom)) if freedom else np.ones(len(tables))
+    return np.asarray(stats.chi2.sf(pearson(tables), freedom)) if freedom else np.ones(len(tables))
 
 
 def _orders(groups: Codes) -> NDArray[np.intp]:

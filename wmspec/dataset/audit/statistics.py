@@ -29,14 +29,14 @@ def independence(table: Table) -> tuple[float, float, str]:
     if min(table.shape) < 2:
         return 0.0, 1.0, "nothing varies"
     expected = np.outer(table.sum(1), table.sum(0)) / table.sum()
-    seen = _pearson(table)
+    seen = pearson(table)
     strength = float(np.sqrt(seen / table.sum() / (min(table.shape) - 1)))
     if expected.min() >= MIN_EXPECTED:
         return strength, float(stats.chi2.sf(seen, (table.shape[0] - 1) * (table.shape[1] - 1))), "chi-square"
     if table.shape == (2, 2):
         return strength, float(stats.fisher_exact(table).pvalue), "Fisher's exact"
     drawn = stats.random_table(table.sum(1), table.sum(0)).rvs(RANDOM_TABLES, random_state=SEED)
-    return strength, _rank(seen, _pearson(drawn)), f"{RANDOM_TABLES:,} random tables"
+    return strength, _rank(seen, pearson(drawn)), f"{RANDOM_TABLES:,} random tables"
 
 
 def dependence(
@@ -56,7 +56,7 @@ def dependence(
     other, levels = first if dealt is second else second, dealt[by_group]
     held, order = contingency_table(groups, other).astype(np.float32), _orders(len(by_group))
     drawn = np.stack([(levels == level)[order].astype(np.float32) @ held for level in range(dealt.max() + 1)], axis=-2)
-    chance, seen = _pearson(drawn.astype(np.float64)), _pearson(table)
+    chance, seen = pearson(drawn.astype(np.float64)), pearson(table)
     narrow = min(table.shape) - 1
     effect = max(1.0, float(chance.mean()) / narrow / (max(table.shape) - 1))
     strength = float(np.sqrt(seen / len(groups) / narrow))
@@ -109,7 +109,7 @@ def _orders(groups: int) -> NDArray[np.intp]:
     return np.random.default_rng(SEED).random((RANDOM_TABLES, groups), np.float32).argsort(axis=1)
 
 
-def _pearson(tables: NDArray[Any]) -> NDArray[np.float64]:
+def pearson(tables: NDArray[Any]) -> NDArray[np.float64]:
     """Return Pearson's statistic of each table (..., rows, columns); empty margins contribute nothing."""
     rows, columns = tables.sum(-1, keepdims=True), tables.sum(-2, keepdims=True)
     expected = rows * columns / tables.sum((-2, -1), keepdims=True)

@@ -29,16 +29,12 @@ def rebuild_plan(folder: Path, like: Plan) -> dict[str, Any] | None:
     except (WmsError, OSError, pa.ArrowException):
         return None
     known = {task.spec.name: task for task in like.tasks}
-    for whole in (like, *(_plans(like, known, indices) if indices.keys() <= known.keys() else ())):
-        if whole.fingerprint == dataset.manifest.get("fingerprint"):
-            return dict(whole.record)
-    return None
-
-
-def _plans(like: Plan, known: dict[str, Task], indices: dict[str, list[int]]) -> list[Plan]:
-    """Return candidate plans."""
-    tasks = tuple(Task(task.spec, tuple(indices[name])) for name, task in known.items() if name in indices)
-    return [replace(like, tasks=tasks)]
+    plans = [like]
+    if indices.keys() <= known.keys():
+        tasks = (Task(task.spec, tuple(indices[name])) for name, task in known.items() if name in indices)
+        plans.append(replace(like, tasks=tuple(tasks)))
+    found = (plan for plan in plans if plan.fingerprint == dataset.manifest.get("fingerprint"))
+    return next((dict(plan.record) for plan in found), None)
 
 
 def _indices(dataset: DatasetReader, task: str) -> list[int]:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 import tomllib
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError, model_validator
 
-from wmspec.core.diagnostics import WmsError, suggestion
+from wmspec.core.diagnostics import WmsError
 from wmspec.core.resources import resource
 from wmspec.core.safe_io import read_bytes
 from wmspec.dataset.build import files
@@ -21,7 +20,7 @@ from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.film.codec import encode_mp4
 from wmspec.eval.clips.questions import FilmQuestion, selected
 from wmspec.eval.export.folder import Folder
-from wmspec.eval.models.prompt import FrozenModel
+from wmspec.eval.models.prompt import FrozenModel, check_placeholders, filled
 from wmspec.eval.models.question import Selection
 
 #: The placeholders of a template: the scene and the action in words.
@@ -37,11 +36,7 @@ class FilmPrompt(FrozenModel):
     @model_validator(mode="after")
     def _placeholders(self) -> FilmPrompt:
         for name, text in self:
-            for word in re.findall(r"\{(\w*)\}", text):
-                if word not in PLACEHOLDERS:
-                    raise ValueError(
-                        f"`{{{word}}}` cannot stand in {name}; {suggestion(word, PLACEHOLDERS)}".rstrip("; ")
-                    )
+            check_placeholders(text, PLACEHOLDERS, name)
         return self
 
     @property
@@ -52,8 +47,7 @@ class FilmPrompt(FrozenModel):
     def filled(self, question: FilmQuestion) -> tuple[str, str]:
         """Return the two prompts of a question."""
         words = {"film": question.text, "action": question.action_text}
-        texts = (re.sub(r"\{(\w+)\}", lambda m: words[m[1]], text) for text in (self.text, self.text_action))
-        first, second = (" ".join(text.split()) for text in texts)
+        first, second = (" ".join(filled(text, words).split()) for text in (self.text, self.text_action))
         return first, second
 
 

@@ -6,6 +6,7 @@ import hashlib
 import json
 import re
 import tomllib
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -72,18 +73,12 @@ class Texts(FrozenModel):
     @model_validator(mode="after")
     def _placeholders(self) -> Texts:
         for name, text in self:
-            for word in re.findall(r"\{(\w*)\}", text):
-                known = _PLACEHOLDERS.get(name, set())
-                if word not in known:
-                    raise ValueError(
-                        f"`{{{word}}}` cannot stand in texts.{name}; {suggestion(word, known)}".rstrip("; ")
-                    )
+            check_placeholders(text, _PLACEHOLDERS.get(name, ()), f"texts.{name}")
         return self
 
     def line(self, name: str, **values: object) -> str:
         """Return a text with its placeholders filled."""
-        text: str = getattr(self, name)
-        return re.sub(r"\{(\w+)\}", lambda match: str(values[match[1]]), text)
+        return filled(getattr(self, name), values)
 
 
 class Prompt(FrozenModel):
@@ -104,6 +99,18 @@ class Prompt(FrozenModel):
         """Twelve hex digits that identify the content of the template."""
         text = json.dumps(self.model_dump(), sort_keys=True, ensure_ascii=False)
         return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+def check_placeholders(text: str, known: Collection[str], where: str) -> None:
+    """Raise ValueError if a text has a placeholder that is not known."""
+    for word in re.findall(r"\{(\w*)\}", text):
+        if word not in known:
+            raise ValueError(f"`{{{word}}}` cannot stand in {where}; {suggestion(word, known)}".rstrip("; "))
+
+
+def filled(text: str, values: Mapping[str, object]) -> str:
+    """Return a text with its placeholders filled."""
+    return re.sub(r"\{(\w+)\}", lambda match: str(values[match[1]]), text)
 
 
 def builtin_prompts() -> list[str]:
