@@ -18,8 +18,7 @@ from tests.gallery.test_browser import chosen, counted, questions
 from wmspec.dataset.build.images import encode_png
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.gallery.gallery import folder, html
-from wmspec.eval.gallery.records import about, paths, records
-from wmspec.eval.gallery.replies import read
+from wmspec.eval.gallery.records import about, paths, read, records
 from wmspec.eval.models import results
 
 

@@ -18,8 +18,7 @@ from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.eval.study import store
 from wmspec.eval.study.answers import Person
-from wmspec.eval.study.assign import slots
-from wmspec.eval.study.make import StudyOptions, make
+from wmspec.eval.study.make import StudyOptions, make, slots
 from wmspec.eval.study.model import Item, load
 
 

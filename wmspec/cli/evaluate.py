@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from wmspec.eval.models.server import Server
 
 _PATH = click.Path(path_type=Path)
-#: Default request parameters. A server that rejects one is sent another (`wmspec.eval.models.adapt`).
+#: Default request parameters. A server that rejects one is sent another (`wmspec.eval.models.message`).
 _DEFAULTS: dict[str, Any] = {"temperature": 0, "max_tokens": 1024}
 #: Prefix of clips among models.
 CLIPS = "clips:"

@@ -57,7 +57,7 @@ def view_command(dataset: Path, output: Path, per_task: int | None, results: tup
         return
     from wmspec.dataset.build.reader import DatasetReader
     from wmspec.eval.gallery.gallery import folder, page
-    from wmspec.eval.gallery.replies import read
+    from wmspec.eval.gallery.records import read
 
     opened = DatasetReader.open(dataset)
     shown = (page if kind == ".html" else folder)(opened, count, output, read(results))

@@ -13,11 +13,11 @@ from wmspec.dataset.build import files
 from wmspec.dataset.build.baselines import Baselines, baselines
 from wmspec.dataset.build.card import bibtex, card
 from wmspec.dataset.build.croissant import croissant
-from wmspec.dataset.build.examples import examples
 from wmspec.dataset.build.manifest import manifest, summary
 from wmspec.dataset.build.plan import Plan
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.shards import Record
+from wmspec.dataset.build.sheet import examples
 
 
 def derived_files(

@@ -1,7 +1,8 @@
-"""Contact sheets: a few instances of each task, with one row for each engine."""
+"""Contact sheets: a few instances of each task, with one row for each engine; and one question of each for the card."""
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby
@@ -12,6 +13,7 @@ import numpy as np
 from PIL import Image
 
 from wmspec.dataset.build import typeset
+from wmspec.dataset.build.card import example
 from wmspec.dataset.build.films import read_frames, shown_film
 from wmspec.dataset.build.format_units import format_reading, format_value
 from wmspec.dataset.build.images import decode_image
@@ -270,3 +272,23 @@ def _reason(row: Row) -> str:
     if row["margin"] is not None:
         parts.append(f"{row['margin']:.2g} times the required margin")
     return "  ·  ".join(parts)
+
+
+#: The width of an example (px), and its WebP quality.
+EXAMPLE_WIDTH, QUALITY = 1000, 80
+
+
+def examples(dataset: DatasetReader) -> Iterator[tuple[str, bytes]]:
+    """Yield the path and content of the example of every task that has questions.
+
+    Raises WmsError if a shard cannot be read.
+    """
+    for task in dataset.tasks:
+        shown = question_of(dataset, task)
+        if shown is not None:
+            out = io.BytesIO()
+            small = shown.resize(
+                (EXAMPLE_WIDTH, round(shown.height * EXAMPLE_WIDTH / shown.width)), Image.Resampling.LANCZOS
+            )
+            small.save(out, "WEBP", quality=QUALITY, method=4)
+            yield example(task), out.getvalue()

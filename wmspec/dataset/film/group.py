@@ -13,8 +13,16 @@ from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import WmsError
 from wmspec.core.memoize import LRU
 from wmspec.dataset.build.rows import Row
-from wmspec.dataset.film.distances import Array, pairwise, point_distance, widths_of, working_size
-from wmspec.dataset.film.draw import DrawnFilm, draw_film
+from wmspec.dataset.film import codec
+from wmspec.dataset.film.distances import (
+    Array,
+    nearest_pixels,
+    object_points,
+    pairwise,
+    point_distance,
+    widths_of,
+    working_size,
+)
 from wmspec.dataset.film.timing import FilmSettings, FilmTimes, film_times, shown_times
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Question, TaskSpec
@@ -321,3 +329,39 @@ def model_text(question: str) -> str:
     """Return the sentences of a question that neither ask nor speak of pictures."""
     sentences = [match[0].strip() for match in _SENTENCE.finditer(question)]
     return " ".join(s for s in sentences if not s.endswith("?") and not _OF_PICTURES.search(s))
+
+
+@dataclass(frozen=True)
+class DrawnFilm:
+    """A film: encoded frames and ids, and what its objects do.
+
+    `objects` are the spec's objects that can move. `points` (n, T, 3, 2) px and `areas` (n, T) px locate them in the
+    working size, `centers` (n, A, 3) m in the world, up to the frame of the answer; NaN while absent. `bodies` are the
+    names of all bodies.
+    """
+
+    content: bytes
+    ids: bytes
+    times: FilmTimes
+    objects: tuple[str, ...]
+    points: Array
+    areas: Array
+    centers: Array
+    bodies: tuple[str, ...]
+
+
+def draw_film(run: Run, camera: str, times: FilmTimes, rate: int, pair: EnginePair, renders: RenderCache) -> DrawnFilm:
+    """Draw every frame of an execution. Raises GraphicsError if the engine cannot draw."""
+    pair = replace(pair, renders=renders)
+    frames = [run.draw(camera, time, pair) for time in times.times]
+    rgb, ids = np.stack([frame.rgb for frame in frames]), np.stack([frame.ids for frame in frames])
+    bodies = tuple(body.name for body in run.scene.bodies)
+    things = {thing.name for thing in run.values.spec.things if thing.kind == "object"}
+    objects = tuple(name for name in run.movable() if name in things)
+    small = nearest_pixels(ids, working_size(*renders.size))
+    points, areas = object_points(small, [bodies.index(name) for name in objects])
+    shown = times.times[: times.answer_frame + 1]
+    centers = np.stack([run.poses(objects, time)[:, :3] for time in shown], axis=1)
+    return DrawnFilm(
+        codec.encode(rgb, rate), codec.encode_ids(ids, rate), times, objects, points, areas, centers, bodies
+    )

@@ -1,4 +1,4 @@
-"""Comparison of a row with the same question made again."""
+"""Comparison of a row and of films with the same made again."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.core.safe_io import load_image
+from wmspec.core.safe_io import load_image, read_bytes
 from wmspec.dataset.build.images import PNG, WEBP
-from wmspec.dataset.build.reader import CHANNELS, PICTURES
+from wmspec.dataset.build.reader import CHANNELS, PICTURES, DatasetReader
 from wmspec.dataset.build.rows import Row
+from wmspec.dataset.film.codec import decode
 from wmspec.dataset.verify.model import Difference
 from wmspec.runtime.questions.model import FAILED, Rejected
 from wmspec.runtime.workers.pool import JobFailure
@@ -163,3 +164,25 @@ def option_scores(there: Row, here: Mapping[str, Any]) -> list[float] | None:
             return None
         scores.append(float(apart.mean()) + abs(len(x["bytes"]) - len(y["bytes"])) * 1e-9)
     return scores
+
+
+def film_differences(dataset: DatasetReader, films: Mapping[str, bytes]) -> Iterator[Difference]:
+    """Yield the differences of films from those made again; equal frames in other bytes are equal films."""
+    known = dataset.films
+    for path in sorted(films):
+        if path not in known:
+            yield Difference(path, "", "the film is not in the dataset")
+            continue
+        there = read_bytes(dataset.folder / path)
+        if there == films[path]:
+            continue
+        try:
+            x, y = (decode(content).astype(np.float64) for content in (there, films[path]))
+        except WmsError as error:
+            yield Difference(path, "", str(error))
+            continue
+        if x.shape != y.shape:
+            yield Difference(path, "", f"the film is {x.shape} in the dataset, {y.shape} here")
+        elif (apart := np.abs(x - y)).any():
+            words = f"the film differs in {(apart > 0).mean():.2%} of its values, by {apart.mean():.2g} on average"
+            yield Difference(path, "", words, bool(apart.mean() < NEAR_PIXELS))

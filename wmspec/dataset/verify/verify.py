@@ -20,8 +20,7 @@ from wmspec.dataset.build.plan import Plan, Task
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.rows import Row
 from wmspec.dataset.build.worker import Outcome, make_instances
-from wmspec.dataset.verify.compare import compare, option_scores
-from wmspec.dataset.verify.films import film_differences
+from wmspec.dataset.verify.compare import compare, film_differences, option_scores
 from wmspec.dataset.verify.marks import OptionScores, marked_truths
 from wmspec.dataset.verify.model import Difference, Power
 from wmspec.dataset.verify.records import PlannedQuestion, Records

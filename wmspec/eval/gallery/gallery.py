@@ -14,8 +14,7 @@ from wmspec.dataset.build.files import with_remedies
 from wmspec.dataset.build.images import decode_image, image_format
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.webpage import json_for_script, webpage
-from wmspec.eval.gallery.records import Record, about, records
-from wmspec.eval.gallery.replies import NO_REPLIES, GalleryReplies
+from wmspec.eval.gallery.records import NO_REPLIES, GalleryReplies, Record, about, records
 
 #: JPEG or WebP quality of pictures inside a page, of 100.
 WEBP_QUALITY = 88

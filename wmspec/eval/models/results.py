@@ -20,7 +20,6 @@ from wmspec.core.parquet_io import read_table
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import is_file_name, make_folders, read_bytes
 from wmspec.dataset.build.files import with_remedies
-from wmspec.dataset.build.rows import Row
 from wmspec.eval import replies
 from wmspec.eval.models.chance import chances
 from wmspec.eval.models.journal import Replies
@@ -28,6 +27,8 @@ from wmspec.eval.models.model import Reply
 from wmspec.eval.models.question import Question
 from wmspec.eval.models.request import Ask
 from wmspec.eval.replies import Outcome
+
+Row = dict[str, Any]
 
 #: The columns of results: type and description.
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {

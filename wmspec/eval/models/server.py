@@ -13,9 +13,8 @@ from typing import Any
 from urllib.parse import quote, urlsplit
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.eval.models.adapt import Parameters
 from wmspec.eval.models.images import AS_THEY_ARE, ImageOptions
-from wmspec.eval.models.message import read_response, response_format
+from wmspec.eval.models.message import Parameters, read_response, response_format
 from wmspec.eval.models.model import FatalModelError, Reply, storable
 from wmspec.eval.models.request import Ask, Clip, Picture, Request, Text
 from wmspec.eval.replies import is_withheld

@@ -1,4 +1,4 @@
-"""Writes a report: page, figures, tables and JSON."""
+"""Writes a report: page, figures (in the order of the page), tables and JSON."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from typing import Any
 
 from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build.files import with_remedies
-from wmspec.eval.report.figures.sections import figures
+from wmspec.eval.report.figures import accuracy, analyses, choices, entanglement
+from wmspec.eval.report.figures.style import SvgFigure, settings
 from wmspec.eval.report.frames import long_tables, wide_tables
 from wmspec.eval.report.latex import accuracy_frame, latex_table
 from wmspec.eval.report.page import page
@@ -57,3 +58,19 @@ def _json_values(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_json_values(each) for each in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+#: The figures of each section of the page.
+SECTIONS = {
+    "results": (accuracy.averages,),
+    "compared": (accuracy.dimensions, accuracy.comparisons),
+    "choices": (choices.pairs, choices.positions, choices.flips, choices.mistakes),
+    "analyses": (analyses.filtered, analyses.curves, entanglement.entanglement),
+    "items": (analyses.items,),
+}
+
+
+def figures(report: Report) -> dict[str, tuple[SvgFigure, ...]]:
+    """Return the available figures of each section."""
+    with settings():
+        return {name: tuple(f for draw in draws for f in draw(report)) for name, draws in SECTIONS.items()}
