@@ -242,6 +242,10 @@ class Design:
             parts.setdefault(tuple(values[name] for name in turning), []).append(index)
         return [tuple(part) for part in parts.values()]
 
+    def shard(self, number: int, count: int) -> InstanceSequence:
+        """Return shard `number` (1 .. `count`): contiguous equal shares of the design, to within one."""
+        return self[share(len(self), number, count)]
+
     def _key(self, block: int, place: int) -> object:
         """Return the key that distinguishes the draws of a control group."""
         if self._alone:

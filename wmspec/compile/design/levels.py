@@ -13,7 +13,6 @@ from wmspec.lang.check.types import units
 if TYPE_CHECKING:
     from wmspec.compile.design.design import Design, Instance
 
-
 #: A value of a factor or nuisance: a number, a truth value, a word, or a point.
 Level = Scalar | tuple[float, ...]
 
