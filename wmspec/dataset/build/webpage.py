@@ -19,14 +19,15 @@ _POLICY = (
 
 
 def webpage(package: str, *, scripts_beside: bool = False, shaded: bool = False, **values: Any) -> str:
-    """Render `page.html` of a package with `values`, including its `page.css` and `page.js`.
+    """Render `page.html` of a package with `values`, including its `page.css` and `page.js` after the shared ones.
 
     Values are escaped, and `data` becomes JSON for the script. The content security policy names style and script by
     their hashes, so that no other script can run. `scripts_beside` also permits files of the
     page's folder, `shaded` permits style attributes.
     """
     style = _package_text(__package__, "base.css") + _package_text(package, "page.css")
-    script = _package_text(package, "page.js")
+    own = _package_text(package, "page.js")
+    script = own and _package_text(__package__, "base.js") + own
     policy = _POLICY.format(
         script=(_hash(script) if script else "'none'") + (" 'self' file:" if scripts_beside else ""),
         style=_hash(style) + ("; style-src-attr 'unsafe-inline'" if shaded else ""),

@@ -169,7 +169,7 @@ def _write_strips(
         reference, _ = references(_SetKey(question))
         clip, begins = source.clip(question, row["sample"], reference)
         frames = align(clip, reference, question.own, begins).frames
-        made.append(strips.Strip(strips.caption(which, row), frames, reference.futures[question.own]))
+        made.append((strips.caption(which, row), frames, reference.futures[question.own]))
     if made:
         content = io.BytesIO()
         strips.sheet(made).save(content, "PNG")

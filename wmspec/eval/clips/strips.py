@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,15 +15,6 @@ from wmspec.dataset.film.codec import Frames
 #: Number of frames of a strip, and their width (px).
 FRAMES, WIDTH = 6, 176
 _CAPTION, _GAP = 13, 6
-
-
-@dataclass(frozen=True)
-class Strip:
-    """The frames of a clip and of its true future (n, h, w, 3), with a caption."""
-
-    caption: str
-    clip: Frames
-    truth: Frames
 
 
 def representative(rows: Iterable[Row]) -> list[tuple[str, Row]]:
@@ -46,15 +36,13 @@ def caption(which: str, row: Row) -> str:
     return f"{row['id']}, {which}: {outcome}; ends {row['final_error']:.2f} widths from the truth"
 
 
-def sheet(strips: Sequence[Strip]) -> Image.Image:
-    """Return all strips as one picture: of each the caption, the clip, and the true future below it."""
+def sheet(strips: Sequence[tuple[str, Frames, Frames]]) -> Image.Image:
+    """Return one picture of strips: the caption, the frames of a clip (n, h, w, 3), and below them the true future."""
     style, width = typeset.Style(_CAPTION), FRAMES * (WIDTH + _GAP)
     parts = []
-    for strip in strips:
-        parts.append(typeset.paragraph(strip.caption, style, width))
-        parts += [
-            typeset.hstack([_shrunk(frame) for frame in _spread(frames)], _GAP) for frames in (strip.clip, strip.truth)
-        ]
+    for words, *films in strips:
+        parts.append(typeset.paragraph(words, style, width))
+        parts += [typeset.hstack([_shrunk(frame) for frame in _spread(film)], _GAP) for film in films]
     return typeset.pad(typeset.vstack(parts, _GAP), 2 * _GAP)
 
 

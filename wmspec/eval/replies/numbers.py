@@ -28,57 +28,12 @@ _SIZES: dict[str, dict[str, float]] = {
 }  # fmt: skip
 _UNITS = {name: (unit, size) for unit, sizes in _SIZES.items() for name, size in sizes.items()}
 #: Words after a number that are neither its unit nor what it counts.
-_FUNCTION_WORDS = frozenset(
-    [
-        "to",
-        "and",
-        "or",
-        "from",
-        "away",
-        "for",
-        "is",
-        "as",
-        "at",
-        "on",
-        "with",
-        "because",
-        "since",
-        "apart",
-        "so",
-        "based",
-        "between",
-        "per",
-        "of",
-        "the",
-        "about",
-        "if",
-        "by",
-        "wide",
-        "long",
-        "high",
-        "total",
-        "approximately",
-        "this",
-        "that",
-        "when",
-        "after",
-        "before",
-        "along",
-        "down",
-        "up",
-        "due",
-        "und",
-        "weil",
-        "et",
-        "car",
-        "y",
-        "porque",
-        "i",
-        "we",
-        "it",
-        "there",
-    ]
-)
+_FUNCTION_WORDS = frozenset([
+    "to", "and", "or", "from", "away", "for", "is", "as", "at", "on", "with", "because", "since", "apart", "so",
+    "based", "between", "per", "of", "the", "about", "if", "by", "wide", "long", "high", "total", "approximately",
+    "this", "that", "when", "after", "before", "along", "down", "up", "due", "und", "weil", "et", "car", "y",
+    "porque", "i", "we", "it", "there"
+])  # fmt: skip
 _UNIT = r"\s*(?P<unit>[a-zA-ZÀ-ÿ°%]+(?:/[a-z]+)?|米|厘米|毫米|毫?秒|度|メートル|センチ)?(?![A-Za-z0-9_]|(?<=[a-z])/)"
 _NUMBER = re.compile(
     rf"(?i)(?<![A-Za-z0-9_.⁄])(?P<value>\d+[/⁄]\d+|[-+]?(?:\d{{1,3}}(?:,\d{{3}})+|\d+)(?:[.,]\d+)?(?:e[-+]?\d{{1,3}}|\s*[×x]\s*10\^?[({{]?(?P<power>[-+]?\d{{1,2}})[)}}]?)?"

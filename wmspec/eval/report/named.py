@@ -11,27 +11,11 @@ from wmspec.lang.check.tables.vocabulary import WORDS
 
 #: Dimensions of properties, and the words of their levels.
 _LEVELS: dict[str, frozenset[str]] = {name: frozenset(WORDS[name]) for name in ("color", "shape", "material")} | {
-    "position": frozenset(
-        [
-            "left",
-            "right",
-            "up",
-            "down",
-            "front",
-            "back",
-            "upper",
-            "lower",
-            "top",
-            "bottom",
-            "near",
-            "far",
-            "above",
-            "below",
-            "behind",
-            "before",
-        ]
-    )
-}
+    "position": frozenset([
+        "left", "right", "up", "down", "front", "back", "upper", "lower", "top", "bottom", "near", "far", "above",
+        "below", "behind", "before"
+    ])
+}  # fmt: skip
 _WORD = re.compile(r"[a-z]+")
 _NUMBER = re.compile(r"_\d+$")
 #: Least distance (m) by which an object has moved between two images.

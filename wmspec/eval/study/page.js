@@ -2,24 +2,11 @@
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
   const LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ", RETRY = 2000;
-  const $ = (id) => document.getElementById(id);
   const parameters = new URLSearchParams(location.search);
   const words = data.wording.texts, completion = data.wording.completion;
 
   /** A text of the page, with what stands in braces filled in. */
   const word = (name, values = {}) => words[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
-
-  /** An element with attributes and children; a child that is a text is shown as it is. */
-  function make(name, attributes = {}, ...children) {
-    const element = document.createElement(name);
-    for (const [key, value] of Object.entries(attributes)) {
-      if (key.startsWith("on")) element.addEventListener(key.slice(2), value);
-      else if (value === true) element.setAttribute(key, "");
-      else if (value !== false && value != null) element.setAttribute(key, value);
-    }
-    element.append(...children.flat().filter((child) => child != null && child !== ""));
-    return element;
-  }
 
   /** A text: paragraphs are parted by empty lines, one that begins with # is a heading. Nothing in it is markup. */
   const prose = (text) => text.trim().split(/\n\s*\n/).map((part) =>

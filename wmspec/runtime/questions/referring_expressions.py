@@ -11,6 +11,7 @@ from wmspec.compile.layout.view import common_direction, view_coordinates
 from wmspec.core.diagnostics import WmsError
 from wmspec.lang.check.tables.color_math import rgb
 from wmspec.lang.check.tables.vocabulary import COLORS
+from wmspec.lang.check.types.types import article
 from wmspec.runtime.questions.difference import ciede2000, lab
 from wmspec.sim.materials import SHADES
 from wmspec.sim.scene.model import Array
@@ -35,7 +36,7 @@ def referring_expression(name: str, values: Evaluator) -> str:
     for ways in (_material, _size, _side, _depth):
         for words in ways(name, rivals, values):
             return f"the {words}"
-    raise Ambiguous(f"`{name}` and `{rivals[0]}` are both {_article(plain)} and no words distinguish them")
+    raise Ambiguous(f"`{name}` and `{rivals[0]}` are both {article(plain)} and no words distinguish them")
 
 
 def present_objects(values: Evaluator) -> Iterator[str]:
@@ -100,10 +101,6 @@ def _plain(name: str, values: Evaluator) -> str:
     if formless and not (values.has(name, "called") and values.has(name, "color")):
         return what
     return f"{color_word(values.text(name, 'color'))} {what}"
-
-
-def _article(noun: str) -> str:
-    return f"{'an' if noun[0] in 'aeio' else 'a'} {noun}"
 
 
 # ---------------------------------------------------------------- what tells apart
