@@ -13,6 +13,7 @@ from pathlib import Path
 # Before NumPy is imported. Several processes test at once, and the threads of each would wait for a core by computing:
 # on two cores, products of small matrices took four times as long. `wmspec audit` and `report` have one thread, too.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("LP_NUM_THREADS", "0")  # of Mesa's software renderer, as in processes that generate datasets
 
 import pytest
 from hypothesis import settings
@@ -27,8 +28,8 @@ from wmspec.runtime.engines.registry import default
 __all__ = ["browser", "shared"]  # here alone: a process has one of each, however many folders use it
 
 # Time limits belong in benchmarks: a loaded machine must not fail a law. In CI the same examples are tried every time.
-settings.register_profile("wmspec", deadline=None, derandomize=bool(os.environ.get("CI")))
-settings.register_profile("long", settings.get_profile("wmspec"))
+settings.register_profile("wmspec", max_examples=50, deadline=None, derandomize=bool(os.environ.get("CI")))
+settings.register_profile("long", settings.get_profile("wmspec"), max_examples=200)
 settings.load_profile("wmspec")
 
 # Datasets say when they were published: in tests, always on the same day.

@@ -8,6 +8,7 @@ import pytest
 
 import wmspec
 from tests.engines import installed
+from wmspec.api.checking import check_files
 from wmspec.api.generating import plan_dataset
 from wmspec.api.profile import with_profile
 from wmspec.api.verifying import verify
@@ -23,6 +24,8 @@ OPTIONS = {"SE-V": 2, "SE-O": 2, "V-M": 2, "CQ": 2, "TP": 3, "TE": 3, "MS": 3, "
 
 @pytest.fixture(scope="module")
 def tasks() -> tuple[wmspec.Task, ...]:
+    """Checked first: the check stores all that later tests load, while loading stores the tasks only."""
+    assert check_files(catalogue_folders()).passed
     return with_profile(wmspec.load_all(*catalogue_folders()), "wm-abench")
 
 

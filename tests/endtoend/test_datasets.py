@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 
 from tests.command import wmspec as command
 from tests.endtoend.conftest import OPTIONS
-from tests.endtoend.test_commands import COLLIDE, SPEED, wmspec
+from tests.endtoend.test_commands import SPEED, wmspec
 from tests.engines import installed
 from wmspec.api import generate
 from wmspec.api.verifying import verify
@@ -54,14 +54,16 @@ def test_each_engine_has_its_rows_if_rows_are_of_engines(tmp_path: Path) -> None
         assert verify(tmp_path / name, sample=1, workers=0).verdict == "same"
 
 
-def test_the_same_bytes_whatever_the_number_of_workers(dataset: Path, tmp_path: Path) -> None:
-    """None in the dataset, two in the command."""
-    args = ["generate", SPEED, COLLIDE, "-o", "two", "-b", OPTIONS["backend"], "--seed", OPTIONS["seed"]]
-    args += ["--per-task", OPTIONS["per_task"], "--size", OPTIONS["size"]]
+def test_the_same_bytes_whatever_the_number_of_workers(tmp_path: Path) -> None:
+    """Two in the command, none in the dataset that is generated beside it."""
+    options = {**OPTIONS, "per_task": 4}
+    generate(SPEED, tmp_path / "alone", workers=0, **options)
+    args = ["generate", SPEED, "-o", "two", "-b", OPTIONS["backend"], "--seed", OPTIONS["seed"]]
+    args += ["--per-task", 4, "--size", OPTIONS["size"]]
     wmspec(*args, "-j", 2, folder=tmp_path)
-    assert digests(tmp_path / "two") == digests(dataset)
+    assert digests(tmp_path / "two") == digests(tmp_path / "alone")
     command(*args, folder=tmp_path)
-    assert digests(tmp_path / "two") == digests(dataset), "asking again changes nothing"
+    assert digests(tmp_path / "two") == digests(tmp_path / "alone"), "asking again changes nothing"
 
 
 CROWDED = """

@@ -11,7 +11,7 @@ from tests.shared import Shared
 from wmspec.api import generate
 
 SHOVE = Path(__file__).parent / "specs/shove.wms"
-OPTIONS = {"backend": "mujoco,pybullet", "size": 64, "film": 12, "film_size": (192, 112)}
+OPTIONS = {"backend": "mujoco,pybullet", "size": 64, "film": 8, "film_size": (192, 112)}
 
 
 @pytest.fixture(scope="session")
