@@ -24,7 +24,7 @@ GUARDS = {"regular_file", "open_file", "BytesIO", "content"}
 #: Modules that read files of wmspec itself, or that run without wmspec.
 OWN = {
     "cli/__init__.py", "core/code_digest.py", "core/safe_io.py", "editor/start.py", "eval/export/folder.py",
-    "eval/export/files/inspect_task.py", "eval/publish/files/answer.py", "eval/models/montage.py", "eval/study/page.py",
+    "eval/export/files/inspect_task.py", "eval/publish/files/answer.py", "eval/models/images.py", "eval/study/page.py",
     "lang/check/expressions/libraries.py", "lang/parse/pages.py", "lang/parse/tables.py", "dataset/build/webpage.py",
 }  # fmt: skip
 #: Calls whose path the lines before check.

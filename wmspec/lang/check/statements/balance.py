@@ -5,6 +5,7 @@ from __future__ import annotations
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.ir.evaluate import subexpressions
+from wmspec.lang.check.statements.question_kinds import has_countable_answers
 
 
 def balance(check: Expressions, spec: ir.TaskSpec) -> None:
@@ -20,7 +21,7 @@ def balance(check: Expressions, spec: ir.TaskSpec) -> None:
 
 
 def _uncountable_reason(question: ir.Question) -> tuple[str, str] | None:
-    if question.kind not in ("labels", "possible") or question.options is None:
+    if not has_countable_answers(question) or question.options is None:
         what = f"`{question.name}` has no list of answers that could come equally often"
         return what, "balance a question that is answered with one of its `options`, or with yes or no"
     if any(isinstance(part, ir.Ref | ir.Property | ir.Call) for part in subexpressions(question.options)):

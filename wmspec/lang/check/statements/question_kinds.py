@@ -156,6 +156,11 @@ def question_kind(answer: Type, clauses: Set[str]) -> ir.QuestionKind:
     return next(name for name, rules in QUESTION_RULES.items() if rules.fits(answer, clauses))
 
 
+def has_countable_answers(question: ir.Question) -> bool:
+    """Whether the answers of a question are names, whose frequencies can be counted."""
+    return question.kind in ("labels", "possible")
+
+
 def violated_rule(rules: QuestionRules, answer: Type, clauses: Set[str]) -> ClauseRule | None:
     """Return the first rule that a question violates, or None."""
     refused = (rule for rule in rules.refused if rule.clause in clauses and rule.applies_to(answer))
