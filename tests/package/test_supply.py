@@ -9,6 +9,8 @@ from pathlib import Path
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
+from tools import install
+
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 EXTRAS = {name: [Requirement(text) for text in texts] for name, texts in PROJECT["optional-dependencies"].items()}
@@ -41,3 +43,22 @@ def test_the_constraints_name_versions_that_fit_and_no_hosts() -> None:
     for requirement in REQUIREMENTS:
         if requirement.name not in unpinned:
             assert requirement.specifier.contains(pinned[canonicalize_name(requirement.name)]), requirement
+
+
+LISTED = """:env:.cert='/etc/ca.crt'
+:env:.constraint='file:///a%20b/constraints.txt'
+global.constraint='/etc/other.txt'
+global.extra-index-url='https://one.example/simple file:///two'
+global.index-url='https://example.org/simple'
+install.find-links='/wheels'
+"""
+
+
+def test_uv_installs_under_the_settings_of_pip() -> None:
+    settings = install.effective(LISTED)
+    assert settings["index-url"] == "https://example.org/simple"
+    assert " ".join(install.options(settings)) == (
+        "--index-strategy=unsafe-best-match --constraint /a b/constraints.txt"
+        " --index https://one.example/simple --index file:///two --find-links /wheels"
+    )
+    assert "--no-index" in install.options(install.effective("global.no-index='true'\n"))
