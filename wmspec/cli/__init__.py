@@ -175,7 +175,7 @@ class _Commands(click.Group):
             sys.exit(crash.EXIT_CODE)
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  click passes it by name
-        return list(COMMANDS)
+        return [*COMMANDS]  # `list` is the module of that command, once it is imported
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

@@ -140,7 +140,7 @@ def fingerprint() -> str:
     for entry in sys.path:
         if entry.endswith("-packages"):
             with suppress(OSError):
-                facts.append((entry, os.stat(entry).st_mtime_ns))  # noqa: PTH116
+                facts.append((os.path.realpath(entry), os.stat(entry).st_mtime_ns))  # noqa: PTH116
     return digest(repr(facts).encode())
 
 
