@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import subprocess
 import sys
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -26,10 +27,17 @@ def digest(trace: Trace) -> str:
     ).hexdigest()
 
 
+@cache
+def digests(engine: str) -> tuple[str, str]:
+    """Those of two scenes, executed once in this process."""
+    execute = installed(engine).execute
+    return digest(execute(lively())), digest(execute(limbs()))
+
+
 @pytest.mark.parametrize("engine", ENGINES)
 def test_runs_do_not_depend_on_what_ran_before(engine: str) -> None:
     execute = installed(engine).execute
-    first, second = digest(execute(lively())), digest(execute(limbs()))
+    first, second = digests(engine)
     other = scene(floor(0.9, 0.9), body("b", Sphere(0.1), (0, 0, 0.3), restitution=0.9), duration=0.2, gravity=G / 2)
     execute(other)
     assert digest(execute(lively())) == first
@@ -38,7 +46,7 @@ def test_runs_do_not_depend_on_what_ran_before(engine: str) -> None:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_processes_agree(engine: str) -> None:
-    execute = installed(engine).execute
+    installed(engine)
     code = f"""
 from wmspec.backends.{engine} import execute
 from tests.physics.test_determinism import digest
@@ -47,8 +55,7 @@ print(digest(execute(lively())), digest(execute(limbs())), end="")
 """
     root = Path(__file__).parents[2]
     done = subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=True)
-    expected = f"{digest(execute(lively()))} {digest(execute(limbs()))}"
-    assert done.stdout == expected  # also: engines print nothing of their own
+    assert done.stdout == " ".join(digests(engine))  # also: engines print nothing of their own
     assert done.stderr == ""
 
 

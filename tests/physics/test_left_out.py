@@ -17,6 +17,8 @@ from wmspec.sim.scene.physics.episode import play
 from wmspec.sim.usd import read
 
 TASKS = ("domino_row", "arm_push", "arms_push", "arm_drop")
+CASES = [(task, place) for task in TASKS for place in range(2)]
+QUICK = [("domino_row", 0), ("domino_row", 1), ("arm_push", 0), ("arm_drop", 1)]
 
 
 class Counted:
@@ -33,8 +35,9 @@ class Counted:
         self.engine.mj_step(model, data)
 
 
-@pytest.mark.parametrize("place", range(2))
-@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize(
+    ("task", "place"), [case if case in QUICK else pytest.param(*case, marks=pytest.mark.slow) for case in CASES]
+)
 def test_omitted_bodies_have_no_effect(task: str, place: int, monkeypatch: pytest.MonkeyPatch) -> None:
     installed("mujoco")
     from wmspec.backends.mujoco import physics, world

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from symtable import SymbolTable, symtable
 
@@ -86,8 +87,17 @@ def limbs() -> Scene:
     return replace(whole, filtered=(("box0", "ball"),))
 
 
-@pytest.mark.parametrize("play", [lively, limbs])
-@pytest.mark.parametrize("engine", ENGINES)
+#: An engine runs one of them here, and the other where slow tests run.
+PLAYED = [("mujoco", limbs), ("pybullet", lively), ("sapien", limbs)]
+
+
+@pytest.mark.parametrize(
+    ("engine", "play"),
+    [
+        case if case in PLAYED else pytest.param(*case, marks=pytest.mark.slow)
+        for case in product(ENGINES, (lively, limbs))
+    ],
+)
 def test_the_native_script_plays_the_same_episode(engine: str, play: Callable[[], Scene], tmp_path: Path) -> None:
     backend = installed(engine)
     expected = backend.execute(play())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -12,11 +13,14 @@ from tools.oracles import rewritten
 
 PAGE = Path(__file__).parents[2] / "docs/benchmarks/oracles.md"
 SPECS = tuple(dict.fromkeys(oracle.spec for oracle in ORACLES))
-LONG = ("bounce", "collide", "pusher", "stack")
+LONG = {(spec, engine) for spec in ("bounce", "collide", "pusher", "stack") for engine in ENGINES}
+LONG |= {(spec, "sapien") for spec in ("incline", "third", "tip")}
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("spec", [pytest.param(s, marks=[pytest.mark.slow] * (s in LONG)) for s in SPECS])
+@pytest.mark.parametrize(
+    ("spec", "engine"),
+    [pytest.param(*case, marks=[pytest.mark.slow] * (case in LONG)) for case in product(SPECS, ENGINES)],
+)
 def test_an_engine_meets_its_bars(spec: str, engine: str) -> None:
     installed(engine)
     for oracle in ORACLES:

@@ -1,7 +1,9 @@
 """Arms of others, described in TOML, act as the one that comes with wmspec does."""
 
+from functools import cache
 from math import radians
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -100,11 +102,27 @@ def written(folder: Path, description: str) -> Path:
     return folder / "mine.usdc"
 
 
-@pytest.mark.parametrize("engine", ["mujoco", "pybullet", "sapien"])
+@cache
+def packaged(description: str) -> bytes:
+    """The file of an arm whose model is in a package: made once."""
+    with TemporaryDirectory() as folder:
+        return written(Path(folder), description).read_bytes()
+
+
+def placed(folder: Path, description: str) -> Path:
+    """The same as `written`, of an arm whose model is in a package."""
+    (folder / "mine.usdc").write_bytes(packaged(description))
+    (folder / "pick.wms").write_text(PICK)
+    return folder / "mine.usdc"
+
+
+@pytest.mark.parametrize(
+    "engine", ["pybullet", *(pytest.param(e, marks=pytest.mark.slow) for e in ("mujoco", "sapien"))]
+)
 @pytest.mark.parametrize("arm", [IIWA, pytest.param(XARM, marks=pytest.mark.slow)], ids=["iiwa", "xarm6"])
 def test_it_picks_turns_and_puts_down(tmp_path: Path, arm: str, engine: str) -> None:
     installed(engine)
-    written(tmp_path, arm)
+    placed(tmp_path, arm)
     cup = wmspec.load(tmp_path / "pick.wms")[0].run(engine)["cup"]
     assert cup.position[-1] - cup.position[0] == pytest.approx([0.19, 0.02, 0.01], abs=2e-4)
     assert cup.orientation[-1][[0, 3]] == pytest.approx([np.cos(radians(20)), np.sin(radians(20))], abs=5e-4)
@@ -112,7 +130,7 @@ def test_it_picks_turns_and_puts_down(tmp_path: Path, arm: str, engine: str) -> 
 
 @pytest.mark.parametrize("arm", [IIWA, pytest.param(XARM, marks=pytest.mark.slow)], ids=["iiwa", "xarm6"])
 def test_tool_reaches_its_target(tmp_path: Path, arm: str) -> None:
-    mine = read_arm(written(tmp_path, arm))
+    mine = read_arm(placed(tmp_path, arm))
     start = mine.tool(mine.rest, np.eye(4))
     assert start[:3, 2] == pytest.approx([0, 0, -1], abs=0.35)
     for step in np.eye(3):
@@ -135,7 +153,7 @@ def test_an_arm_of_mjcf_or_usd_keeps_its_limits(tmp_path: Path, file: str) -> No
 
 def test_its_stage_stands_by_itself(tmp_path: Path) -> None:
     installed("mujoco")
-    written(tmp_path, IIWA)
+    placed(tmp_path, IIWA)
     command("compile", "pick.wms", "-o", "out", folder=tmp_path)
     (tmp_path / "mine.usdc").unlink()
     (stage,) = (tmp_path / "out").rglob("000000.usda")
@@ -144,7 +162,7 @@ def test_its_stage_stands_by_itself(tmp_path: Path) -> None:
 
 
 def test_which_arm_it_is_can_be_a_factor(tmp_path: Path) -> None:
-    written(tmp_path, IIWA)
+    placed(tmp_path, IIWA)
     (tmp_path / "other.usdc").write_bytes((tmp_path / "mine.usdc").read_bytes())
     text = PICK.replace("robot mine", 'factor which in ["mine.usdc", "other.usdc"]\n  robot mine').replace(
         '"mine.usdc"  on', "which  on"
@@ -174,7 +192,7 @@ def test_errors_of_a_description_are_reported(tmp_path: Path, old: str, new: str
 
 
 def test_file_without_an_arm_is_an_error(tmp_path: Path) -> None:
-    written(tmp_path, IIWA)
+    placed(tmp_path, IIWA)
     (tmp_path / "mine.usdc").write_text("#usda 1.0\n")
     with pytest.raises(WmsError, match=r"mine.usdc is no arm"):
         wmspec.load(tmp_path / "pick.wms")[0].stage()
