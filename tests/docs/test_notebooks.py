@@ -19,7 +19,7 @@ def test_there_is_a_test_for_each() -> None:
 
 
 @pytest.mark.pixels
-@pytest.mark.parametrize("name", NEEDS)
+@pytest.mark.parametrize("name", ["first_scene", "own_engine", pytest.param("factor_study", marks=pytest.mark.slow)])
 def test_it_runs_from_beginning_to_end(name: str, tmp_path: Path) -> None:
     for engine in NEEDS[name]:
         installed(engine)

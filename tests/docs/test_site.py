@@ -6,23 +6,34 @@ import os
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 import wmspec
+from tests.language.specs import SPECS
+from tools import pages
 from wmspec.api import HOMES
 from wmspec.cli import COMMANDS
 from wmspec.dataset.build.columns import COLUMNS
 from wmspec.eval.models.results import COLUMNS as RESULTS
+from wmspec.lang.parse.codes import CODES
 from wmspec.runtime.engines.registry import info, names
 from wmspec.sim.scene.capability import capability_table
 
 ROOT = Path(__file__).parents[2]
 
 
+#: A link of a page, and what may be its end: a page, a place in it, or both.
+LINK = re.compile(r"\]\(([^()\s#]*)(?:#([^()\s]+))?\)")
+CODE = re.compile(r"^( *)(```|~~~).*?^\1\2|`[^`\n]*`", re.MULTILINE | re.DOTALL)
+
+
 @pytest.mark.build
+@pytest.mark.slow
 def test_it_builds_without_warnings(tmp_path: Path) -> None:
+    """The workflow `docs` builds it at every push, too."""
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "-d", str(tmp_path)]
     environment = os.environ | {"NO_MKDOCS_2_WARNING": "1"}
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
@@ -42,6 +53,42 @@ def test_it_builds_without_warnings(tmp_path: Path) -> None:
     reference = (tmp_path / "api/index.html").read_text()
     assert all(f'id="{home}.{name}"' in reference for name, home in HOMES.items())
     assert "freiction" in (tmp_path / "diagnostics/WMS203/index.html").read_text()
+
+
+@pytest.mark.parametrize("page", [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))], ids=lambda p: p.stem)
+def test_every_link_leads_somewhere(page: Path) -> None:
+    for target, place in LINK.findall(CODE.sub("", page.read_text())):
+        if not re.match(r"\w+:|\.\./\.\./actions/", target):  # elsewhere; workflows of GitHub
+            there = Path(os.path.normpath(page.parent / target)) if target else page
+            assert there.exists() or there.relative_to(ROOT / "docs").as_posix() in made(), target
+            assert not (place and there.suffix == ".md" and there.exists()) or place in places(there), (target, place)
+
+
+@cache
+def made() -> set[str]:
+    """The pages that `tools/pages.py` makes."""
+    tasks = re.findall(r"^task (\w+)", "\n".join(spec.read_text() for spec in SPECS), re.MULTILINE)
+    reference = [f"reference/{name}" for name in ("columns", "results", "capabilities")]
+    alone = ("changelog", "commands/index", "tasks/index", *reference)
+    every = {"commands": COMMANDS, "diagnostics": CODES, "tasks": tasks}
+    return {f"{name}.md" for name in (*alone, *(f"{folder}/{n}" for folder, names in every.items() for n in names))}
+
+
+@cache
+def places(page: Path) -> set[str]:
+    """What links within a page can lead to: its headings, as they are in addresses."""
+    text = re.sub(r"^( *)(```|~~~).*?^\1\2", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    headings = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+    named = re.findall(r"\{ ?#([\w-]+)|id=\"([\w-]+)\"", text)
+    words = (re.sub(r"[^\w\s-]", "", re.sub(r"\]\([^)]*\)", "]", heading)).strip().lower() for heading in headings)
+    return {re.sub(r"[-\s]+", "-", said) for said in words} | {name for pair in named for name in pair if name}
+
+
+def test_generated_pages_name_all_that_is_public() -> None:
+    assert all(f"`{name}`" in pages.columns() for name in COLUMNS)
+    assert all(f"`{name}`" in pages.results() for name in RESULTS)
+    assert set(pages._commands()) == set(COMMANDS)
+    assert all(f"wmspec {name}" in page for name, page in pages._commands().items())
 
 
 def test_the_page_of_the_api_names_all_that_is_public() -> None:

@@ -125,8 +125,12 @@ def link(package: Distribution, site: Path) -> None:
             (site / file).symlink_to(Path(str(package.locate_file(file))).absolute())
 
 
+@pytest.mark.slow
 def test_wheel_needs_only_its_dependencies(alone: Path, tmp_path: Path) -> None:
-    """From an empty folder to a dataset of all engines, looked at and made again; no development package."""
+    """From an empty folder to a dataset of all engines, looked at and made again; no development package.
+
+    Otherwise `make check` compares imports with dependencies, and all tests run on an installed wheel.
+    """
     for engine in ENGINES:
         installed(engine)
     python = alone / "python"
