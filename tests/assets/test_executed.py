@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from dataclasses import replace
 from importlib.util import find_spec
 from math import pi, radians, sqrt
@@ -15,6 +13,7 @@ import pytest
 
 from tests.assets.specs import CABINET, here, named, scene, spec
 from tests.assets.test_usd_meshes import written
+from tests.command import wmspec
 from tests.engines import ENGINES, installed
 from wmspec.sim.scene.model import Array, Pose, Scene, Trace
 from wmspec.sim.scene.model.bounds import world_box
@@ -81,17 +80,14 @@ def test_documented_cabinet_runs(tmp_path: Path) -> None:
     page = CABINET.with_name("guides").joinpath("assets.md").read_text()
     spec_file = here(tmp_path) / "open.wms"
     spec_file.write_text(page.partition("```wms cabinet\n")[2].partition("```")[0])
-    wmspec = [sys.executable, "-m", "wmspec"]
     engines = [e for e in ENGINES if find_spec(e)]
-    compiled = [*wmspec, "compile", "open.wms", "-i", "2", "-o", "out", "--backend", engines[0]]
-    subprocess.run(compiled, cwd=tmp_path, check=True, capture_output=True)
+    wmspec("compile", "open.wms", "-i", "2", "-o", "out", "--backend", engines[0], folder=tmp_path)
     assert {p.name.partition(".")[2] for p in (tmp_path / "out/open").glob("000002.*.usda")} == {
         "little.usda",
         "none.usda",
         "stuck.usda",
     }
-    run = [*wmspec, "run", "open.wms", "--backend", ",".join(engines)]
-    said = subprocess.run(run, cwd=tmp_path, check=True, capture_output=True, text=True).stdout
+    said = wmspec("run", "open.wms", "--backend", ",".join(engines), folder=tmp_path).stdout
     assert said.count("cabinet_door     ends at") == len(engines)
 
 

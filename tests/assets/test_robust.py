@@ -58,7 +58,7 @@ def reported(folder: Path, content: bytes, name: str = "a.urdf") -> list[str]:
     return [d.code for d in report.diagnostics]
 
 
-@examples(100, 1000)
+@examples(60, 1000)
 @given(data=st.data())
 def test_mutated_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     text = data.draw(st.sampled_from(TEXTS))
@@ -69,7 +69,7 @@ def test_mutated_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataO
     reported(tmp_path_factory.getbasetemp(), text.encode(errors="replace"))
 
 
-@examples(60, 600)
+@examples(40, 600)
 @given(data=st.data())
 def test_mutated_words_of_assets(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     """Well-formed, with wrong names and numbers."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Collection
 from itertools import combinations
 from typing import Any
 
@@ -39,9 +39,8 @@ PLACES = {
 }
 
 
-@cache
-def drawn(library: str, engine: str) -> dict[str, Any]:
-    """Mean sRGB of the objects of every colour: (three shapes, 3)."""
+def drawn(library: str, engine: str, shapes: Collection[str] = ("sphere", "cube", "cylinder")) -> dict[str, Any]:
+    """Mean sRGB of the objects of every colour: (shapes, 3)."""
     ground, size = PLACES[library]
     objects = "".join(
         OBJECT.format(name, size, ground, 1.7 * (i % 4 - 1.5), 2 * (i // 4 - 1))
@@ -49,7 +48,7 @@ def drawn(library: str, engine: str) -> dict[str, Any]:
     )
     task = wmspec.load(text=TASK.format(library=library, objects=objects))
     means: dict[str, list[Any]] = {name: [] for name in DISTINCT_COLORS}
-    for instance in {instance.factors["shape"]: instance for instance in task[:24]}.values():
+    for instance in [{instance.factors["shape"]: instance for instance in task[:24]}[shape] for shape in shapes]:
         scene = read(instance.stage())
         (frame,) = worlds.frames(scene, engine, 192, ["front"])
         for i, body in enumerate(scene.bodies):
@@ -60,20 +59,21 @@ def drawn(library: str, engine: str) -> dict[str, Any]:
 
 @pytest.mark.engine
 @pytest.mark.parametrize("library", PLACES)
-@pytest.mark.parametrize("deficiency", ["none", "protan", "deutan"])
-def test_names_stay_apart_as_drawn(library: str, deficiency: str) -> None:
+def test_names_stay_apart_as_drawn(library: str) -> None:
     installed("mujoco")
     colors = drawn(library, "mujoco")
-    for one, other in combinations(DISTINCT_COLORS if deficiency == "none" else HUES, 2):
-        first, second = seen(colors[one], deficiency), seen(colors[other], deficiency)
-        apart = ciede2000(first[:, None], second[None]).min()
-        assert apart >= (15 if deficiency == "none" else 8), f"{one} and {other}: {apart:.1f}"
+    for deficiency in ("none", "protan", "deutan"):
+        for one, other in combinations(DISTINCT_COLORS if deficiency == "none" else HUES, 2):
+            first, second = seen(colors[one], deficiency), seen(colors[other], deficiency)
+            apart = ciede2000(first[:, None], second[None]).min()
+            assert apart >= (15 if deficiency == "none" else 8), f"{one} and {other}, {deficiency}: {apart:.1f}"
 
 
 @pytest.mark.engine
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", [engine for engine in ENGINES if engine != "mujoco"])
 def test_all_engines_draw_them_distinct(engine: str) -> None:
+    """On spheres, which have a side in the light and one in the shade."""
     installed(engine)
-    colors = drawn("grounds", engine)
+    colors = drawn("grounds", engine, ["sphere"])
     for one, other in combinations(DISTINCT_COLORS, 2):
         assert ciede2000(seen(colors[one], "none")[:, None], seen(colors[other], "none")[None]).min() >= 15

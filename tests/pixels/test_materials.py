@@ -44,7 +44,10 @@ def test_the_table_and_the_files_name_one_another() -> None:
     assert sorted(path.name for path in TEXTURES.iterdir()) == IMAGES
 
 
-@pytest.mark.parametrize("name", IMAGES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in ("leather.png", "stone.png"))) for name in IMAGES],
+)
 def test_files_are_as_the_tool_writes_them(name: str) -> None:
     assert looks.current(name)
 
@@ -131,6 +134,7 @@ def test_engines_tint_alike(pair: tuple[str, str], frames: dict[str, Frame]) -> 
     assert everything.max() < 1.6
 
 
+@pytest.mark.parametrize("engine", ["mujoco", pytest.param("pybullet", marks=pytest.mark.slow), "sapien"])
 def test_materials_are_distinguishable(engine: str, renderer: Any) -> None:
     """Of one colour, their pictures still differ, on average by more than engines may."""
     names, shots = sorted(MATERIALS), {}

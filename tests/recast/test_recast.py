@@ -16,6 +16,7 @@ import pytest
 from click.testing import CliRunner, Result
 from PIL import Image, ImageCms
 
+from tests.command import wmspec
 from wmspec.cli import main
 from wmspec.dataset.build.identity import identity
 from wmspec.dataset.build.reader import DatasetReader
@@ -85,12 +86,16 @@ def test_the_commands_of_the_docs_work(tmp_path: Path) -> None:
     pytest.importorskip("skimage")
     pytest.importorskip("statsmodels")
     block, *_ = re.findall(r"```sh\n(.*?)```", (DOCS.parent / "recast.md").read_text(), re.DOTALL)
-    python = shlex.quote(sys.executable)
-    here = f'set -e\npython() {{ {python} "$@"; }}\nwmspec() {{ {python} -m wmspec "$@"; }}\n'
+    first, *commands = block.splitlines()
+    here = f'python() {{ {shlex.quote(sys.executable)} "$@"; }}\n{first}\necho "$IMAGES"'
+    images = subprocess.run(["bash", "-ec", here], capture_output=True, text=True, check=True).stdout.strip()
     (tmp_path / "docs").symlink_to(DOCS.parent)
-    done = subprocess.run(["bash", "-c", here + block], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert re.search(r"^Of \d+ tasks?, ", done.stdout, re.MULTILINE)
+    said = ""
+    for line in commands:
+        program, *words = shlex.split(line.replace("$IMAGES", images))
+        assert program == "wmspec"
+        said += wmspec(*words, folder=tmp_path).output
+    assert re.search(r"^Of \d+ tasks?, ", said, re.MULTILINE)
     report = json.loads((tmp_path / "report" / "report.json").read_text())
     assert {line["system"]: line["average"]["value"] for line in report["tables"][0]["lines"]}["oracle"] == 1.0
 

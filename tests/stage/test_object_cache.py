@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given
 
 from tests.examples import examples
 from tests.language.specs import SPECS, random_spec, task_from, task_of
+from tests.stage.test_parts import FEW
 from wmspec.compile.design.design import Design
 from wmspec.compile.layout.evaluator import Evaluator
 from wmspec.compile.stage import object_cache
@@ -49,7 +50,7 @@ def agree(spec: TaskSpec, groups: int, instances: int, most: int | None = None) 
         assert made(every[k], objects) == expected[k]
 
 
-@pytest.mark.parametrize("path", SPECS[::4], ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", FEW, ids=lambda path: path.stem)
 def test_objects_of_every_task_are_alike(path: Path) -> None:
     agree(task_of(path), 2, 2, most=1)
 
@@ -63,7 +64,7 @@ def test_objects_of_many_instances_are_alike(path: Path) -> None:
 @examples(4, 12, suppress_health_check=list(HealthCheck))
 @given(random_spec())
 def test_objects_of_random_tasks_are_alike(spec: TaskSpec) -> None:
-    agree(spec, 2, 2, most=3)
+    agree(spec, 2, 2, most=1)
 
 
 ROOM = """

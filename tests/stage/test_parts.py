@@ -65,10 +65,12 @@ def agree(spec: TaskSpec, instances: int, most: int | None = None) -> None:
             assert [key(one) for key in KEYS] == [key(scene) for key in KEYS]
 
 
+#: Every fourth task, but one that walks and one of arms stand for two of them.
+FEW = [path for path in SPECS[::4] if path.stem != "arms_lift" and path.parent.name != "transitivity"]
 KEYS = (physics_key, look_key, form_key)
 
 
-@pytest.mark.parametrize("path", SPECS[::4], ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", FEW, ids=lambda path: path.stem)
 def test_every_task_is_read_alike(path: Path) -> None:
     agree(task_of(path), 2, most=1)
 
@@ -82,7 +84,7 @@ def test_many_instances_of_every_task_are_read_alike(path: Path) -> None:
 @examples(3, 6, suppress_health_check=list(HealthCheck))
 @given(random_spec())
 def test_random_tasks_are_read_alike(spec: TaskSpec) -> None:
-    agree(spec, 2, most=2)
+    agree(spec, 2, most=1)
 
 
 def test_only_what_changed_is_read_again(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -111,6 +113,6 @@ def test_only_what_changed_is_read_again(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_little_is_remembered() -> None:
     cache = SceneCache(remembered=12)
     (spec,) = (task_of(path) for path in SPECS if path.stem == "collide")
-    for document in documents(spec, 3):
+    for document in documents(spec, 3, most=1):
         assert not difference(read(compose(document)), cache.scene(document))
         assert len(cache._known) <= 12
