@@ -84,7 +84,7 @@ def models(draw: Any) -> str:
     return f'<mujoco><compiler angle="{radian}"/>{defaults}{mesh}<worldbody>{anchor}{bodies}</worldbody></mujoco>'
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=20)
 @given(text=models())
 def test_masses_frames_limits_and_springs_are_those_of_mujoco(text: str, tmp_path: Path) -> None:
     (tmp_path / "m.obj").write_text(MESH)

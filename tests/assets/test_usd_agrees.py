@@ -486,7 +486,7 @@ def _held(draw: st.DrawFn, kind: str, held: str, i: int, poses: list[Gf.Matrix4d
     return f'def Physics{kind}Joint "j{i}" {{ {said} }}'
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(text=trees())
 def test_any_tree_of_bodies_is_the_same_in_a_spec(tmp_path_factory: pytest.TempPathFactory, text: str) -> None:
     folder = tmp_path_factory.mktemp("tree")

@@ -69,13 +69,13 @@ def assert_weighs(shape: Shape, solid: Any, within: float) -> None:
     np.testing.assert_allclose(tensor, shape.tensor, atol=within * np.abs(tensor).max())
 
 
-@settings(max_examples=25)
+@settings(max_examples=15)
 @given(outlines())
 def test_a_lathe_weighs_what_its_profile_holds_when_turned(profile: Outline) -> None:
     assert_weighs(Lathe(profile), revolved(profile), 1e-4)
 
 
-@settings(max_examples=50)
+@settings(max_examples=25)
 @given(outlines(), lengths)
 def test_an_extruded_outline_weighs_what_its_triangles_hold(outline: Outline, depth: float) -> None:
     assert_weighs(Extrude(outline, depth), meshed(Extrude(outline, depth)), 1e-9)

@@ -89,7 +89,7 @@ def outward(found: Body) -> tuple[Array, Array]:
     return points[:, 0], normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(thing_=things(), support=supports(), at=st.tuples(st.floats(-0.01, 0.01), st.floats(-0.01, 0.01)))
 def test_resting_body_touches_the_upper_face_without_overlap(
     thing_: dict[str, Any], support: dict[str, Any], at: tuple[float, float]

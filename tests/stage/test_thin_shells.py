@@ -18,7 +18,8 @@ from wmspec.sim.scene.model import Body
 from wmspec.sim.scene.model.bounds import world_box
 from wmspec.sim.shapes import Mesh
 from wmspec.sim.usd import read
-from wmspec.sim.usd.thin_shells import SHELL_DEPTH, thin_shells
+from wmspec.sim.usd import thin_shells as module
+from wmspec.sim.usd.thin_shells import MAX_FACES, SHELL_DEPTH, thin_shells
 
 Points = NDArray[np.float64]
 SHEET = """
@@ -114,8 +115,11 @@ def test_a_solid_keeps_its_surface(solid: trimesh.Trimesh) -> None:
     assert inside(solid, corners).all()
 
 
-def test_a_mesh_of_too_many_faces_is_refused() -> None:
-    ball = trimesh.creation.icosphere(4)
+@pytest.mark.parametrize(("fine", "most"), [(2, 100), pytest.param(4, MAX_FACES, marks=pytest.mark.slow)])
+def test_a_mesh_of_too_many_faces_is_refused(fine: int, most: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of as many as the limit allows, reading takes seconds."""
+    monkeypatch.setattr(module, "MAX_FACES", most)
+    ball = trimesh.creation.icosphere(fine)
     bowl = trimesh.Trimesh(ball.vertices, ball.faces[ball.triangles_center[:, 2] < 0])
     with pytest.raises(
         StageError, match=r"/World/m: its surface cannot collide: it has .* flat faces.* set physics:approx"
