@@ -20,6 +20,7 @@ from wmspec.runtime.engines.registry import backend
 
 engine = backend(sys.argv[1])
 scene, shots = pickle.load(sys.stdin.buffer)
+engine.execute(scene)
 for _ in range(3):
     renderer = engine.renderer(scene, 64, 64)
     print(hashlib.sha256(b"".join(renderer.draw(shot).rgb.tobytes() for shot in shots)).hexdigest())
