@@ -29,8 +29,8 @@ from wmspec.sim.usd import read
 
 
 def begun(stage: Usd.Stage) -> Scene:
-    """The first half second of a scene."""
-    return replace(read(stage), duration=0.5)
+    """A scene until a ball is on its way."""
+    return replace(read(stage), duration=1.3)
 
 
 def scene_of(index: int) -> Scene:
