@@ -91,6 +91,12 @@ def test_only_jobs_that_need_no_secret_publish() -> None:
     assert "secrets." not in (ROOT / ".github/workflows/release.yml").read_text()
 
 
+def test_a_release_is_made_of_a_wheel_that_needs_only_its_dependencies() -> None:
+    """Which takes long, so no other workflow tries it."""
+    steps = [step.get("run", "") for step in read(ROOT / ".github/workflows/release.yml")["jobs"]["build"]["steps"]]
+    assert steps.index(".ci/run") < steps.index(".venv/bin/pytest -m slow tests/package") < steps.index("make dist")
+
+
 def test_no_page_promises_wmspec_from_an_index() -> None:
     pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md"), *(ROOT / "docs").rglob("*.ipynb")]
     promise = re.compile(r"pip install (wmspec\b|'?wmspec\[(all|engines|mujoco|pybullet|sapien)\b)")

@@ -81,7 +81,7 @@ def test_a_checkout_without_links_works(tmp_path: Path) -> None:
     run("git", "-c", "core.symlinks=false", "checkout-index", "--all", f"--prefix={tmp_path}/", cwd=ROOT)
     here = run(sys.executable, "-c", "import wmspec.backends; print(wmspec.backends.__file__)", cwd=tmp_path)
     assert here.strip() == str(tmp_path / "backends/__init__.py")
-    run(sys.executable, "-m", "wmspec", "run", SPEC, cwd=tmp_path)
+    run(sys.executable, "-m", "wmspec", "run", "specs/prediction/mechanistic/slide.wms", cwd=tmp_path)
 
 
 # ------------------------------------------------------------------ the wheel alone
