@@ -326,7 +326,8 @@ def test_objects_narrower_than_the_hand_are_pushed(engine: str, wide: int) -> No
     text = text_of_one(more, horizon=6.2).replace("(6 cm, 5 cm, 6 cm)", f"(6 cm, {wide} mm, 4 cm)")
     moved, orientation = ended(wmspec.load(text=text), engine, "cup")
     assert moved == pytest.approx([-0.08, 0, 0], abs=1.5e-3)
-    assert turned(orientation, 0.0) < radians(0.5)
+    # PyBullet solves the friction of one contact after another, which turns what few contacts hold.
+    assert turned(orientation, 0.0) < radians(1.5 if engine == "pybullet" else 0.5)
 
 
 @pytest.mark.parametrize("engine", quick("pybullet"))
