@@ -5,10 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.ask.asking import ask_all, one, refused, spec_of
+from tests.examples import examples
 from wmspec.core.diagnostics import SpecError
 from wmspec.dataset.build.columns import optional_columns
 from wmspec.dataset.build.rows import encode
@@ -80,7 +81,7 @@ def test_seen_clause_covers_objects_outside_the_text() -> None:
     assert refused(body(f"{HIDDEN} {wall}", "may hide ball  seen wall at [0.8 s]")).startswith("unseen: wall")
 
 
-@settings(max_examples=25, deadline=None)
+@examples(8, 25, deadline=None)
 @given(
     st.sampled_from(CLAUSES),
     st.sampled_from(QUESTIONS),

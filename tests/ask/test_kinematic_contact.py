@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.ask.asking import ask_all, run
 from tests.ask.test_overlap import SHAPES, at, turns
 from tests.engines import ENGINES
+from tests.examples import examples
 from wmspec.runtime.questions.model import QuestionRow
 from wmspec.sim.scene.model import Array, Geom, Pose
 from wmspec.sim.scene.model.bounds import bounds
@@ -21,7 +22,7 @@ from wmspec.sim.shapes import Box, Shape, Sphere
 FLOOR = Box((1.0, 1.0, 0.1))
 
 
-@settings(max_examples=30)
+@examples(12, 30)
 @given(st.floats(0.02, 0.1), st.floats(0.02, 0.1), st.floats(-0.02, 0.3), st.floats(0, 6))
 def test_the_distance_of_two_spheres(a: float, b: float, gap: float, turn: float) -> None:
     far = a + b + gap
@@ -33,7 +34,7 @@ def test_the_distance_of_two_spheres(a: float, b: float, gap: float, turn: float
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)
-@settings(max_examples=15)
+@examples(5, 15)
 @given(turn=turns, gap=st.floats(0.001, 0.2))
 def test_the_distance_from_a_floor(shape: Shape, turn: tuple[float, ...], gap: float) -> None:
     """It is at most the true one, above 0.1 mm for what is 1 mm apart, and below for what touches."""
@@ -45,7 +46,7 @@ def test_the_distance_from_a_floor(shape: Shape, turn: tuple[float, ...], gap: f
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)
-@settings(max_examples=25)
+@examples(10, 25)
 @given(
     turn=turns,
     other=st.sampled_from(SHAPES),

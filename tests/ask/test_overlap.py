@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.examples import examples
 from wmspec.compile.lint.overlap import MAX_OVERLAP
 from wmspec.runtime.questions.runs import _near, _touched
 from wmspec.sim.scene.model import Body, Geom, Pose
@@ -34,7 +35,7 @@ def at(x: float, y: float, z: float, turn: tuple[float, ...] = (1, 0, 0, 0)) -> 
     return Pose(np.array([x, y, z]), np.array(turn) / np.linalg.norm(turn))
 
 
-@settings(max_examples=40)
+@examples(16, 40)
 @given(st.floats(0.02, 0.1), st.floats(0.02, 0.1), st.floats(-0.01, 0.015), st.floats(0, 6), st.floats(0, 3))
 def test_two_spheres(a: float, b: float, depth: float, turn: float, tilt: float) -> None:
     far = a + b - depth
@@ -44,7 +45,7 @@ def test_two_spheres(a: float, b: float, depth: float, turn: float, tilt: float)
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)
-@settings(max_examples=20)
+@examples(7, 20)
 @given(turn=turns, depth=st.floats(0.002, 0.008))
 def test_body_on_the_floor_touches_it_exactly(shape: Shape, turn: tuple[float, ...], depth: float) -> None:
     lowest = bounds(shape, at(0, 0, 0, turn))[0, 2]
@@ -54,7 +55,7 @@ def test_body_on_the_floor_touches_it_exactly(shape: Shape, turn: tuple[float, .
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)
-@settings(max_examples=20)
+@examples(7, 20)
 @given(turn=turns, both=turns, sunk=st.floats(-0.002, 0.008))
 def test_measure_is_independent_of_turns(
     shape: Shape, turn: tuple[float, ...], both: tuple[float, ...], sunk: float
@@ -67,7 +68,7 @@ def test_measure_is_independent_of_turns(
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)
-@settings(max_examples=20)
+@examples(10, 20)
 @given(turn=turns)
 def test_the_upright_box_holds_the_shape_exactly(shape: Shape, turn: tuple[float, ...]) -> None:
     pose = at(0.3, -0.2, 0.1, turn)

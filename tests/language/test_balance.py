@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import wmspec
+from tests.examples import examples
 from wmspec.compile.design.design import Design
 from wmspec.core.limits import MAX_DRAWS
 from wmspec.core.rng import bits
@@ -92,7 +93,7 @@ def _answer(design: Design, index: int, answers: Mapping[str, float], seed: int)
 SKEW = {"a": 0.7, "b": 0.2, "c": 0.1}
 
 
-@settings(max_examples=30, deadline=None)
+@examples(10, 30, deadline=None)
 @given(seed=st.integers(0, 99), block=st.integers(0, 23))
 def test_lap_balances_answers_over_its_groups(seed: int, block: int) -> None:
     task = design(count=24)

@@ -4,9 +4,10 @@ from dataclasses import replace
 from itertools import combinations, pairwise
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from tests.examples import examples
 from tests.language.designs import allowed, compare, design_of, random_design
 from tests.language.specs import random_spec, task_from
 from wmspec.compile.design.design import Design
@@ -37,7 +38,7 @@ def test_the_design_is_the_allowed_product() -> None:
     assert all(i.factors["a"] != i.factors["c"] for i in design)
 
 
-@settings(max_examples=150, deadline=None)
+@examples(60, 150, deadline=None)
 @given(spec=random_design())
 def test_counting_finds_what_trying_finds(spec: TaskSpec) -> None:
     """Numbering by counts gives each allowed combination once, and its index back."""
@@ -52,7 +53,7 @@ def test_counting_finds_what_trying_finds(spec: TaskSpec) -> None:
     assert [design.index(i.factors, i.block) for i in design] == list(range(len(design)))
 
 
-@settings(max_examples=30, deadline=None)
+@examples(10, 30, deadline=None)
 @given(spec=random_spec(), seed=st.integers(0, 9))
 def test_index_and_assignment_are_inverse(spec: TaskSpec, seed: int) -> None:
     design = Design(spec, seed)
@@ -112,7 +113,7 @@ def test_too_much_to_try_or_to_number_is_refused() -> None:
 # ---------------------------------------------------------------- conditions that leave nothing
 
 
-@settings(max_examples=150, deadline=None)
+@examples(60, 150, deadline=None)
 @given(spec=random_design())
 def test_the_fewest_conflicting_conditions_are_named(spec: TaskSpec) -> None:
     assume(not list(allowed(spec)))

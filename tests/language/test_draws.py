@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.examples import examples
 from tests.language.specs import random_text, task_from
 from wmspec.compile.design.design import Design
 from wmspec.compile.layout.evaluator import Evaluator
@@ -84,7 +85,7 @@ SCATTERED = """
 """
 
 
-@settings(max_examples=20, deadline=None)
+@examples(8, 20, deadline=None)
 @given(text=random_text() | random_text(grouped=True), data=st.data())
 def test_additions_and_reordering_keep_other_draws(text: str, data: st.DataObject) -> None:
     """Whatever happens to the rest of a spec, a draw stays bit by bit what it was."""

@@ -5,9 +5,10 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from tests.examples import examples
 from tests.language.designs import allowed, compare, design_of, random_design
 from wmspec.compile.design.design import Design
 from wmspec.lang.check.ir.ir import Plan, TaskSpec
@@ -17,7 +18,7 @@ def groups(count: int, cross: str = "", turn: str = "") -> Plan:
     return Plan(kind="groups", count=count, cross=tuple(cross), turn=tuple(turn))
 
 
-@settings(max_examples=120, deadline=None)
+@examples(40, 120, deadline=None)
 @given(spec=random_design(), count=st.integers(1, 40), seed=st.integers(0, 9), data=st.data())
 def test_group_crosses_exactly_its_factors(spec: TaskSpec, count: int, seed: int, data: st.DataObject) -> None:
     everything = list(allowed(spec))
@@ -50,7 +51,7 @@ def test_group_crosses_exactly_its_factors(spec: TaskSpec, count: int, seed: int
     assert len(set(drawn)) == count
 
 
-@settings(max_examples=60, deadline=None)
+@examples(25, 60, deadline=None)
 @given(spec=random_design(), count=st.integers(2, 30), data=st.data())
 def test_neighbours_are_in_the_group_and_differ_in_one_factor(spec: TaskSpec, count: int, data: st.DataObject) -> None:
     assume(list(allowed(spec)))

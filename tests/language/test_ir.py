@@ -31,7 +31,7 @@ def test_shipped_specs_survive_json(path: Path) -> None:
     assert from_json(printed) == task
 
 
-@examples(10, 30)
+@examples(5, 30)
 @given(spec=random_spec())
 def test_random_specs_survive_json(spec: TaskSpec) -> None:
     assert from_json(to_json(spec)) == spec

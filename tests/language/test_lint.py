@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 
+from tests.examples import examples
 from tests.language.specs import random_text, task_from
 from wmspec.compile.design.design import Design
 from wmspec.compile.layout.evaluator import Evaluator
@@ -52,7 +53,7 @@ def test_spheres_are_as_deep_in_one_another_as_their_radii_exceed_their_distance
         assert reported[0].depth == pytest.approx(depth, abs=1e-4)
 
 
-@settings(max_examples=150, deadline=None)
+@examples(50, 150, deadline=None)
 @given(forms=st.tuples(FORMS, FORMS), at=PLACES, turns=st.tuples(*[ANGLES] * 6))
 def test_solids_overlap_if_some_point_is_inside_both(
     forms: tuple[dict[str, Any], dict[str, Any]], at: tuple[float, float, float], turns: tuple[float, ...]
@@ -106,7 +107,7 @@ def test_bodies_without_collision_may_overlap() -> None:
     assert not found(a, thing("object", "b", **here, present=False))
 
 
-@settings(max_examples=25, deadline=None)
+@examples(8, 25, deadline=None)
 @given(text=random_text(), data=st.data())
 def test_resting_body_is_not_inside_its_support(text: str, data: st.DataObject) -> None:
     design = Design(task_from(text))

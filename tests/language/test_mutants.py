@@ -7,7 +7,7 @@ import pytest
 from benchmarks.mutate import SPELLED, checked, measured, specs
 
 
-@pytest.mark.parametrize("count", [30, pytest.param(120, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [15, pytest.param(120, marks=pytest.mark.slow)])
 def test_mistake_is_reported_once_at_its_place_with_a_remedy(count: int) -> None:
     outcomes = [o for o in measured(range(10_000, 10_000 + count)) if o.errors]
     reported = Counter[str]()
@@ -22,7 +22,7 @@ def test_mistake_is_reported_once_at_its_place_with_a_remedy(count: int) -> None
     assert sum(o.fixed for o in spelled) >= 0.8 * len(spelled)
 
 
-@pytest.mark.parametrize("every", [16, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("every", [32, pytest.param(1, marks=pytest.mark.slow)])
 def test_rest_is_checked_without_any_one_word(every: int) -> None:
     """A word that is put in, in thought, is one that the checker can read."""
     for spec in specs()[:12:6]:

@@ -73,7 +73,7 @@ def test_a_dry_run_of_many_objects_and_counterfactuals_is_bounded(monkeypatch: p
     assert 0 < calls["separation"] < 6 * 150 * 4
 
 
-@examples(20, 300)
+@examples(8, 300)
 @given(data=st.data())
 def test_mutated_specs(data: st.DataObject) -> None:
     text = data.draw(st.sampled_from(TEXTS))
