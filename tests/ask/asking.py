@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
-from tests.engines import installed
+import pytest
+
+from tests.engines import ENGINES, installed
 from tests.language.specs import task_from
 from wmspec.compile.design.design import Design
 from wmspec.lang.check.ir.ir import TaskSpec
@@ -27,6 +30,15 @@ def spec_of(body: str) -> TaskSpec:
     """A task with this body, on a table. Its scenes are small, so its questions may be illegible."""
     spec = task_from(SCENE.format(body=body))
     return replace(spec, questions=tuple(replace(question, legible=False) for question in spec.questions))
+
+
+def quick_matrix(cases: list[tuple[str, ...]], quickest: str, every: int) -> list[Any]:
+    """The cases, each with an engine: all in the quickest, and some in the others; the rest where slow tests run."""
+    return [
+        pytest.param(*case, engine, marks=[pytest.mark.slow] * (engine != quickest and i % every > 0))
+        for engine in ENGINES
+        for i, case in enumerate(cases)
+    ]
 
 
 @cache

@@ -62,7 +62,7 @@ def test_kind_follows_from_answer_and_clauses() -> None:
 
 
 LOOKS = """
-  factor which in [0, 1, 2, 3, 4, 5]
+  factor which in [0, 1, 2, 3]
   object ball { shape: sphere  size: 8 cm  color: red  on: table at (-20 cm + which * 1 cm, 0) }
   action go = launch(ball, direction: 0 deg, speed: 30 cm/s, rolling: true)
   horizon 0.8 s

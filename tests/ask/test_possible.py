@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.ask.asking import ask_all, pair, refused, spec_of
+from tests.ask.asking import ask_all, pair, quick_matrix, refused, spec_of
 from tests.engines import ENGINES
 from tests.language.specs import task_from
 from wmspec.compile.design.design import Design
@@ -33,21 +33,20 @@ def possibility(odd: str, engine: str = "pybullet", pace: str = FAST) -> Questio
     return found
 
 
-@pytest.mark.parametrize(
-    ("odd", "value"),
-    [
-        ("paint(ball, color: red) at 0.5 s", "possible"),
-        ("paint(ball, color: green) at 0.5 s", "impossible"),
-        ("vanish(ball) at 0.5 s", "impossible"),
-        ("stop(ball) at 0.3 s", "impossible"),
-        ("stop(ball) at 0.05 s", "possible"),
-        ("teleport(ball, to: (0, 5 cm)) at 0.5 s", "impossible"),
-        ("teleport(ball, to: (-25 cm, 0)) at 0.05 s", "possible"),
-        ("pass_through(ball, wall) for 0.9 s", "impossible"),
-        ("pass_through(ball, wall) for 0.2 s", "possible"),
-    ],
-)
-@pytest.mark.parametrize("engine", ENGINES)
+ODD = [
+    ("paint(ball, color: red) at 0.5 s", "possible"),
+    ("paint(ball, color: green) at 0.5 s", "impossible"),
+    ("vanish(ball) at 0.5 s", "impossible"),
+    ("stop(ball) at 0.3 s", "impossible"),
+    ("stop(ball) at 0.05 s", "possible"),
+    ("teleport(ball, to: (0, 5 cm)) at 0.5 s", "impossible"),
+    ("teleport(ball, to: (-25 cm, 0)) at 0.05 s", "possible"),
+    ("pass_through(ball, wall) for 0.9 s", "impossible"),
+    ("pass_through(ball, wall) for 0.2 s", "possible"),
+]
+
+
+@pytest.mark.parametrize(("odd", "value", "engine"), quick_matrix(ODD, "pybullet", 3))
 def test_altered_film_is_impossible(odd: str, value: str, engine: str) -> None:
     row = possibility(odd, engine)
     assert row.value == value

@@ -27,7 +27,7 @@ def test_spec_has_no_mistakes_and_keeps_its_questions(path: Path) -> None:
     spec, report = task_of(path), Report()
     dry_run(spec, report)
     assert report.diagnostics == ()
-    design, engines = Design(spec), pair("mujoco", 256)
+    design, engines = Design(spec), pair("mujoco", 128)
     rows = [row for index in design.sample(FEW) for row in ask(design, index, engines)]
     assert [row for row in rows if isinstance(row, Rejected)] == []
 

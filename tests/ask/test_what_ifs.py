@@ -33,10 +33,11 @@ task felled : custom {
 }"""
 
 
-def first_questions(question: str, engine: str = "mujoco") -> dict[str, QuestionRow | Rejected]:
-    """The only question of every instance, by the level of its factor."""
+def first_questions(question: str, *levels: str, engine: str = "mujoco") -> dict[str, QuestionRow | Rejected]:
+    """The only question of the instances that have these levels of the factor, by the level."""
     design = Design(task_from(FELLED.replace("QUESTIONS", f'question "?" {{ {question} }}')))
-    return {str(design[i].factors["heavy"]): ask(design, i, pair(engine))[0] for i in range(len(design))}
+    heavy = {str(design[i].factors["heavy"]): i for i in range(len(design))}
+    return {level: ask(design, heavy[level], pair(engine))[0] for level in levels}
 
 
 def values(rows: dict[str, QuestionRow | Rejected]) -> dict[str, tuple[str, Any]]:
@@ -48,26 +49,28 @@ def values(rows: dict[str, QuestionRow | Rejected]) -> dict[str, tuple[str, Any]
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_the_answer_is_that_of_the_changed_episode(engine: str) -> None:
-    found = values(first_questions("answer toppled(tower) without ball_a  legibility off", engine))
+    answer = "answer toppled(tower) without ball_a  legibility off"
+    found = values(first_questions(answer, "red", "blue", "none", engine=engine))
     assert found["red"] == ("no", "yes")
     assert found["blue"] == ("yes", "yes")
     assert found["none"] == ("no", "no")
 
 
 def test_omitted_action_keeps_its_objects_in_the_picture() -> None:
-    found = values(first_questions("answer toppled(tower) without roll_a"))
+    found = values(first_questions("answer toppled(tower) without roll_a", "red"))
     assert found["red"] == ("no", "yes")
 
 
 def test_a_level_and_an_argument() -> None:
-    assert values(first_questions("answer toppled(tower) under action roll_a.speed: 0.2 m/s"))["red"] == ("no", "yes")
-    found = values(first_questions('answer toppled(tower) under heavy: "none"'))
+    found = values(first_questions("answer toppled(tower) under action roll_a.speed: 0.2 m/s", "red"))
+    assert found["red"] == ("no", "yes")
+    found = values(first_questions('answer toppled(tower) under heavy: "none"', "red", "none"))
     assert found["red"] == ("no", "yes")
     assert found["none"] == ("unchanged", None)
 
 
 def test_numbers_and_what_they_would_actually_be() -> None:
-    row = first_questions("answer displacement(ball_b) without ball_a  within 5 cm  legibility off")["red"]
+    row = first_questions("answer displacement(ball_b) without ball_a  within 5 cm  legibility off", "red")["red"]
     assert isinstance(row, QuestionRow)
     assert row.number is not None
     assert row.actual is not None
@@ -77,7 +80,7 @@ def test_numbers_and_what_they_would_actually_be() -> None:
 
 def test_the_picture_of_a_what_if_stands_beside_what_happens() -> None:
     row = first_questions(
-        "answer frame(front, end) without ball_a  counterfactual still { without roll_b }  distinct by 3 cm"
+        "answer frame(front, end) without ball_a  counterfactual still { without roll_b }  distinct by 3 cm", "red"
     )
     kept = row["red"]
     assert isinstance(kept, QuestionRow)
@@ -88,7 +91,7 @@ def test_the_picture_of_a_what_if_stands_beside_what_happens() -> None:
 
 def test_one_cause_is_the_answer_and_none_or_several_are_a_reason() -> None:
     found = first_questions(
-        "options [ball_a, ball_b]  answer cause of toppled(tower) among [ball_a, ball_b]  legibility off"
+        "options [ball_a, ball_b]  answer cause of toppled(tower) among [ball_a, ball_b]  legibility off", "red", "none"
     )
     kept = found["red"]
     assert isinstance(kept, QuestionRow)
@@ -96,9 +99,9 @@ def test_one_cause_is_the_answer_and_none_or_several_are_a_reason() -> None:
     none = found["none"]
     assert isinstance(none, Rejected)
     assert (none.reason, none.detail) == ("cause", "it does not happen, so nothing is its cause")
-    spared = first_questions("options [ball_b, tower]  answer cause of toppled(tower) among [ball_b]  legibility off")[
-        "red"
-    ]
+    spared = first_questions(
+        "options [ball_b, tower]  answer cause of toppled(tower) among [ball_b]  legibility off", "red"
+    )["red"]
     assert isinstance(spared, Rejected)
     assert spared.detail == "it happens without any of ball_b, so no single one is its cause"
 
@@ -106,9 +109,9 @@ def test_one_cause_is_the_answer_and_none_or_several_are_a_reason() -> None:
 def test_a_condition_that_needs_two_actions_has_no_single_cause() -> None:
     moved = "displacement(ball_a) > 10 cm and displacement(ball_b) > 10 cm"
     cause = f"(cause of {moved} among [roll_a, roll_b]) == roll_a"
-    both = first_questions(f'options ["one", "other"]  answer if {cause} then "one" else "other"  legibility off')[
-        "red"
-    ]
+    both = first_questions(
+        f'options ["one", "other"]  answer if {cause} then "one" else "other"  legibility off', "red"
+    )["red"]
     assert isinstance(both, Rejected)
     assert (both.reason, both.detail) == ("cause", "it needs roll_a and roll_b, so no single one is its cause")
 
