@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -32,7 +33,7 @@ def spec_of(body: str) -> TaskSpec:
     return replace(spec, questions=tuple(replace(question, legible=False) for question in spec.questions))
 
 
-def quick_matrix(cases: list[tuple[str, ...]], quickest: str, every: int) -> list[Any]:
+def quick_matrix(cases: Sequence[tuple[str, ...]], quickest: str, every: int) -> list[Any]:
     """The cases, each with an engine: all in the quickest, and some in the others; the rest where slow tests run."""
     return [
         pytest.param(*case, engine, marks=[pytest.mark.slow] * (engine != quickest and i % every > 0))
