@@ -215,8 +215,8 @@ DEEP = "d/" * 1500
 
 def test_folder_that_lies_too_deep_is_an_error(shell: Shell) -> None:
     make(shell.folder / "set", plan(count=1, tasks=("collide",)))
-    for command in ("generate", "render"):
-        assert "folder" in shell(command, FLIGHT, "-b", "sound", "-o", DEEP, code=2), command
+    for made in ("generate", "render"):
+        assert "folder" in shell(made, FLIGHT, "-b", "sound", "-o", DEEP, code=2), made
     commands = [
         ("compile", FLIGHT, "-o", DEEP),
         ("export", "set", "--to", "hf", "-o", DEEP),
