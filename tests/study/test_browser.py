@@ -143,7 +143,7 @@ def test_three_raters_from_consent_to_the_code(browser: Any, url: str, study: Pa
 
 def test_a_reload_goes_on_with_the_same_question(browser: Any, url: str, study: Path) -> None:
     rater = Rater(browser, url, load(study))
-    for _ in range(8):
+    for _ in range(6):
         rater.step()
     rater.tab.wait_for_selector("form[data-step]")
     before = rater.tab.get_attribute("form", "data-step")
