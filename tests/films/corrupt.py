@@ -144,7 +144,7 @@ def noise(frames: Frames) -> Frames:
 
 
 def jittered(original: Original) -> Frames:
-    moves = np.random.default_rng(original.option).normal(0, 3, (len(original.frames), 2))
+    moves = np.random.default_rng(original.option).normal(0, 2, (len(original.frames), 2))
     return recomposed(original, lambda u, t: (1, 1, 0, *moves[t]))
 
 

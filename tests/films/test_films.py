@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.films.conftest import OPTIONS, SHOVE
+from tests.films.conftest import OPTIONS, PAIRS, PUSH, SHOVE
 from wmspec.api import generate, load
 from wmspec.api.verifying import verify
 from wmspec.cli import main
@@ -131,33 +131,33 @@ def test_films_are_reused(films: Path, tmp_path: Path) -> None:
     assert contents(tmp_path / "whole") == contents(films)
 
 
-def test_lost_film_is_generated_again(films: Path, tmp_path: Path) -> None:
+def test_lost_film_is_generated_again(pairs: Path, tmp_path: Path) -> None:
     """Its shard is made again in this process, with the hashes of the files that two processes made."""
     folder = tmp_path / "out"
-    shutil.copytree(films, folder)
+    shutil.copytree(pairs, folder)
     lost, changed = sorted(DatasetReader.open(folder).films)[:2]
     (folder / lost).unlink()
     with pytest.raises(WmsError, match=r"\.mkv is missing"):
         DatasetReader.open(folder).intact()
-    generate(SHOVE, folder, per_task=8, workers=0, tell=lambda text: None, **OPTIONS)  # type: ignore[arg-type]
-    assert contents(folder) == contents(films)
+    generate(PUSH, folder, per_task=4, workers=0, tell=lambda text: None, **PAIRS)  # type: ignore[arg-type]
+    assert contents(folder) == contents(pairs)
     (folder / changed).write_bytes(b"")
     with pytest.raises(WmsError, match="was modified"):
         DatasetReader.open(folder).intact()
-    (folder / changed).write_bytes((films / changed).read_bytes())
+    (folder / changed).write_bytes((pairs / changed).read_bytes())
     (folder / changed).with_name("999.mkv").write_bytes(b"")
     with pytest.raises(WmsError, match="not part of the dataset"):
         DatasetReader.open(folder).intact()
 
 
-def test_films_are_verified_and_sealed(films: Path, tmp_path: Path) -> None:
+def test_films_are_verified_and_sealed(pairs: Path, tmp_path: Path) -> None:
     """Verification reports an altered film, also if the manifest has its hash, and no other film or row."""
     folder = tmp_path / "out"
-    shutil.copytree(films, folder)
+    shutil.copytree(pairs, folder)
     path = sorted(p for p in DatasetReader.open(folder).films if "mujoco" in p and "ids" not in p)[0]
     frames = decode((folder / path).read_bytes())
     frames[3, :40] = 255 - frames[3, :40]
-    (folder / path).write_bytes(encode(frames, 12))
+    (folder / path).write_bytes(encode(frames, 8))
     manifest = json.loads((folder / "manifest.json").read_bytes())
     import hashlib
 
@@ -168,7 +168,7 @@ def test_films_are_verified_and_sealed(films: Path, tmp_path: Path) -> None:
     assert verified.verdict == "different"
     # The card shows a film, and the manifest is written in another form.
     differing = {difference.id for difference in verified.differences}
-    assert differing == {path, "examples/shove.webp", "manifest.json"}
+    assert differing == {path, "examples/push.webp", "manifest.json"}
 
 
 @pytest.mark.parametrize(
