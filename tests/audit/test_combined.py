@@ -51,7 +51,7 @@ def test_the_closed_set_is_read_from_the_row(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_nothing_is_found_where_nothing_is_planted(seed: int, tmp_path: Path) -> None:
-    found = verdicts(probed(unit(make(tmp_path / "made", "slide", slide(), 200, seed=seed))))
+    found = verdicts(probed(unit(make(tmp_path / "made", "slide", slide(), 160, seed=seed))))
     assert set(found.values()) == {"holds"}
     assert {"`weight`", "`way`"} < found.keys()
     assert sum(sees.endswith("(the best rule)") for sees in found) == 2
@@ -60,7 +60,7 @@ def test_nothing_is_found_where_nothing_is_planted(seed: int, tmp_path: Path) ->
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_nearest_option_with_the_weight_in_words_is_found(seed: int, tmp_path: Path) -> None:
     """The nearest option alone is true in half of the questions: where the ball is heavy."""
-    found = probed(unit(make(tmp_path / "made", "slide", slide(revealing=True), 120, seed=seed)))
+    found = probed(unit(make(tmp_path / "made", "slide", slide(revealing=True), 80, seed=seed)))
     assert found["`weight`"].accuracy == pytest.approx(0.5, abs=0.1)
     assert found["`weight` and likeness to the last picture"].accuracy > 0.9
     (failing,) = (sees for sees, verdict in verdicts(found).items() if verdict == "fails")
@@ -68,7 +68,7 @@ def test_the_nearest_option_with_the_weight_in_words_is_found(seed: int, tmp_pat
 
 
 def test_a_picture_may_show_a_state_that_is_not_in_words(tmp_path: Path) -> None:
-    made = unit(make(tmp_path / "made", "slide", slide(in_words=False), 40))
+    made = unit(make(tmp_path / "made", "slide", slide(in_words=False), 20))
     rules = [probe for sees, probe in probed(made).items() if sees.startswith("`way` and likeness")]
     assert {probe.why for probe in rules} == {"the pictures show what these options differ in"}
     assert not any(probe.judged for probe in rules)
@@ -76,7 +76,7 @@ def test_a_picture_may_show_a_state_that_is_not_in_words(tmp_path: Path) -> None
 
 def test_revealing_state_is_found(tmp_path: Path) -> None:
     """Most light balls that go left, and most heavy ones that go right, were rejected."""
-    made = unit(make(tmp_path / "made", "slide", slide(), 280))
+    made = unit(make(tmp_path / "made", "slide", slide(), 200))
     kept = tuple(
         case
         for case in made.cases

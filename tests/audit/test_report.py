@@ -35,10 +35,10 @@ class Page(HTMLParser):
 
 @pytest.mark.usefixtures("roughly")
 def test_an_unsound_dataset(tmp_path: Path) -> None:
-    make(tmp_path / "leaky", "race", race(level=True), 160)
+    make(tmp_path / "leaky", "race", race(level=True), 100)
     message = wmspec("audit", "leaky", "-o", "report", folder=tmp_path, code=1).stdout
     assert re.search(
-        r"fails: shortcut race: from the best single picture \(picture 2: pixels\) alone, \d+% of 160 right", message
+        r"fails: shortcut race: from the best single picture \(picture 2: pixels\) alone, \d+% of 100 right", message
     )
     found = json.loads((tmp_path / "report/audit.json").read_text())
     assert not found["passed"]
@@ -52,7 +52,7 @@ def test_an_unsound_dataset(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("roughly")
 def test_of_a_sound_dataset_the_same_bytes_again_and_json_for_machines(tmp_path: Path) -> None:
-    make(tmp_path / "made", "race", race(), 40)
+    make(tmp_path / "made", "race", race(), 24)
     assert "Of 1 task, 1 " in wmspec("audit", "made", "-o", "a", folder=tmp_path).stdout
     said = wmspec("audit", "made", "-o", "b", "--json", folder=tmp_path).stdout
     for name in ("audit.json", "audit.html"):

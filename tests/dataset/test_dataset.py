@@ -36,11 +36,23 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """The bytes of a dataset that was made in one go."""
+def original(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A dataset that was made in one go."""
     folder = tmp_path_factory.mktemp("whole")
     make(folder, plan())
-    return contents(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def whole(original: Path) -> dict[str, bytes]:
+    """Its bytes."""
+    return contents(original)
+
+
+@pytest.fixture
+def made(original: Path, tmp_path: Path) -> Path:
+    """A copy of it, to change."""
+    return Path(shutil.copytree(original, tmp_path, dirs_exist_ok=True))
 
 
 # ---------------------------------------------------------------- the same bytes
@@ -74,33 +86,31 @@ def test_opening_a_finished_dataset_changes_nothing(tmp_path: Path, whole: dict[
 # ---------------------------------------------------------------- going on
 
 
-def test_only_a_lost_shard_is_generated_again(tmp_path: Path, whole: dict[str, bytes]) -> None:
-    make(tmp_path, plan())
+def test_only_a_lost_shard_is_generated_again(made: Path, whole: dict[str, bytes]) -> None:
     lost = "data/collide/test-00001-of-00003.parquet"
-    (tmp_path / lost).unlink()
-    with Dataset.open(tmp_path, plan()) as dataset:
+    (made / lost).unlink()
+    with Dataset.open(made, plan()) as dataset:
         assert [s.path for s in dataset.pending()] == [lost]
         assert dataset.notices == [f"{lost} is missing; it will be made again"]
-        assert not (tmp_path / "manifest.json").exists()
-    make(tmp_path, plan())
-    assert contents(tmp_path) == whole
+        assert not (made / "manifest.json").exists()
+    make(made, plan())
+    assert contents(made) == whole
 
 
 @pytest.mark.parametrize("damage", [lambda b: b[:-1], lambda b: b[:50] + bytes([b[50] ^ 1]) + b[51:], lambda b: b""])
 def test_tampered_shard_is_named_and_generated_again(
-    tmp_path: Path, whole: dict[str, bytes], damage: Callable[[bytes], bytes]
+    made: Path, whole: dict[str, bytes], damage: Callable[[bytes], bytes]
 ) -> None:
-    make(tmp_path, plan())
-    shard = tmp_path / "data/motion_speed/test-00000-of-00003.parquet"
+    shard = made / "data/motion_speed/test-00000-of-00003.parquet"
     shard.write_bytes(damage(shard.read_bytes()))
-    with Dataset.open(tmp_path, plan()) as dataset:
+    with Dataset.open(made, plan()) as dataset:
         assert len(dataset.pending()) == 1
         assert "motion_speed/test-00000" in dataset.notices[0]
-    make(tmp_path, plan())
-    assert contents(tmp_path) == whole
+    make(made, plan())
+    assert contents(made) == whole
 
 
-@pytest.mark.parametrize("damage", [b"", b"{", b"[]", b'{"rows": 1}', b"\xff"])
+@pytest.mark.parametrize("damage", [b"", b"[]", b'{"rows": 1}', b"\xff"])
 def test_a_damaged_record_costs_its_shard(tmp_path: Path, whole: dict[str, bytes], damage: bytes) -> None:
     with Dataset.open(tmp_path, plan()) as dataset:
         for shard in dataset.pending():
@@ -125,7 +135,7 @@ with Dataset.open(Path(sys.argv[1]), plan()) as dataset:
 """
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.01, 0.03])
+@pytest.mark.parametrize("delay", [0.01, *(pytest.param(delay, marks=pytest.mark.slow) for delay in (0.0, 0.03))])
 def test_a_killed_writer_loses_at_most_one_shard(tmp_path: Path, whole: dict[str, bytes], delay: float) -> None:
     writer = subprocess.Popen(
         [sys.executable, "-c", WRITER, str(tmp_path)], cwd=ROOT, stdout=subprocess.PIPE, text=True
@@ -173,15 +183,14 @@ def test_two_processes_do_not_write_to_one_folder(tmp_path: Path) -> None:
         (lambda p: replace(p, tasks=p.tasks[:1]), "tasks (motion_speed)"),
     ],
 )
-def test_other_plan_is_recognized_and_needs_force(tmp_path: Path, other: Callable[[Plan], Plan], said: str) -> None:
-    make(tmp_path, plan())
-    before = contents(tmp_path)
+def test_other_plan_is_recognized_and_needs_force(made: Path, other: Callable[[Plan], Plan], said: str) -> None:
+    before = contents(made)
     with pytest.raises(WmsError) as error:
-        Dataset.open(tmp_path, other(plan()))
+        Dataset.open(made, other(plan()))
     assert said in str(error.value)
     assert "--force" in str(error.value)
-    assert contents(tmp_path) == before
-    with Dataset.open(tmp_path, other(plan()), force=True) as dataset:
+    assert contents(made) == before
+    with Dataset.open(made, other(plan()), force=True) as dataset:
         assert dataset.pending() == tuple(other(plan()).shards())
 
 
@@ -200,15 +209,14 @@ def test_force_removes_only_own_output(tmp_path: Path, whole: dict[str, bytes]) 
     assert contents(tmp_path) == whole
 
 
-@pytest.mark.parametrize("damage", [b"", b"{", b"[]", b"{}"])
-def test_a_damaged_plan_needs_force(tmp_path: Path, whole: dict[str, bytes], damage: bytes) -> None:
-    make(tmp_path, plan())
-    (tmp_path / "plan.json").write_bytes(damage)
+@pytest.mark.parametrize("damage", [b"{", b"{}"])
+def test_a_damaged_plan_needs_force(made: Path, whole: dict[str, bytes], damage: bytes) -> None:
+    (made / "plan.json").write_bytes(damage)
     with pytest.raises(WmsError, match="--force"):
-        Dataset.open(tmp_path, plan())
-    Dataset.open(tmp_path, plan(), force=True).close()
-    make(tmp_path, plan())
-    assert contents(tmp_path) == whole
+        Dataset.open(made, plan())
+    Dataset.open(made, plan(), force=True).close()
+    make(made, plan())
+    assert contents(made) == whole
 
 
 @pytest.mark.parametrize("force", [False, True])
@@ -303,7 +311,7 @@ def test_a_folder_that_may_not_be_written(tmp_path: Path) -> None:
         tmp_path.chmod(0o700)
 
 
-@pytest.mark.parametrize("name", ["with spaces", "ünïcødé/数据/🎲", "a'b\"c", "-o", "[x]*?", "%41", "x" * 240])
+@pytest.mark.parametrize("name", ["-o/ünïcødé 数据/🎲 a'b\"c/[x]*?%41", "x" * 240])
 def test_strange_paths(tmp_path: Path, whole: dict[str, bytes], name: str) -> None:
     folder = tmp_path / name
     make(folder, plan())
@@ -373,9 +381,8 @@ def test_a_task_without_questions_does_not_spoil_the_others(tmp_path: Path) -> N
     assert "crashed" in (tmp_path / "out/README.md").read_text()
 
 
-def test_card_has_loading_code_and_rejections(tmp_path: Path) -> None:
-    make(tmp_path, plan())
-    card = (tmp_path / "README.md").read_text()
+def test_card_has_loading_code_and_rejections(made: Path) -> None:
+    card = (made / "README.md").read_text()
     front = yaml.safe_load(card.split("---")[1])
     assert (front["configs"][0]["config_name"], front["configs"][0]["default"]) == ("all", True)
     assert front["configs"][1] == {
@@ -393,22 +400,21 @@ def test_card_has_loading_code_and_rejections(tmp_path: Path) -> None:
         "@misc{wmspec-",
     ):
         assert said in card
-    assert Image.open(tmp_path / "examples/collide.webp").width == 1000
+    assert Image.open(made / "examples/collide.webp").width == 1000
 
 
-def test_the_data_have_the_licence_that_is_chosen(tmp_path: Path) -> None:
-    make(tmp_path, plan())
-    before = contents(tmp_path)
+def test_the_data_have_the_licence_that_is_chosen(made: Path) -> None:
+    before = contents(made)
     licensed = replace(plan(), licence="CC0-1.0")
-    make(tmp_path, licensed)
-    after = contents(tmp_path)
+    make(made, licensed)
+    after = contents(made)
     assert [name for name in before if before[name] != after[name]] == ["README.md", "croissant.json", "manifest.json"]
-    assert yaml.safe_load((tmp_path / "README.md").read_text().split("---")[1])["license"] == ["cc0-1.0"]
-    assert json.loads((tmp_path / "croissant.json").read_bytes())["license"] == ["CC0-1.0"]
+    assert yaml.safe_load((made / "README.md").read_text().split("---")[1])["license"] == ["cc0-1.0"]
+    assert json.loads((made / "croissant.json").read_bytes())["license"] == ["CC0-1.0"]
 
 
-def test_card_names_the_engine_and_the_renderer(tmp_path: Path) -> None:
-    total, alone = make_summary(tmp_path), replace(plan(), engines=("mujoco",), renderer="sapien")
+def test_card_names_the_engine_and_the_renderer(made: Path) -> None:
+    total, alone = make_summary(made), replace(plan(), engines=("mujoco",), renderer="sapien")
     said = card(alone, total, {})
     assert "executed in mujoco and drawn by sapien" in said
     assert "One engine executed it" in said
@@ -417,29 +423,24 @@ def test_card_names_the_engine_and_the_renderer(tmp_path: Path) -> None:
 
 
 def make_summary(folder: Path) -> Summary:
-    make(folder, plan())
     with Dataset.open(folder, plan()) as dataset:
         return dataset.finish()
 
 
-def test_nothing_is_left_of_the_making(tmp_path: Path) -> None:
-    make(tmp_path, plan())
-    names = {p.name for p in tmp_path.iterdir()}
+def test_nothing_is_left_of_the_making(made: Path) -> None:
+    names = {p.name for p in made.iterdir()}
     assert names == {"data", "examples", "README.md", "croissant.json", "manifest.json", "plan.json"}
     with pytest.raises(WmsError, match="another dataset"):
-        Dataset.open(tmp_path, plan(seed=8))
-    assert {p.name for p in tmp_path.iterdir()} == names
+        Dataset.open(made, plan(seed=8))
+    assert {p.name for p in made.iterdir()} == names
 
 
-def test_a_finished_dataset_that_loses_a_shard_is_known_by_its_manifest(
-    tmp_path: Path, whole: dict[str, bytes]
-) -> None:
-    make(tmp_path, plan())
-    lost = tmp_path / "data/collide/test-00001-of-00003.parquet"
+def test_a_finished_dataset_that_loses_a_shard_is_known_by_its_manifest(made: Path, whole: dict[str, bytes]) -> None:
+    lost = made / "data/collide/test-00001-of-00003.parquet"
     lost.unlink()
-    with Dataset.open(tmp_path, plan()) as dataset:
-        assert [str(tmp_path / s.path) for s in dataset.pending()] == [str(lost)]
-    with Dataset.open(tmp_path, plan()) as dataset:  # stopped, and begun again
+    with Dataset.open(made, plan()) as dataset:
+        assert [str(made / s.path) for s in dataset.pending()] == [str(lost)]
+    with Dataset.open(made, plan()) as dataset:  # stopped, and begun again
         assert len(dataset.pending()) == 1
-    make(tmp_path, plan())
-    assert contents(tmp_path) == whole
+    make(made, plan())
+    assert contents(made) == whole

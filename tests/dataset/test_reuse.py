@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -27,13 +28,21 @@ def shares(whole: Plan, count: int = SHARES) -> Iterator[Plan]:
         yield replace(whole, tasks=tuple(tasks))
 
 
-@pytest.fixture
-def parts(tmp_path: Path) -> list[Path]:
+@pytest.fixture(scope="module")
+def parts(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     """The folders of the shares of a dataset."""
-    folders = [tmp_path / f"part-{number}" for number in range(SHARES)]
+    folders = [tmp_path_factory.mktemp(f"part-{number}") for number in range(SHARES)]
     for folder, part in zip(folders, shares(plan(count=11)), strict=True):
         make(folder, part)
     return folders
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """That dataset, made at once."""
+    folder = tmp_path_factory.mktemp("whole")
+    make(folder, plan(count=11))
+    return folder
 
 
 def reuse(folder: Path, made: Plan, folders: list[Path]) -> dict[str, list[int]]:
@@ -50,20 +59,17 @@ def reuse(folder: Path, made: Plan, folders: list[Path]) -> dict[str, list[int]]
     return new
 
 
-def test_shares_come_together_to_the_same_bytes(tmp_path: Path, parts: list[Path]) -> None:
-    whole = plan(count=11)
-    make(tmp_path / "whole", whole)
-    assert reuse(tmp_path / "merged", whole, parts[::-1]) == {"collide": [], "motion_speed": []}
-    assert contents(tmp_path / "merged") == contents(tmp_path / "whole")
+def test_shares_come_together_to_the_same_bytes(tmp_path: Path, parts: list[Path], whole: Path) -> None:
+    assert reuse(tmp_path / "merged", plan(count=11), parts[::-1]) == {"collide": [], "motion_speed": []}
+    assert contents(tmp_path / "merged") == contents(whole)
 
 
-def test_the_rows_of_the_shares_are_those_of_the_whole(tmp_path: Path, parts: list[Path]) -> None:
-    make(tmp_path / "whole", plan(count=11))
+def test_the_rows_of_the_shares_are_those_of_the_whole(parts: list[Path], whole: Path) -> None:
     for task in ("collide", "motion_speed"):
-        whole = pq.read_table(tmp_path / "whole/data" / task).to_pylist()
+        expected = pq.read_table(whole / "data" / task).to_pylist()
         rows = [row for part in parts for row in pq.read_table(part / "data" / task).to_pylist()]
         assert len({row["id"] for row in rows}) == len(rows) > 20
-        assert rows == whole, "pictures too, byte by byte"
+        assert rows == expected, "pictures too, byte by byte"
 
 
 def test_a_dataset_grows(tmp_path: Path) -> None:
@@ -77,10 +83,11 @@ def test_a_dataset_grows(tmp_path: Path) -> None:
 
 def test_damaged_or_missing_parts_are_generated_again(tmp_path: Path, parts: list[Path]) -> None:
     part = next(shares(plan(count=11))).tasks[0]
-    damaged = parts[0] / "data/collide/test-00000-of-00002.parquet"
+    first = Path(shutil.copytree(parts[0], tmp_path / "first"))
+    damaged = first / "data/collide/test-00000-of-00002.parquet"
     damaged.write_bytes(damaged.read_bytes()[:-1])
-    (parts[0] / "data/collide/test-00001-of-00002.parquet").unlink()
-    made = reuse(tmp_path / "merged", plan(count=11), parts)
+    (first / "data/collide/test-00001-of-00002.parquet").unlink()
+    made = reuse(tmp_path / "merged", plan(count=11), [first, *parts[1:]])
     assert made == {"collide": list(part.indices), "motion_speed": []}
 
 

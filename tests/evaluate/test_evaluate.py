@@ -14,6 +14,7 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner, Result
@@ -110,7 +111,7 @@ def test_every_reply_is_accounted_for(rules: str, status: str, tries: int, words
     assert about["status"] == {status: 6}
 
 
-@pytest.mark.parametrize("rules", ["right", "right+chatty+429"])
+@pytest.mark.parametrize("rules", ["right+chatty+429", pytest.param("right", marks=pytest.mark.slow)])
 def test_system_that_knows_the_answers_is_right(rules: str, pictures: Path, tmp_path: Path) -> None:
     """Only what the request shows distinguishes it."""
     known = {(q.context[0], q.pictures[q.answer or 0]) for q in all_questions(pictures)}
@@ -216,8 +217,9 @@ def test_failed_requests_are_repeated_by_the_same_command(words: Path, tmp_path:
 
 def test_requests_are_the_same_again(words: Path, pictures: Path) -> None:
     for dataset in (words, pictures):
+        twice_read = [all_questions(dataset)[::3] for _ in range(2)]
         for name in ("default", "paper", "numbers", "montage"):
-            twice = [[Ask(q, prompt.load(name), 1).request.digest for q in all_questions(dataset)] for _ in range(2)]
+            twice = [[Ask(q, prompt.load(name), 1).request.digest for q in few] for few in twice_read]
             assert twice[0] == twice[1]
             assert len(set(twice[0])) == len(twice[0])
 
@@ -268,14 +270,12 @@ def test_ablated_parts_are_absent(pictures: Path, words: Path) -> None:
 def test_a_montage_shows_all(pictures: Path) -> None:
     one = all_questions(pictures)[0]
     (sheet,) = [part for part in Ask(one, prompt.load("montage")).request.parts if isinstance(part, Picture)]
-    seen = Image.open(io.BytesIO(sheet.content)).convert("RGB")
+    seen = np.asarray(Image.open(io.BytesIO(sheet.content)).convert("RGB"))
     for png in (*one.context, *one.pictures):
-        picture = Image.open(io.BytesIO(png)).convert("RGB")
-        assert any(
-            seen.crop((x, y, x + picture.width, y + picture.height)).tobytes() == picture.tobytes()
-            for x in range(seen.width - picture.width + 1)
-            for y in range(seen.height - picture.height + 1)
-        )
+        picture = np.asarray(Image.open(io.BytesIO(png)).convert("RGB"))
+        height, width = picture.shape[:2]
+        corners = (seen[: 1 - height, : 1 - width] == picture[0, 0]).all(axis=-1)
+        assert any(np.array_equal(seen[y : y + height, x : x + width], picture) for y, x in np.argwhere(corners))
 
 
 def test_a_clip_is_a_film(pictures: Path, tmp_path: Path) -> None:
@@ -363,16 +363,17 @@ def test_baselines(words: Path, pictures: Path, numbers: Path, tmp_path: Path) -
             assert {row["status"] for row in rows(out)} == {"answered"}
             if name == "oracle":
                 assert all(row["right"] for row in rows(out))
-            out.unlink()
-            evaluate(dataset, "-m", name, "-o", out, "--permute")
-            assert out.read_bytes() == first
+            if dataset == pictures:
+                out.unlink()
+                evaluate(dataset, "-m", name, "-o", out, "--permute")
+                assert out.read_bytes() == first
 
 
 def test_a_baseline_finds_what_words_betray(tmp_path: Path) -> None:
     """Where "neither" is never true, who has read that knows; without anything to learn it guesses."""
     from tests.audit.made import make, race
 
-    make(tmp_path / "told", "race", race(telling=True), 200)
+    make(tmp_path / "told", "race", race(telling=True), 80)
     evaluate(tmp_path / "told", "-m", "options-only", "-o", tmp_path / "r.parquet")
     right = [row["right"] for row in rows(tmp_path / "r.parquet")]
     assert sum(right) > 0.9 * len(right)

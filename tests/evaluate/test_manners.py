@@ -26,7 +26,7 @@ KEY = "sk-Key/With+odd=Signs-0123456789"
 
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return in_words(tmp_path_factory.mktemp("words"), 4)
+    return in_words(tmp_path_factory.mktemp("words"), 2)
 
 
 def run(*args: object) -> str:
@@ -70,31 +70,32 @@ def test_a_manner_has_its_outcome_score_and_cause(
 ) -> None:
     manner, (out, output) = MANNERS[name], printed[name]
     rows: list[Row] = pq.read_table(out).to_pylist()
-    assert len(rows) == 8
+    assert len(rows) == 4
     assert {row["status"] for row in rows} == {manner.outcome}
+    assert {row["answer"] for row in rows} == {0, 1}
     for row in rows:
         assert row["parsed"] == (0 if manner.outcome == "answered" else None)
         assert row["right"] == (manner.outcome == "answered" and row["answer"] == 0)
     right = sum(row["right"] for row in rows)
-    assert f"8 replies, {right} right" in output
-    causes = [line for line in output.splitlines() if line.startswith(f"8 {manner.outcome}, ")]
+    assert f"4 replies, {right} right" in output
+    causes = [line for line in output.splitlines() if line.startswith(f"4 {manner.outcome}, ")]
     assert [line.partition(" (such as")[0] for line in causes] == (
-        [f"8 {manner.outcome}, {manner.cause}"] if manner.cause else []
+        [f"4 {manner.outcome}, {manner.cause}"] if manner.cause else []
     )
     assert manner.note in output
 
     made, said = reported
     model = f"openai:{name.replace(' ', '_')}"
-    lines = [line for line in said.splitlines() if line.startswith(f"{model}: 8 ")]
+    lines = [line for line in said.splitlines() if line.startswith(f"{model}: 4 ")]
     assert [line.removeprefix(f"{model}: ") for line in lines] == causes
     (account,) = [account for account in made["accounts"] if account["system"] == model]
     assert {outcome: account[outcome] for outcome in ("answered", "unparsed", "truncated", "refused", "error")} == {
-        outcome: 8 * (outcome == manner.outcome)
+        outcome: 4 * (outcome == manner.outcome)
         for outcome in ("answered", "unparsed", "truncated", "refused", "error")
     }
     (line,) = [line for line in made["tables"][0]["lines"] if line["system"] == model]
-    assert line["average"]["value"] == pytest.approx(right / 8)
-    assert line["average"]["questions"] == 8
+    assert line["average"]["value"] == pytest.approx(right / 4)
+    assert line["average"]["questions"] == 4
 
 
 def test_reasoning_and_its_tokens_are_kept(dataset: Path, tmp_path: Path) -> None:
@@ -175,14 +176,14 @@ def test_a_placeholder_is_no_key(dataset: Path, tmp_path: Path, monkeypatch: pyt
 def test_a_parameter_that_the_user_chose_is_not_left_out(dataset: Path, tmp_path: Path) -> None:
     with server(first_words) as running:
         printed = evaluate("new names", dataset, tmp_path / "r.parquet", running.address, "-p", "temperature=0.5")
-    assert "8 error, BadRequestError: Error code: 400" in printed
+    assert "4 error, BadRequestError: Error code: 400" in printed
     assert "'temperature' does not support 0" in printed
 
 
 def test_one_request_learns_for_all(dataset: Path, tmp_path: Path) -> None:
     with server(first_words) as running:
         evaluate("new names", dataset, tmp_path / "r.parquet", running.address, "--concurrency", 1)
-        assert sum(running.tries.values()) == 8 + 2
+        assert sum(running.tries.values()) == 4 + 2
     noted = json.loads((tmp_path / "r.json").read_text())["notes"]
     assert any("`temperature`" in note for note in noted)
 

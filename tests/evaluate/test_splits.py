@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from tests.report.conftest import Made
 from tests.report.conftest import made as made  # noqa: PLC0414  a fixture
-from tests.report.made import Rater, answers
+from tests.report.made import Rater, answers, dataset
+from tests.shared import Shared
 from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.reader import DatasetReader
@@ -23,6 +24,12 @@ from wmspec.eval.report.replies import replies
 from wmspec.eval.report.seen import seen_accuracies
 
 HOLDOUT = "color=red"
+
+
+@pytest.fixture(scope="module")
+def few(shared: Shared) -> Path:
+    """A dataset to export and to evaluate."""
+    return shared.folder("report/few", lambda place: dataset(place, 240))
 
 
 def wmspec(*args: object, code: int = 0) -> Result:
@@ -65,11 +72,11 @@ def test_a_mistake_has_a_remedy(shares: str, holdouts: tuple[str, ...], message:
         Splits.parse(shares, holdouts)
 
 
-def test_training_never_sees_a_holdout_nor_a_group_of_another_split(made: Made, tmp_path: Path) -> None:
+def test_training_never_sees_a_holdout_nor_a_group_of_another_split(few: Path, tmp_path: Path) -> None:
     args = ("--to", "chat", "-o", tmp_path / "x", "--task", "race", "--shares", "train=50,validation=20,test=30")
-    wmspec("export", made.folder, *args, "--holdout", HOLDOUT)
+    wmspec("export", few, *args, "--holdout", HOLDOUT)
     parts = {name: lines(tmp_path / f"x/{name}.jsonl") for name in ("train", "validation", "test")}
-    opened = DatasetReader.open(made.folder)
+    opened = DatasetReader.open(few)
     levels = factors_of(opened, "race")
     groups = {name: {line["group"] for line in part} for name, part in parts.items()}
     assert not groups["train"] & groups["test"]
@@ -89,11 +96,11 @@ def test_training_never_sees_a_holdout_nor_a_group_of_another_split(made: Made, 
     assert {about["file_name"] for about in info.values()} == {f"{name}.jsonl" for name in parts}
 
 
-def test_the_answers_of_chats_are_right(made: Made, tmp_path: Path) -> None:
-    wmspec("export", made.folder, "--to", "chat", "-o", tmp_path / "x", "--task", "race")
+def test_the_answers_of_chats_are_right(few: Path, tmp_path: Path) -> None:
+    wmspec("export", few, "--to", "chat", "-o", tmp_path / "x", "--task", "race")
     from wmspec.eval.replies import mark
 
-    opened = DatasetReader.open(made.folder)
+    opened = DatasetReader.open(few)
     known = {row["id"]: row for row in opened.rows("race", ["id", "option_text", "answer"])}
     for line in lines(tmp_path / "x/train.jsonl"):
         row = known[line["id"]]
@@ -101,11 +108,11 @@ def test_the_answers_of_chats_are_right(made: Made, tmp_path: Path) -> None:
         assert mark(text, row["option_text"], answer=row["answer"]).right
 
 
-def test_a_model_is_evaluated_on_the_groups_that_training_left_out(made: Made, tmp_path: Path) -> None:
-    wmspec("export", made.folder, "--to", "chat", "-o", tmp_path / "x", "--task", "race", "--holdout", HOLDOUT)
+def test_a_model_is_evaluated_on_the_groups_that_training_left_out(few: Path, tmp_path: Path) -> None:
+    wmspec("export", few, "--to", "chat", "-o", tmp_path / "x", "--task", "race", "--holdout", HOLDOUT)
     out = tmp_path / "r.parquet"
     args = ("--split", "test", "--task", "race", "--holdout", HOLDOUT)
-    wmspec("evaluate", made.folder, "-m", "oracle", "-o", out, *args)
+    wmspec("evaluate", few, "-m", "oracle", "-o", out, *args)
     import pyarrow.parquet as pq
 
     evaluated = set(pq.read_table(out, columns=["id"])["id"].to_pylist())
@@ -130,6 +137,6 @@ def test_a_planted_difference_shows_and_no_other(made: Made) -> None:
     assert seen_accuracies(read, Splits()) == ()
 
 
-def test_an_unknown_factor_is_an_error(made: Made, tmp_path: Path) -> None:
+def test_an_unknown_factor_is_an_error(few: Path, tmp_path: Path) -> None:
     args = ("--to", "chat", "-o", tmp_path / "x", "--holdout", "colour=red")
-    assert "did you mean `color`" in wmspec("export", made.folder, *args, code=2).output
+    assert "did you mean `color`" in wmspec("export", few, *args, code=2).output

@@ -26,19 +26,21 @@ from wmspec.eval.report.whole_groups import whole_groups
 
 
 def test_intervals_hold_what_is_true_as_often_as_they_say() -> None:
-    """80 questions in 40 clusters of twins: 95 % of 300 intervals hold the mean, 87 % if clusters were ignored."""
-    covered = {True: 0, False: 0}
-    for trial in range(300):
+    """160 questions in 40 clusters: 95 % of the intervals hold the mean, 87 % if clusters were ignored."""
+    trials, covered = {True: 200, False: 60}, {True: 0, False: 0}
+    for trial in range(200):
         random = seeded_generator("coverage", trial)
         easy = np.repeat(random.beta(2, 1, 40), 4)
         right = (random.random(160) < easy).astype(float)[:, None]
         for together, cluster in ((True, np.repeat(np.arange(40), 4)), (False, np.arange(160))):
+            if trial >= trials[together]:
+                continue
             (estimate,), _ = mean_estimates(right, cluster, trial)
             assert estimate.low is not None
             assert estimate.high is not None
             covered[together] += estimate.low <= 2 / 3 <= estimate.high
-    assert 0.91 < covered[True] / 300 < 0.98
-    assert covered[False] < covered[True] - 10
+    assert 0.9 < covered[True] / trials[True] < 0.985
+    assert covered[False] / trials[False] < covered[True] / trials[True] - 0.03
 
 
 def test_intervals_do_not_move_when_another_system_or_task_is_added() -> None:
@@ -74,7 +76,8 @@ def test_intervals_do_not_collapse_where_all_is_right() -> None:
 
 def test_a_better_system_is_better_and_equal_ones_are_not(made: Made) -> None:
     same = [Rater("one", lambda row: 0.7), Rater("two", lambda row: 0.7), Rater("worse", lambda row: 0.6)]
-    found = {(c.first, c.second): c for c in comparisons(replies(answers(made.rows, *same))) if c.kind == "perception"}
+    read = replies(answers([row for row in made.rows if row["task"] != "roll"], *same))
+    found = {(c.first, c.second): c for c in comparisons(read) if c.kind == "perception"}
     better, luck = found["one", "worse"], found["one", "two"]
     assert better.difference.value == pytest.approx(0.1, abs=0.03)
     assert better.corrected is not None
@@ -83,7 +86,7 @@ def test_a_better_system_is_better_and_equal_ones_are_not(made: Made) -> None:
     assert luck.corrected > 0.05
     assert luck.p is not None
     assert luck.corrected >= luck.p
-    averages = {line.system: line.average.value for line in tables(replies(answers(made.rows, *same)))[0].lines}
+    averages = {line.system: line.average.value for line in tables(read)[0].lines}
     assert better.difference.value == pytest.approx(averages["one"] - averages["worse"])
     assert better.first_only > better.second_only
 
@@ -96,11 +99,11 @@ def test_comparison_has_its_nominal_error_rate() -> None:
         "cluster": [f"a/{i // 4}" for i in range(40)] + [f"b/{i // 4}" for i in range(200)],
     })  # fmt: skip
     assert weights_in_average(about) @ (about["task"] == "a") == pytest.approx(0.5)
-    found = 0
+    found, strata = 0, Strata.of(about)
     for trial in range(400):
         random = seeded_generator("comparison", trial)
         shared = np.repeat(random.normal(0, 0.3, 60), 4)
-        _, p = Strata.of(about).robust_mean(shared + random.normal(0, 0.5, 240))
+        _, p = strata.robust_mean(shared + random.normal(0, 0.5, 240))
         assert p is not None
         found += p < 0.05
     assert 0.02 < found / 400 < 0.09
@@ -127,8 +130,8 @@ def test_pairs_count_only_if_both_are_right(made: Made) -> None:
     found = {(p.task, p.system): p for p in made.report.pairs}
     for task in ("race", "tally", "roll"):
         ideal = found[task, "ideal"]
-        assert ideal.both.value == pytest.approx(0.8**2, abs=0.06)
-        assert ideal.single == pytest.approx(0.8, abs=0.04)
+        assert ideal.both.value == pytest.approx(0.8**2, abs=0.09)
+        assert ideal.single == pytest.approx(0.8, abs=0.06)
         assert found[task, "sure"].both.value == 1.0
     assert found["race", "first"].chance == pytest.approx(1 / 4)
     assert found["roll", "first"].chance == pytest.approx(1 / 16)
@@ -157,13 +160,13 @@ def test_a_whole_group_counts_only_if_all_its_members_are_right(made: Made) -> N
     assert found["ideal"].whole.value == pytest.approx(0.8**4, abs=0.25)
     assert found["sure"].whole.value == 1.0
     assert (found["says yes"].whole.value, found["says yes"].single) == (0.0, 0.5)
-    assert {(g.members, g.chance, g.whole.questions) for g in found.values()} == {(4.0, 1 / 16, 20)}
+    assert {(g.members, g.chance, g.whole.questions) for g in found.values()} == {(4.0, 1 / 16, 10)}
     assert not made.report.whole_groups, "no task of these asks whether something is possible"
 
 
 def test_pairs_of_a_prediction_are_those_whose_outcomes_were_made_by_what_differs(made: Made) -> None:
     """Only `pace` changes what the counterfactuals change: another colour makes no pair. 4 paces are 6 pairs."""
-    assert {p.both.questions for p in made.report.pairs if p.task == "roll" and p.system == "ideal"} == {3 * 40 * 6}
+    assert {p.both.questions for p in made.report.pairs if p.task == "roll" and p.system == "ideal"} == {3 * 20 * 6}
 
 
 def test_wrong_predictions_are_classified_by_the_changed_factor(made: Made) -> None:
@@ -202,7 +205,7 @@ def test_entanglement_is_found_exactly_where_it_is(made: Made) -> None:
         # One of four levels at half the others' accuracy: |1 - p/p̄| are 3/7, 1/7, 1/7, 1/7.
         assert red.value == pytest.approx(3 / 14, abs=0.05)
         assert red.p < 0.01
-        assert red.value > 3 * red.bound
+        assert red.value > 2 * red.bound
         ideal = found["ideal", task, "color"]
         assert ideal.value < 0.06
         assert ideal.p > 0.01
@@ -270,7 +273,7 @@ def test_flat_curve_has_no_threshold(made: Made) -> None:
 
 
 def test_thresholds_are_covered_as_often_as_they_say(made: Made) -> None:
-    race = [row for row in made.rows if row["task"] == "race" and row["block"] < 12]
+    race = [row for row in made.rows if row["task"] == "race" and row["block"] < 6]
     raters = [Rater(f"r{i}", seer(1.7)) for i in range(20)]
     found = curves(replies(answers(race, *raters), Questions.read(made.folder)))
     held = [c.low is not None and c.high is not None and c.low < 1.7 < c.high for c in found]

@@ -51,7 +51,8 @@ def test_accuracies_are_what_was_answered_and_chance_is_one_in_so_many(made: Mad
 def test_random_models_average_the_printed_chance(made: Made) -> None:
     """The 95 % intervals of 20 random models contain it, but for at most three (p 0.016 by chance)."""
     guessers = [Rater(f"guesser {n}", lambda row: 1 / len(row["option_kind"])) for n in range(20)]
-    for table in tables(replies(answers(made.rows, *guessers))):
+    few = [row for row in made.rows if row["block"] % 2 == 0]
+    for table in tables(replies(answers(few, *guessers))):
         chance = table.chance.average.value
         averages = [found.average for found in table.lines]
         assert len(averages) == 20
