@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import re
+import runpy
 import subprocess
 import sys
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
 from typing import Any
@@ -69,6 +73,30 @@ class Holder:
         args = (self.dataset, self.public, submission, "--secret", self.secret, "-o", path, "--date", "2026-11-26")
         wmspec("score", *args, code=code)
         return path
+
+
+@dataclass(frozen=True)
+class Answered:
+    """How the script of the folder ended, and what it said."""
+
+    code: int
+    said: str
+
+
+def answer(holder: Holder, *args: object, key: str = "none") -> Answered:
+    """Run the script of the folder in this process, as `python answer.py` would in another."""
+    script, said = str(holder.public / "answer.py"), io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(said), redirect_stderr(said):
+        patch.setenv("OPENAI_API_KEY", key)
+        patch.setattr(sys, "argv", [script, *map(str, args)])
+        patch.syspath_prepend(str(holder.public))
+        try:
+            runpy.run_path(script, run_name="__main__")
+        except SystemExit as end:
+            return Answered(1, f"{said.getvalue()}{end.code}\n")
+        finally:
+            sys.modules.pop("wmspec_reply", None)
+    return Answered(0, said.getvalue())
 
 
 @pytest.fixture(scope="module")
@@ -269,14 +297,12 @@ def test_the_script_of_the_folder_answers_a_server_and_resumes(holder: Holder, t
     pytest.importorskip("openai")
     out = tmp_path / "submission.jsonl"
     with server(first_words) as running:
-        command = [sys.executable, str(holder.public / "answer.py"), "--model", "chatty", "--output", str(out)]
-        command += ["--base-url", running.address, "--name", "Chatty"]
-        env = {"OPENAI_API_KEY": "none", "PATH": os.environ["PATH"]}
-        subprocess.run(command, check=True, env=env)
+        args = ("--model", "chatty", "--output", out, "--base-url", running.address, "--name", "Chatty")
+        assert answer(holder, *args) == Answered(0, "")
         whole = out.read_text()
         out.write_text("".join(whole.splitlines(keepends=True)[:10]) + '{"id": "race/')
         sent = sum(running.tries.values())
-        subprocess.run(command, check=True, env=env)
+        assert answer(holder, *args).code == 0
         assert sum(running.tries.values()) == sent + 24 - 9
     assert out.read_text() == whole
     assert "Chatty, prompt default: 24 of 24 replies\n24 answered" in wmspec("submit", holder.public, out).output
@@ -294,18 +320,15 @@ def test_the_script_of_the_folder_sends_failed_requests_again(
 
     monkeypatch.setitem(MANNERS, "html", Manner(respond))
     with server(first_words) as running:
-        command = [sys.executable, str(holder.public / "answer.py"), "--model", "html", "--output", str(out)]
-        command += ["--base-url", running.address]
-        env = {"OPENAI_API_KEY": "none", "PATH": os.environ["PATH"]}
-        first = subprocess.run(command, check=False, env=env, capture_output=True, text=True)
-        assert (first.returncode, first.stderr) == (1, "5 requests have failed; the same command sends them again\n")
+        args = ("--model", "html", "--output", out, "--base-url", running.address)
+        assert answer(holder, *args) == Answered(1, "5 requests have failed; the same command sends them again\n")
         assert "19 answered, 5 error" in wmspec("submit", holder.public, out).output
-        subprocess.run(command, check=True, env=env)
+        assert answer(holder, *args).code == 0
         assert "24 answered" in wmspec("submit", holder.public, out).output
         broken[0], whole = 99, out.read_text()
         out.unlink()
-        stopped = subprocess.run(command, check=False, env=env, capture_output=True, text=True)
-        assert stopped.stderr.startswith("20 requests in a row have failed; the last: ")
+        stopped = answer(holder, *args)
+        assert stopped.said.startswith("20 requests in a row have failed; the last: ")
     ids = [json.loads(line).get("id") for line in whole.splitlines()]
     assert len(set(ids)) == len(ids) == 25
 
@@ -318,14 +341,12 @@ def test_the_script_of_the_folder_writes_no_key(
     monkeypatch.setitem(MANNERS, "echo", Manner(lambda *_: next(responses)))
     out = tmp_path / "submission.jsonl"
     with server(first_words) as running:
-        command = [sys.executable, str(holder.public / "answer.py"), "--model", "echo", "--output", str(out)]
-        command += ["--base-url", running.address]
-        env = {"OPENAI_API_KEY": "sk-0123456789", "PATH": os.environ["PATH"]}
-        done = subprocess.run(command, check=False, env=env, capture_output=True, text=True)
+        args = ("--model", "echo", "--output", out, "--base-url", running.address)
+        done = answer(holder, *args, key="sk-0123456789")
     _, *lines = out.read_text().splitlines()
     assert len(lines) == 24
     assert all("[key]" in line for line in lines)
-    assert "sk-0123456789" not in out.read_text() + done.stdout + done.stderr
+    assert "sk-0123456789" not in out.read_text() + done.said
 
 
 @pytest.fixture
