@@ -206,7 +206,7 @@ def leaning(question: QuestionRow, random: np.random.Generator) -> QuestionRow:
 
 
 def test_place_that_depends_on_a_factor_fails(tmp_path: Path) -> None:
-    found = balanced(make(tmp_path / "made", "race", leaning, 240))
+    found = balanced(make(tmp_path / "made", "race", leaning, 160))
     assert any("place of the truth depends on tone" in f.what for f in found if f.verdict == "fails")
 
 
@@ -251,24 +251,24 @@ def copied(contrary: bool, noise: int = 0, darker: int = 0) -> Ask:
 
 @pytest.mark.parametrize("noise", [0, 3])
 def test_the_same_question_with_another_answer_fails(noise: int, tmp_path: Path) -> None:
-    (finding,) = doubled(make(tmp_path / "made", "race", copied(True, noise), 320))
+    (finding,) = doubled(make(tmp_path / "made", "race", copied(True, noise), 160))
     assert finding.verdict == "fails"
     design = Design(spec("race"), 3)
-    order = shuffled(design, sorted(design.sample(328)[:320]))
+    order = shuffled(design, sorted(design.sample(168)[:160]))
     names = [identity(3, "race", i, 0, "mujoco") for i, question in order.items() if question in (40, 41)]
     assert [name in finding.what for name in names] == [True, True]
     assert "different answers" in finding.what
 
 
 def test_questions_distinct_only_at_full_size_are_reported(tmp_path: Path) -> None:
-    (finding,) = doubled(make(tmp_path / "made", "race", copied(True, darker=5), 320))
+    (finding,) = doubled(make(tmp_path / "made", "race", copied(True, darker=5), 160))
     assert finding.verdict == "reported"
     assert "1 pair of questions are distinguishable only at full picture size" in finding.what
 
 
 @pytest.mark.parametrize(("noise", "exact"), [(0, "1 to the byte"), (3, "0 to the byte")])
 def test_duplicate_question_is_reported(noise: int, exact: str, tmp_path: Path) -> None:
-    (finding,) = doubled(make(tmp_path / "made", "race", copied(False, noise), 320))
+    (finding,) = doubled(make(tmp_path / "made", "race", copied(False, noise), 160))
     assert finding.verdict == "reported"
     assert exact in finding.what
 

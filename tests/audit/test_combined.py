@@ -51,7 +51,7 @@ def test_the_closed_set_is_read_from_the_row(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_nothing_is_found_where_nothing_is_planted(seed: int, tmp_path: Path) -> None:
-    found = verdicts(probed(unit(make(tmp_path / "made", "slide", slide(), 160, seed=seed))))
+    found = verdicts(probed(unit(make(tmp_path / "made", "slide", slide(), 120, seed=seed))))
     assert set(found.values()) == {"holds"}
     assert {"`weight`", "`way`"} < found.keys()
     assert sum(sees.endswith("(the best rule)") for sees in found) == 2
@@ -76,7 +76,7 @@ def test_a_picture_may_show_a_state_that_is_not_in_words(tmp_path: Path) -> None
 
 def test_revealing_state_is_found(tmp_path: Path) -> None:
     """Most light balls that go left, and most heavy ones that go right, were rejected."""
-    made = unit(make(tmp_path / "made", "slide", slide(), 200))
+    made = unit(make(tmp_path / "made", "slide", slide(), 140))
     kept = tuple(
         case
         for case in made.cases
