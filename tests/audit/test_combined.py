@@ -57,6 +57,7 @@ def test_nothing_is_found_where_nothing_is_planted(seed: int, tmp_path: Path) ->
     assert sum(sees.endswith("(the best rule)") for sees in found) == 2
 
 
+@pytest.mark.usefixtures("roughly")
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_nearest_option_with_the_weight_in_words_is_found(seed: int, tmp_path: Path) -> None:
     """The nearest option alone is true in half of the questions: where the ball is heavy."""
@@ -67,6 +68,7 @@ def test_the_nearest_option_with_the_weight_in_words_is_found(seed: int, tmp_pat
     assert failing.startswith("`weight` and ")
 
 
+@pytest.mark.usefixtures("roughly")
 def test_a_picture_may_show_a_state_that_is_not_in_words(tmp_path: Path) -> None:
     made = unit(make(tmp_path / "made", "slide", slide(in_words=False), 20))
     rules = [probe for sees, probe in probed(made).items() if sees.startswith("`way` and likeness")]
@@ -74,6 +76,7 @@ def test_a_picture_may_show_a_state_that_is_not_in_words(tmp_path: Path) -> None
     assert not any(probe.judged for probe in rules)
 
 
+@pytest.mark.usefixtures("roughly")
 def test_revealing_state_is_found(tmp_path: Path) -> None:
     """Most light balls that go left, and most heavy ones that go right, were rejected."""
     made = unit(make(tmp_path / "made", "slide", slide(), 140))

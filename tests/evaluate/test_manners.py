@@ -40,6 +40,10 @@ def evaluate(name: str, dataset: Path, out: Path, address: str, *more: object) -
     return run("evaluate", dataset, "-m", f"openai:{name.replace(' ', '_')}", *args)
 
 
+#: The report sees what differs between their rows: the first manner of each outcome and cause.
+REPORTED = {(manner.outcome, manner.cause): name for name, manner in reversed(MANNERS.items())}.values()
+
+
 def test_there_are_many_manners() -> None:
     assert len(MANNERS) >= 30
     assert {manner.outcome for manner in MANNERS.values()} == {"answered", "unparsed", "truncated", "refused", "error"}
@@ -58,9 +62,9 @@ def printed(dataset: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str
 def reported(
     dataset: Path, printed: dict[str, tuple[Path, str]], tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[dict[str, Any], str]:
-    """The report on all manners, and what it prints."""
+    """The report on those manners, and what it prints."""
     folder = tmp_path_factory.mktemp("report")
-    said = run("report", *(path for path, _ in printed.values()), "--dataset", dataset, "-o", folder)
+    said = run("report", *(printed[name][0] for name in REPORTED), "--dataset", dataset, "-o", folder)
     return json.loads((folder / "report.json").read_text()), said
 
 
@@ -84,6 +88,8 @@ def test_a_manner_has_its_outcome_score_and_cause(
     )
     assert manner.note in output
 
+    if name not in REPORTED:
+        return
     made, said = reported
     model = f"openai:{name.replace(' ', '_')}"
     lines = [line for line in said.splitlines() if line.startswith(f"{model}: 4 ")]

@@ -29,7 +29,7 @@ SAME_BALL = Path(__file__).parent / "specs/same_ball.wms"
 def whole(shared: Shared) -> Path:
     """A group of four films: a red or blue ball goes behind a screen, and a red or blue one comes out."""
     installed("mujoco")
-    options: dict[str, Any] = {"backend": "mujoco", "size": 64, "film": 12, "film_size": (192, 112)}
+    options: dict[str, Any] = {"backend": "mujoco", "size": 64, "film": 8, "film_size": (192, 112)}
 
     def make(folder: Path) -> None:
         generate(SAME_BALL, folder / "out", per_task=4, workers=0, **options)
