@@ -144,6 +144,7 @@ def noise(frames: Frames) -> Frames:
 
 
 def jittered(original: Original) -> Frames:
+    # A future at 8 Hz has few frames, and the last counts much: with a larger jitter it ends elsewhere.
     moves = np.random.default_rng(original.option).normal(0, 2, (len(original.frames), 2))
     return recomposed(original, lambda u, t: (1, 1, 0, *moves[t]))
 
