@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.util import find_spec
+from typing import Any
 
 import pytest
 
@@ -17,3 +18,8 @@ def installed(engine: str) -> Backend:
     if find_spec(info(engine).module) is None:
         pytest.skip(f"{info(engine).title} is not installed")
     return backend(engine)
+
+
+def quick(*engines: str) -> list[Any]:
+    """Every engine; those that are not named only where slow tests run."""
+    return [engine if engine in engines else pytest.param(engine, marks=pytest.mark.slow) for engine in ENGINES]

@@ -281,14 +281,10 @@ def example(page: str) -> str:
     return "import wmspec\n" + rest.partition("```")[0]
 
 
-def work(folder: Path) -> None:
+def run_example(code: str, folder: Path, generated: Path = COLLIDE) -> None:
     (folder / "specs").mkdir()
-    for place in ("collide.wms", "specs/collide.wms"):
-        (folder / place).write_text(COLLIDE.read_text())
-
-
-def run_example(code: str, folder: Path) -> None:
-    work(folder)
+    (folder / "collide.wms").write_text(COLLIDE.read_text())
+    (folder / "specs" / generated.name).write_text(generated.read_text())
     (folder / "example.py").write_text(code)
     done = subprocess.run([sys.executable, "example.py"], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -301,7 +297,7 @@ def test_the_example_is_a_script_that_runs(tmp_path: Path) -> None:
     installed("pybullet")
     code = example("docs/api.md").replace("sample=20", 'sample=1, backend="mujoco,pybullet"')
     code = code.replace('backend="all", per_task=60', 'backend="mujoco", size=64, per_task=2')
-    run_example(code, tmp_path)
+    run_example(code, tmp_path, generated=Path("tests/films/specs/shove.wms"))
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -15,7 +16,9 @@ from xml.etree import ElementTree as ET
 import pytest
 import yaml
 
+from tests.command import wmspec
 from tests.crosscheck.repository import PAIR, commit, git, make
+from tests.shared import Shared
 
 ROOT = Path(__file__).parents[2]
 CHECKOUT = pytest.mark.skipif(not (ROOT / "pyproject.toml").exists(), reason="these files are those of a checkout")
@@ -43,6 +46,17 @@ def environment(tmp_path: Path) -> dict[str, str]:
 def add_another_disagreement(repository: Path) -> None:
     text = (repository / "specs/tumble.wms").read_text()
     (repository / "specs/other.wms").write_text(text.replace("task tumble :", "task other :"))
+
+
+@pytest.fixture
+def known(shared: Shared, tmp_path: Path) -> Path:
+    """A folder with `cache`, the results for the repository, and `known.json`, the baseline of its disagreement."""
+
+    def fill(folder: Path) -> None:
+        options = ["-b", PAIR, "-n", 3, "-j", 1, "--cache", "../cache", "--baseline", "../known.json"]
+        wmspec("crosscheck", "specs", *options, "--update-baseline", folder=make(folder / "repository"))
+
+    return Path(shutil.copytree(shared.folder("integrations", fill), tmp_path / "known"))
 
 
 # ---------------------------------------------------------------- pytest
@@ -87,15 +101,12 @@ def test_pytest_has_a_test_for_each_task_and_check(repository: Path, environment
     assert again[:2] == (code, outcomes)
 
 
-def test_pytest_accepts_what_a_baseline_holds(repository: Path, environment: dict[str, str]) -> None:
-    update = ["-b", PAIR, "-n", "3", "-j", "1", "--cache", "../cache", "--baseline", "known.json", "--update-baseline"]
-    command = [sys.executable, "-m", "wmspec", "crosscheck", "specs", *update]
-    subprocess.run(command, cwd=repository, env=environment, check=True, capture_output=True)
-    code, _, _ = run_pytest(repository, environment, "--wmspec-baseline", "known.json", "specs")
-    assert code == 0
+def test_pytest_accepts_what_a_baseline_holds(repository: Path, known: Path, environment: dict[str, str]) -> None:
     add_another_disagreement(repository)
-    code, outcomes, _ = run_pytest(repository, environment, "--wmspec-baseline", "known.json", "specs")
+    options = ("--wmspec-cache", str(known / "cache"), "--wmspec-baseline", str(known / "known.json"))
+    code, outcomes, _ = run_pytest(repository, environment, *options, "specs")
     assert code == 1
+    assert "specs.tumble.wms.tumble::crosscheck" in outcomes
     assert [name for name, outcome in outcomes.items() if outcome == "failure"] == ["specs.other.wms.other::crosscheck"]
 
 
@@ -244,19 +255,19 @@ def test_the_action_finds_a_disagreement_and_accepts_a_known_one(action: Action,
 
 
 @CHECKOUT
-def test_the_action_passes_its_inputs_on(action: Action, repository: Path, environment: dict[str, str]) -> None:
-    update = ["-b", PAIR, "-n", "3", "-j", "1", "--cache", "../temp/wmspec-cache", "--baseline", "known it.json"]
-    command = [sys.executable, "-m", "wmspec", "crosscheck", "specs", *update, "--update-baseline"]
-    subprocess.run(command, cwd=repository, env=environment, check=True, capture_output=True)
-    settings = SETTINGS | {"baseline": "known it.json", "reports": "the reports", "max_time": "10m"}
-    assert action.run(**settings)[0] == 0
-    assert (repository / "the reports/crosscheck.xml").exists()
+def test_the_action_passes_its_inputs_on(action: Action, repository: Path, known: Path, tmp_path: Path) -> None:
+    shutil.copytree(known / "cache", tmp_path / "temp/wmspec-cache")
+    shutil.copy(known / "known.json", repository / "known it.json")
     add_another_disagreement(repository)
-    assert action.run(**settings)[0] == 1
+    settings = SETTINGS | {"baseline": "known it.json", "reports": "the reports", "max_time": "10m"}
+    code, log, _ = action.run(**settings, specs="specs/race.wms specs/tumble.wms")
+    assert code == 0
+    assert "6 of 6 results are from the cache" in log
+    assert (repository / "the reports/crosscheck.xml").exists()
     code, log, _ = action.run(**settings, changed_since="HEAD")
     assert code == 1
-    assert "3 of 3 results are from the cache" in log
-    assert action.run(**settings, specs="specs/race.wms specs/tumble.wms")[0] == 0
+    assert "mujoco answers" in log
+    assert "from the cache" not in log
 
 
 @CHECKOUT

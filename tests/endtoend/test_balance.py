@@ -119,5 +119,5 @@ def test_cost_is_printed(spec: Path, tmp_path: Path) -> None:
     checked = CliRunner().invoke(main, ["check", str(spec)]).output
     assert "balanced answers of `far`: each group is drawn up to 32 times" in checked
     assert "5 independent groups: the sample size of tone, pace" in checked
-    verified = CliRunner().invoke(main, ["verify", str(tmp_path / "out"), "--all"])
+    verified = CliRunner().invoke(main, ["verify", str(tmp_path / "out"), "--all", "-j", "1"])
     assert verified.exit_code == 0, verified.output

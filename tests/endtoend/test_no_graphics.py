@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.endtoend.test_commands import COLLIDE, wmspec
+from tests.endtoend.test_commands import SPEED, wmspec
 
 NO_EGL, NO_VULKAN = {"__EGL_VENDOR_LIBRARY_FILENAMES": "/none"}, {"VK_DRIVER_FILES": "/none"}
-RENDER, GENERATE = ["render", COLLIDE, "--size", "32"], ["generate", COLLIDE, "--per-task", "1", "--size", "32"]
+RENDER, GENERATE = ["render", SPEED, "--size", "32"], ["generate", SPEED, "--per-task", "1", "--size", "32"]
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.command import wmspec
-from tests.endtoend.conftest import OPTIONS
-from tests.endtoend.test_commands import COLLIDE, SPEED
+from tests.endtoend.conftest import OPTIONS, SHOVE
+from tests.endtoend.test_commands import SPEED
 from tests.endtoend.test_datasets import digests
 from tests.evaluate.loopback import loopback
 from wmspec.api import generate
@@ -128,15 +128,15 @@ def test_shares_of_machines_come_together(dataset: Path, tmp_path: Path) -> None
     parts = tmp_path / "part-1", tmp_path / "part-2"
     for number, part in enumerate(parts, 1):
         share: DatasetOptions = {**OPTIONS, "part": (number, 2)}
-        generate([SPEED, COLLIDE], part, workers=0, **share)
-    generate([SPEED, COLLIDE], tmp_path / "merged", reuse=parts, workers=0, **OPTIONS)
+        generate([SPEED, SHOVE], part, workers=0, **share)
+    generate([SPEED, SHOVE], tmp_path / "merged", reuse=parts, workers=0, **OPTIONS)
     assert digests(tmp_path / "merged") == digests(dataset)
 
 
 @pytest.mark.slow
 def test_a_ray_cluster_makes_the_same_rows(dataset: Path, tmp_path: Path) -> None:
     pytest.importorskip("ray")
-    generate([SPEED, COLLIDE], tmp_path / "ray", executor="ray", **OPTIONS)
+    generate([SPEED, SHOVE], tmp_path / "ray", executor="ray", **OPTIONS)
     assert digests(tmp_path / "ray") == digests(dataset)
 
 

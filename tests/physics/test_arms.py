@@ -18,7 +18,7 @@ from pxr import Usd, UsdGeom, UsdPhysics
 from scipy.interpolate import CubicSpline
 
 import wmspec
-from tests.engines import installed
+from tests.engines import installed, quick
 from tests.language.specs import SPECS, task_of
 from tests.stage.law import violations
 from wmspec.compile.design.depend import Dependencies, changed_by
@@ -40,11 +40,6 @@ ENGINES = ("mujoco", "pybullet", "sapien")
 def some(every: Iterable[tuple[Any, str]], chosen: list[tuple[Any, str]]) -> list[Any]:
     """Cases, each in an engine; those that are not chosen only where slow tests run."""
     return [case if case in chosen else pytest.param(*case, marks=pytest.mark.slow) for case in every]
-
-
-def quick(*engines: str) -> list[Any]:
-    """Every engine; those that are not named only where slow tests run."""
-    return [engine if engine in engines else pytest.param(engine, marks=pytest.mark.slow) for engine in ENGINES]
 
 
 TASKS = [path for path in SPECS if path.stem.startswith(("arm_", "arms_"))]

@@ -16,7 +16,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.engines import ENGINES, installed
+from tests.engines import ENGINES, installed, quick
 from tests.recipes.prism import Prism
 from wmspec.sim.shapes.facets import tessellate
 
@@ -96,7 +96,7 @@ def test_it_is_checked(checkout: Path, tmp_path: Path) -> None:
     assert "a cone has no `sides`" in wmspec(checkout, "check", spec, code=2)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", quick("pybullet", "sapien"))
 def test_it_rests_where_it_was_put(checkout: Path, tmp_path: Path, engine: str) -> None:
     installed(engine)
     wmspec(checkout, "run", SPEC, "--backend", engine, "-i", "5", "-o", tmp_path / "trace.npz")
@@ -109,7 +109,7 @@ def test_it_rests_where_it_was_put(checkout: Path, tmp_path: Path, engine: str) 
     assert heights["nut"] - heights["bar"] == pytest.approx(0.025 - 0.03 / np.sqrt(2)), "on its end, and on its side"
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", quick("mujoco"))
 def test_it_is_drawn(checkout: Path, tmp_path: Path, engine: str) -> None:
     from PIL import Image
 
