@@ -22,7 +22,7 @@ from wmspec.dataset.film.timing import film_times
 
 
 def made(shared: Shared, spec: Path, count: int, seconds: float) -> Path:
-    """A closed set of these futures that go on for so long (s) after what is shown."""
+    """A closed set of `count` futures that go on for some seconds after what is shown."""
     for engine in ("mujoco", "pybullet"):
         installed(engine)
 
