@@ -7,9 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from wmspec.sim.photo.light import directions
-from wmspec.sim.scene.render.environment import MAX_RADIANCE, radiance
-from wmspec.sim.scene.render.tonemap import tonemap
+from wmspec.sim.photo.light import MAX_RADIANCE, directions, radiance
+from wmspec.sim.photo.tracer import tonemap
 
 
 def test_the_surroundings_have_a_mean_radiance_of_one() -> None:

@@ -63,7 +63,7 @@ class RenderCache:
         parity = backend(self.engine).renderer(scene, *self.size)
         if self._look == "parity":
             return parity
-        from wmspec.sim.photo.renderer import PhotoRenderer as Photo
+        from wmspec.sim.photo.tracer import PhotoRenderer as Photo
 
         return Photo(scene, parity, self.size, self._samples)
 

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from wmspec.compile.layout.functions import extreme_name
-from wmspec.compile.layout.view import common_direction
+from wmspec.compile.layout.view import MIN_HORIZONTAL, common_direction, quarter_turns
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.questions import outcome
 from wmspec.runtime.questions.measure import Measured
-from wmspec.runtime.questions.view_direction import view_direction
+from wmspec.runtime.questions.observed import Observed
+from wmspec.sim.scene.model.transform import compose, rotate
 
 #: What is nearer to a viewer than itself is behind it.
 _OPPOSITE = {"in_front_of": "behind", "behind": "in_front_of"}
 #: The option for a tie.
 NEITHER = "neither"
+_X, _UP, _AHEAD = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, -1.0])
 
 
 def fastest(measured: Measured, names: tuple[str, ...], tie: float | None = None) -> str:
@@ -68,6 +72,25 @@ def relation(measured: Measured, a: str, b: str, at: float | None = None, seen_f
     """
     observed = measured.observed
     time = observed.window[1] if at is None else float(observed.trace.time[observed.moment(at)])
-    way = common_direction(measured.values) if seen_from is None else view_direction(observed, seen_from, time)
+    way = common_direction(measured.values) if seen_from is None else _view_direction(observed, seen_from, time)
     word = outcome.relation(observed, a, b, way, time)
     return _OPPOSITE.get(word, word) if seen_from == b else word
+
+
+def _view_direction(observed: Observed, viewer: str, time: float) -> float:
+    """Return the view direction of a camera or body at a time (s), in quarter turns counter-clockwise from +y.
+
+    A body looks along its x axis; a camera that points straight down, towards its upper edge. Raises WmsError for a
+    body that points straight up or down.
+    """
+    camera = next((camera for camera in observed.scene.cameras if camera.name == viewer), None)
+    if camera is None:
+        x, y, _ = rotate(observed.pose(viewer, time).orientation, _X)
+        if np.hypot(x, y) <= MIN_HORIZONTAL:
+            raise WmsError(f"`{viewer}` points straight up or down, so left and right are undefined")
+        return quarter_turns(x, y)
+    pose = camera.pose if camera.body is None else compose(observed.pose(camera.body, time), camera.pose)
+    x, y, _ = rotate(pose.orientation, _AHEAD)
+    if np.hypot(x, y) <= MIN_HORIZONTAL:
+        x, y, _ = rotate(pose.orientation, _UP)
+    return quarter_turns(x, y)

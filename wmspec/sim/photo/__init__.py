@@ -1,4 +1,4 @@
 """The photo look: Mitsuba path-traces any scene, independent of the engine that executed it.
 
-Starts in `renderer.py`. It receives the scene and an engine's renderer, which supplies ids and depth.
+Starts in `tracer.py`. It receives the scene and an engine's renderer, which supplies ids and depth.
 """

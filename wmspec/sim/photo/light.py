@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from wmspec.sim.scene.model import Array, Light
 from wmspec.sim.scene.render.color import to_linear
-from wmspec.sim.scene.render.environment import radiance
 
 ROWS = 256
 """Rows of the map from zenith to nadir; it has twice as many columns."""
@@ -23,6 +22,12 @@ SUN_COLOR, SUN_RADIUS = np.array([1.0, 0.95, 0.87]), math.radians(2.5)
 
 MIN_CEILING, LAMP_OFFSET = 2.0, 0.01
 """m: static bodies above the camera wider in both directions are ceilings; light starts `LAMP_OFFSET` below."""
+
+MAX_RADIANCE = 4.0
+"""Upper bound of radiance."""
+
+_WINDOWS = ((-2.5, 0.62, 0.48, 0.30, 3.4), (0.35, 0.75, 0.30, 0.34, 2.6))
+"""Azimuth and elevation of the centre, half width and height (rad), and brightness of each window."""
 
 SKY_TINT = 0.3
 """Fraction of the background hue in the light from above, as under a sky."""
@@ -56,6 +61,24 @@ def environment_map(light: Light, background: tuple[float, float, float], rows: 
     return lit
 
 
+def radiance(directions: Array) -> Array:
+    """Return linear radiance (..., 3) of a bright neutral room from unit `directions` (..., 3) in world axes, z up.
+
+    Light comes from a pale ceiling, two large windows and their reflections on the floor. The mean over the upper
+    half is about 1.
+    """
+    x, y, z = np.moveaxis(directions, -1, 0)
+    azimuth, elevation = np.arctan2(y, x), np.arcsin(np.clip(z, -1, 1))
+    grey = np.where(z > 0, 0.62 + 0.5 * z, 0.62 - 0.34 * _step(-z, 0.02, 0.35))
+    for middle, up, wide, high, bright in _WINDOWS:
+        aside = np.abs((azimuth - middle + np.pi) % (2 * np.pi) - np.pi)
+        inside = _step(wide - aside, -0.03, 0.03) * _step(high - np.abs(elevation - up), -0.03, 0.03)
+        grey = grey + (bright - grey) * inside
+    tint = np.where(z[..., None] > 0, np.array([0.985, 1.0, 1.02]), np.array([1.03, 1.0, 0.96]))
+    light: Array = np.clip(grey[..., None] * tint, 0, MAX_RADIANCE)
+    return light
+
+
 def ceiling_lights(light: Light, bounds: Iterable[tuple[Array, Array]], eye: Array) -> list[tuple[Array, Array]]:
     """Return undersides of ceilings above `eye` as opposite corners (3,), for light without shadows.
 
@@ -74,3 +97,10 @@ def _hue(toward: Array, background: tuple[float, float, float]) -> Array:
     above = np.clip(toward[..., 2:] * 4 + 0.5, 0, 1)
     hue: Array = 1 + SKY_TINT * above * (color / color.mean() - 1)
     return hue
+
+
+def _step(value: Array, low: float, high: float) -> Array:
+    """Return a smooth step: 0 below `low`, 1 above `high`."""
+    t = np.clip((value - low) / (high - low), 0, 1)
+    smooth: Array = t * t * (3 - 2 * t)
+    return smooth

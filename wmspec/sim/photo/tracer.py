@@ -1,4 +1,7 @@
-"""Path-traced colours: few paths per pixel, denoised by Open Image Denoise."""
+"""The photo renderer: path-traced colours, few paths per pixel, denoised by Open Image Denoise.
+
+Ids and depth come from an engine's renderer.
+"""
 
 from __future__ import annotations
 
@@ -13,13 +16,12 @@ from numpy.typing import NDArray
 from wmspec.sim.photo.library import mitsuba
 from wmspec.sim.photo.light import ceiling_lights, environment_map, strengths
 from wmspec.sim.photo.materials import Material, material
-from wmspec.sim.scene.model import Array, Camera, Geom, Pose, Scene, Shot, Surface
+from wmspec.sim.scene.model import Array, Camera, Frame, Geom, Pose, Renderer, Scene, Shot, Surface
 from wmspec.sim.scene.model.transform import apply, compose, rotate, rotation
 from wmspec.sim.scene.render.camera import world_camera
-from wmspec.sim.scene.render.color import to_linear
+from wmspec.sim.scene.render.color import to_bytes, to_linear, to_srgb
 from wmspec.sim.scene.render.picture import require_all_poses
 from wmspec.sim.scene.render.texcoords import texcoords
-from wmspec.sim.scene.render.tonemap import tonemap
 from wmspec.sim.shapes.facets import Facets
 
 DEFAULT_SAMPLES = 8
@@ -42,6 +44,10 @@ USD_CAMERA_AXES = np.array([-1.0, 1.0, -1.0])
 
 Image = NDArray[np.float32]
 """(h, w, 4)."""
+
+
+START, DESATURATION = 0.76, 0.15
+"""Of the tone curve."""
 
 
 @dataclass(frozen=True)
@@ -172,6 +178,47 @@ class Tracer:
         parts = (np.ascontiguousarray(part, np.float32) for part in (noisy, np.clip(plain, 0, 1)))
         smooth: Array = np.maximum(mitsuba_oidn.denoise(*parts, hdr=True), 0).astype(np.float64)
         return smooth
+
+
+class PhotoRenderer:
+    """Draws one scene; `parity` is an engine's renderer of it and is closed with this one.
+
+    Raises WmsError if Mitsuba is missing.
+    """
+
+    def __init__(self, scene: Scene, parity: Renderer, size: tuple[int, int], samples: int | None = None) -> None:
+        self._tracer, self._parity = Tracer(scene, size, samples), parity
+
+    def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
+        """Draw the bodies at the poses of the shot."""
+        frame = self._parity.draw(shot, depth=depth)
+        return Frame(self._tracer.draw(shot), frame.ids, frame.depth)
+
+    def repaint(self, scene: Scene) -> bool:
+        """Switch to a scene that differs in colours only, if the engine's renderer can."""
+        if not self._parity.repaint(scene):
+            return False
+        self._tracer.paint(scene)
+        return True
+
+    def close(self) -> None:
+        """Release all resources."""
+        self._parity.close()
+        del self._tracer
+
+
+def tonemap(light: Array) -> NDArray[np.uint8]:
+    """Return the bytes (h, w, 3) of linear light (h, w, 3), where 1 is a white surface that faces the sun.
+
+    The highlight roll-off of Khronos' "PBR Neutral" tone mapper (2024); values below 0.76 of white keep their colour
+    exactly.
+    """
+    peak = light.max(axis=-1, keepdims=True)
+    beyond = np.maximum(peak, START) - START
+    rolled = 1 - (1 - START) ** 2 / (beyond + 1 - START)
+    white = 1 - 1 / (DESATURATION * (beyond + START - rolled) + 1)
+    bright = light * rolled / np.maximum(peak, START)
+    return to_bytes(to_srgb(np.where(peak < START, light, bright + white * (rolled - bright))))
 
 
 def _pieces(scene: Scene) -> tuple[_Piece, ...]:
