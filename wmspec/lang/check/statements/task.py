@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
-from wmspec.core.diagnostics import Diagnostic, Note, Report
+from wmspec.core.diagnostics import Diagnostic, Note, Report, suggestion
 from wmspec.core.limits import EPISODE_SECONDS
 from wmspec.core.places import Source, Span
+from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.scope import Scope
 from wmspec.lang.check.expressions.typed import Failed, Typed, constant, without_failed
@@ -19,7 +23,6 @@ from wmspec.lang.check.library.expand import Assets
 from wmspec.lang.check.library.modules import Item, Modules
 from wmspec.lang.check.library.substitute import Substitute
 from wmspec.lang.check.library.templates import Templates
-from wmspec.lang.check.library.worlds import merged_worlds
 from wmspec.lang.check.statements.balance import balance
 from wmspec.lang.check.statements.dimensions import warn_near_known
 from wmspec.lang.check.statements.factors import Factors
@@ -31,11 +34,11 @@ from wmspec.lang.check.statements.orbits import Orbits
 from wmspec.lang.check.statements.placement_cycles import report_placement_cycles
 from wmspec.lang.check.statements.questions import Questions
 from wmspec.lang.check.statements.sets import Sets
-from wmspec.lang.check.statements.tolerances import tolerances
-from wmspec.lang.check.statements.unused import warn_unused
-from wmspec.lang.check.tables.vocabulary import SETTINGS
+from wmspec.lang.check.tables.vocabulary import SETTINGS, TOLERANCES
 from wmspec.lang.parse import syntax as s
 from wmspec.lang.parse.load import Program, load
+
+_WORD = re.compile(r"[A-Za-z_]\w*")
 
 S = TypeVar("S", bound=s.Statement)
 T = TypeVar("T")
@@ -314,3 +317,56 @@ class _Task:
                 self.report.add("WMS304", f"`horizon` must be at most {EPISODE_SECONDS.most} s", span)
             return typed.expr
         return ir.time_of_last_picture(observations)
+
+
+def merged_worlds(statements: Sequence[s.Statement], task: s.Task | None) -> list[s.Statement]:
+    """Return the statements with the world of a library merged into the task's own, such as `world { gravity: 0 }`.
+
+    Worlds of several libraries, and several of the task, are left as they are: these are mistakes.
+    """
+    worlds = [each for each in statements if isinstance(each, s.Block) and each.kind == "world"]
+    own = [world for world in worlds if task is not None and world.span.source is task.span.source]
+    others = [world for world in worlds if world not in own]
+    if len(own) != 1 or len(others) != 1:
+        return list(statements)
+    written = {each.name.id for each in own[0].properties}
+    inherited = (each for each in others[0].properties if each.name.id not in written)
+    merged = replace(own[0], properties=(*own[0].properties, *inherited))
+    return [merged if each is own[0] else each for each in statements if each is not others[0]]
+
+
+def warn_unused(file: s.File, report: Report) -> None:
+    """Warn about unused declarations of a file. A name that occurs in a text counts as used."""
+    if not any(isinstance(item, s.Task) for item in file.items) or not file.whole:
+        return
+    used = Counter(name.id for name in s.nodes(file.items, s.Name))
+    used.update(word for text in s.nodes(file.items, s.Text) for word in _WORD.findall(text.value))
+    for item in s.statements(file.items):
+        if not (isinstance(item, s.Let | s.Template) or (isinstance(item, s.Block) and item.kind == "camera")):
+            continue
+        what = "template" if isinstance(item, s.Template) else "camera" if isinstance(item, s.Block) else "value"
+        if used[item.name.id] == 1:
+            message = f"the {what} `{item.name.id}` is never used"
+            report.add("WMS410", message, item.name.span, "use it, or remove it", severity="warning")
+
+
+def tolerances(check: Expressions, written: Iterable[s.Tolerance]) -> dict[str, float]:
+    """Return the tolerances (SI) by name; wrong ones are reported and left out."""
+    every = list(written)
+    check.report.add_set_twice(((x.name.id, x.name.span) for x in every), "the tolerance `{}` is set twice")
+    return dict(without_failed(partial(_tolerance, check), every))
+
+
+def _tolerance(check: Expressions, tolerance: s.Tolerance) -> tuple[str, float]:
+    """Return the name and the value."""
+    name = tolerance.name
+    if name.id not in TOLERANCES:
+        message = f"there is no tolerance `{name.id}`"
+        check.fail("WMS203", message, name.span, suggestion(name.id, TOLERANCES))
+    slot = TOLERANCES[name.id]
+    typed = check.value(tolerance.value, slot.types, f"`{name.id}`")
+    check_bounds(check, typed.expr, slot, tolerance.value.span, f"`{name.id}`")
+    value = constant(typed.expr)
+    if value is None:
+        check.fail("WMS304", "a tolerance is a constant", tolerance.value.span, "write a quantity")
+    return name.id, value
