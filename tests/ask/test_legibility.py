@@ -13,9 +13,9 @@ from wmspec.compile.design.design import Design
 from wmspec.runtime.questions.ask import ask
 from wmspec.runtime.questions.legibility.bounds import BOUNDS, entry, ratio
 from wmspec.runtime.questions.legibility.color_vision import dichromat_difference, difference
+from wmspec.runtime.questions.legibility.labels import texture_difference
 from wmspec.runtime.questions.legibility.motion import drawn_path
 from wmspec.runtime.questions.legibility.picture_places import center, pixels_per_metre
-from wmspec.runtime.questions.legibility.texture import texture_difference
 from wmspec.runtime.questions.model import QuestionRow, Rejected
 
 GLIDE = """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -11,23 +11,25 @@ import numpy as np
 
 from wmspec.compile.layout.cavities import clearance
 from wmspec.compile.layout.geometry import volume
-from wmspec.lang.check.ir.evaluate import evaluate
-from wmspec.lang.check.ir.ir import Call, Expr, Operation, Property
+from wmspec.core.memoize import cached_on
+from wmspec.lang.check.ir.evaluate import Environment, evaluate
+from wmspec.lang.check.ir.ir import Call, Expr, Items, Operation, Property, Ref, TaskSpec
 from wmspec.lang.check.tables.functions import FUNCTIONS
-from wmspec.runtime.questions.legibility.aim import aim_gap
+from wmspec.runtime.questions.difference import lab_of_bytes
 from wmspec.runtime.questions.legibility.bounds import BOUNDS, entry, ratio
 from wmspec.runtime.questions.legibility.color_vision import difference
-from wmspec.runtime.questions.legibility.decisive import decisive_parts
-from wmspec.runtime.questions.legibility.motion import camera_times, lead
+from wmspec.runtime.questions.legibility.motion import aim_gap, camera_times, lead
 from wmspec.runtime.questions.legibility.picture_places import center, pixels_per_metre, size
-from wmspec.runtime.questions.legibility.texture import texture_difference
 from wmspec.runtime.questions.measure import Measured
 from wmspec.runtime.questions.model import Legibility
 from wmspec.runtime.questions.motion import moving_time
 from wmspec.runtime.questions.observed import Observed
 from wmspec.runtime.questions.patch import patch
 from wmspec.runtime.questions.question_context import QuestionContext
-from wmspec.sim.scene.model import Frame
+from wmspec.sim.scene.model import Array, Frame
+
+#: Quantiles at which two distributions of lightness are compared.
+_QUANTILES = np.linspace(0.05, 0.95, 19)
 
 #: Functions that compare movers, by how far each gets.
 _RACES = frozenset({"fastest", "slowest", "mover", "first"})
@@ -210,3 +212,67 @@ def least_by_name(measures: Iterable[Legibility]) -> tuple[Legibility, ...]:
         if each.name not in worst or ratio(each) < ratio(worst[each.name]):
             worst[each.name] = each
     return tuple(worst[name] for name in BOUNDS if name in worst)
+
+
+def texture_difference(frame: Frame, a: int, b: int) -> float:
+    """Return the difference (L*) of two bodies in a picture in the spread or in the grain of lightness, if larger.
+
+    The spread is the distribution about the median, the grain that of steps between neighbouring pixels. Distributions
+    are compared by the mean difference of their quantiles (Wasserstein distance).
+    """
+    one, other = cached_on(frame, _distributions, a), cached_on(frame, _distributions, b)
+    return float(np.abs(one - other).mean(axis=1).max())
+
+
+def _distributions(frame: Frame, index: int) -> Array:
+    """Return the quantiles (2, q) of the lightness of a body about its median, and of its steps; 0 if not drawn."""
+    mask = frame.ids == index
+    light = lab_of_bytes(frame.rgb)[..., 0]
+    steps = np.concatenate(
+        [
+            np.abs(light[1:] - light[:-1])[mask[1:] & mask[:-1]],
+            np.abs(light[:, 1:] - light[:, :-1])[mask[:, 1:] & mask[:, :-1]],
+        ]
+    )
+    spread = light[mask] - np.median(light[mask]) if mask.any() else np.zeros(1)
+    return np.stack([np.quantile(each, _QUANTILES) for each in (spread, steps if len(steps) else np.zeros(1))])
+
+
+def decisive_parts(expr: Expr, spec: TaskSpec, env: Environment) -> Iterator[Expr]:
+    """Yield an expression and the subexpressions that are evaluated for its value, named values included.
+
+    Branches of `if`, and operands of `and` and `or`, that are not evaluated do not count.
+    """
+    lets = {let.name: let.value for let in spec.lets}
+    return _parts(expr, lets, env, set())
+
+
+def _parts(expr: Expr, lets: Mapping[str, Expr], env: Environment, seen: set[str]) -> Iterator[Expr]:
+    yield expr
+    for part in _evaluated(expr, lets, env, seen):
+        yield from _parts(part, lets, env, seen)
+
+
+def _evaluated(expr: Expr, lets: Mapping[str, Expr], env: Environment, seen: set[str]) -> Iterator[Expr]:
+    """Yield the direct subexpressions that are evaluated."""
+    match expr:
+        case Ref() if expr.name in lets and expr.name not in seen:
+            seen.add(expr.name)
+            yield lets[expr.name]
+        case Property():
+            yield expr.owner
+        case Items():
+            yield from expr.items
+        case Call():
+            yield from expr.arguments
+        case Operation(operator="if", each=None):
+            condition, then, otherwise = expr.operands
+            yield condition
+            yield then if evaluate(condition, env) else otherwise
+        case Operation(operator="and" | "or", each=None):
+            for operand in expr.operands:
+                yield operand
+                if bool(evaluate(operand, env)) == (expr.operator == "or"):
+                    return
+        case Operation():
+            yield from expr.operands
