@@ -19,7 +19,7 @@ from wmspec.backends.mujoco import physics as in_mujoco
 from wmspec.backends.mujoco.mjcf import mjcf
 from wmspec.backends.mujoco.world import World as MuJoCo
 from wmspec.backends.pybullet import physics as in_pybullet
-from wmspec.backends.pybullet.shared_lists import shared_lists
+from wmspec.backends.pybullet.triangles import shared_lists
 from wmspec.backends.pybullet.world import World as PyBullet
 from wmspec.backends.sapien import physics as in_sapien
 from wmspec.backends.sapien.render import add_body, eye, merged_geoms

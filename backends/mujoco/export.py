@@ -8,8 +8,7 @@ from wmspec.sim.scene.script import episode_script
 from . import clearance
 from .mjcf import mjcf
 from .physics import prepare
-from .warning_text import warning_text
-from .world import World, rates
+from .world import World, rates, warning_text
 
 WORLD = """model = mujoco.MjModel.from_xml_path(str(Path(__file__).with_name("scene.xml")))
 world = World(model, ASSEMBLY)"""

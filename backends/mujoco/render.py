@@ -25,8 +25,7 @@ from wmspec.sim.scene.render.texcoords import texcoords
 from wmspec.sim.scene.render.window import MovingBodies, Window, full_window
 from wmspec.sim.shapes import Shape
 
-from .backdrop import MAX_BACKDROPS, Backdrop, ImageLayer, key
-from .body_subset import BodySubset
+from .backdrop import MAX_BACKDROPS, Backdrop, BodySubset, ImageLayer, key
 from .sun import SunMap
 
 with silence():

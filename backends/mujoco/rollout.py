@@ -32,8 +32,7 @@ from wmspec.sim.scene.physics.episode import (
     to_body_frames,
 )
 
-from .warning_text import warning_text
-from .world import World
+from .world import World, warning_text
 
 with silence():
     import mujoco

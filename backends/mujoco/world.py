@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,10 +14,19 @@ from wmspec.sim.scene.physics.episode import TOUCH_BEGIN, Grip
 from wmspec.sim.scene.physics.rigid import Assembly, Rigid
 
 from .clearance import is_clear
-from .warning_text import warning_text
 
 with silence():
     import mujoco
+
+_WORDS = {
+    "INERTIA": "an inertia is nearly singular",
+    "CONTACTFULL": "there are more contacts than fit its memory",
+    "CNSTRFULL": "there are more constraints than fit its memory",
+    "BADQPOS": "positions grow without bound",
+    "BADQVEL": "velocities grow without bound",
+    "BADQACC": "accelerations grow without bound",
+    "BADCTRL": "a drive has no finite target",
+}
 
 NEVER = -1e6  # m: margin of a pair of geoms without contacts
 HEAVY = 1e6  # kg and kg m²: immovable by other bodies
@@ -313,3 +322,9 @@ def rates(limb: Link, body: Rigid) -> list[float]:
             return [*(limb.rate or (0.0,) * 3)]
         case _:
             return [*(limb.rate or (0.0,))]
+
+
+def warning_text(counts: Sequence[int], time: float) -> str:
+    """Return the warnings with a count above 0 in words, and the time (s) of the state."""
+    raised = [words for kind, words in _WORDS.items() if counts[int(getattr(mujoco.mjtWarning, f"mjWARN_{kind}"))]]
+    return f"MuJoCo gives up at {time:.4g} s: {' and '.join(raised)}"

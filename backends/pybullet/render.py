@@ -22,11 +22,10 @@ from wmspec.sim.scene.render.shadow import SUN_SHADE, ShadowCasters
 from wmspec.sim.scene.render.texcoords import texcoords
 from wmspec.sim.shapes.facets import Facets
 
-from .hull_planes import split_by_plane
 from .images import Pattern, TextureCache
 from .layer import DepthLayer
 from .shadow import Sun
-from .shared_lists import shared_lists
+from .triangles import shared_lists, split_by_plane
 
 with silence():
     import pybullet

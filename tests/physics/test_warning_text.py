@@ -3,7 +3,7 @@
 import pytest
 
 mujoco = pytest.importorskip("mujoco")
-from wmspec.backends.mujoco.warning_text import warning_text  # noqa: E402  MuJoCo may not be here
+from wmspec.backends.mujoco.world import warning_text  # noqa: E402  MuJoCo may not be here
 
 
 def test_every_warning_has_words() -> None:

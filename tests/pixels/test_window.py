@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 import wmspec
 from wmspec.backends.mujoco import render
-from wmspec.backends.mujoco.backdrop import MAX_BACKDROPS
-from wmspec.backends.mujoco.body_subset import BodySubset
+from wmspec.backends.mujoco.backdrop import MAX_BACKDROPS, BodySubset
 from wmspec.backends.mujoco.render import Renderer
 from wmspec.core.memoize import LRU
 from wmspec.core.resources import resource
