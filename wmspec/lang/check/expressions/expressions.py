@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cache
 from typing import Any, NoReturn
 
 from wmspec.core.diagnostics import Note, Remedy, Report
-from wmspec.core.places import Span
+from wmspec.core.places import Source, Span
 from wmspec.lang.check.expressions import calls, foreign_values, lists, members, names, operators, what_ifs
 from wmspec.lang.check.expressions.libraries import library_declaring
 from wmspec.lang.check.expressions.scope import Scope
 from wmspec.lang.check.expressions.typed import ZERO, Failed, Typed, constant, example, fits
 from wmspec.lang.check.ir import ir
+from wmspec.lang.check.tables.vocabulary import PropertySpec
 from wmspec.lang.check.types import units
 from wmspec.lang.check.types.types import (
     A_NUMBER,
@@ -32,6 +34,7 @@ from wmspec.lang.check.types.types import (
 )
 from wmspec.lang.check.types.units import NUMBER, Dimension
 from wmspec.lang.parse import syntax as s
+from wmspec.lang.parse.parser import parse_expression
 
 __all__ = ["ZERO", "Expressions", "Failed", "Typed", "constant", "fits"]
 
@@ -93,6 +96,15 @@ class Expressions:
             return self.value(e, expected, what) if expected else self.infer(e)
         finally:
             self.measured = before
+
+    def bounds(self, expr: ir.Expr, slot: PropertySpec, span: Span, what: str) -> None:
+        """Report a constant, or a component of a point or size, outside the bounds of its slot."""
+        for part in expr.items if isinstance(expr, ir.Items) else (expr,):
+            value = constant(part)
+            if value is not None and (reason := slot.violation(value)):
+                self.fail("WMS304", f"{what} must be {reason}", span)
+            if slot.among and isinstance(part, ir.Value) and part.value not in slot.among:
+                self.fail("WMS304", f"{what} must be {' or '.join(f'`{word}`' for word in slot.among)}", span)
 
     def fail(self, code: str, message: str, span: Span, help: str = "", notes: tuple[Note, ...] = ()) -> NoReturn:
         """Report an error and raise `Failed`."""
@@ -232,3 +244,14 @@ _CHECKS: dict[type[s.Expr], Callable[[Expressions, Any, tuple[Type, ...]], Typed
     s.WhatIf: lambda check, e, _: what_ifs.what_if(check, e),
     s.Cause: lambda check, e, _: what_ifs.cause(check, e),
 }
+
+
+@cache
+def default_value(slot: PropertySpec) -> ir.Expr:
+    """Return the default of a property or argument."""
+    assert slot.default is not None
+    source = Source("<default>", slot.default)
+    report = Report()
+    expr = parse_expression(Span(source, 0, len(slot.default)), report)
+    assert expr is not None, slot
+    return Expressions(Scope((), report), report, set()).value(expr, slot.types, "the default").expr

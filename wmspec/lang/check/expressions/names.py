@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 from wmspec.core.diagnostics import MAX_LISTED_NAMES, suggestion
 from wmspec.lang.check.expressions.typed import Failed, Typed, fits
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.tables.missing import LIBRARY_SHAPES, NOT_RIGID, RIGID_REMEDY
-from wmspec.lang.check.tables.vocabulary import SETS, WORD_ALIASES, WORDS
+from wmspec.lang.check.tables.vocabulary import LIBRARY_SHAPES, NOT_RIGID, RIGID_REMEDY, SETS, WORD_ALIASES, WORDS
 from wmspec.lang.check.types.types import (
     A_TIME,
     ACTION,

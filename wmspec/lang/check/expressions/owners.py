@@ -8,7 +8,6 @@ from functools import cached_property
 
 from wmspec.core.diagnostics import Note, suggestion
 from wmspec.core.places import Span
-from wmspec.lang.check.tables.missing import NOT_RIGID, RIGID_REMEDY
 from wmspec.lang.check.tables.property_schema import (
     EntityType,
     allowed_properties,
@@ -16,7 +15,7 @@ from wmspec.lang.check.tables.property_schema import (
     exclusion_reason,
     remedy,
 )
-from wmspec.lang.check.tables.vocabulary import PROPERTY_ALIASES, PropertySpec
+from wmspec.lang.check.tables.vocabulary import NOT_RIGID, PROPERTY_ALIASES, RIGID_REMEDY, PropertySpec
 from wmspec.lang.parse import syntax as s
 
 

@@ -12,8 +12,8 @@ from typing import Any, Literal, cast
 
 from wmspec.core.diagnostics import WmsError, suggestion
 from wmspec.core.places import Location
+from wmspec.lang.check.expressions.expressions import default_value
 from wmspec.lang.check.ir import ir
-from wmspec.lang.check.statements.defaults import default_value
 from wmspec.lang.check.tables.property_schema import (
     EntityType,
     allowed_properties,

@@ -9,7 +9,6 @@ from typing import cast
 from wmspec.core.diagnostics import Note
 from wmspec.core.places import Location
 from wmspec.lang.check.expressions import actions
-from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.members import named
 from wmspec.lang.check.expressions.typed import Typed, constant
@@ -153,7 +152,7 @@ class Counterfactuals:
         assert change.value is not None
         owner, prop, slot = self._target(change)
         typed = self._value(change, change.value, owner, slot, prop)
-        check_bounds(self.check, typed.expr, slot, change.value.span, f"`{prop}`")
+        self.check.bounds(typed.expr, slot, change.value.span, f"`{prop}`")
         expr = resolve_path(self.check, prop, change.value, typed.expr) if prop in FILES else typed.expr
         own = ir.Property(owner=ir.Value(value=owner), name=prop)
         if expr in (own, ir.Call(function="heading_of", arguments=(own,))):

@@ -9,14 +9,12 @@ from wmspec.core.diagnostics import Note, Remedy, suggestion
 from wmspec.core.places import Location, Span
 from wmspec.lang.check.expressions import actions
 from wmspec.lang.check.expressions.actions import DURATION, START, ResolvedAction
-from wmspec.lang.check.expressions.bounds import check_bounds
-from wmspec.lang.check.expressions.expressions import Expressions
+from wmspec.lang.check.expressions.expressions import Expressions, default_value
 from wmspec.lang.check.expressions.members import setting
 from wmspec.lang.check.expressions.owners import Owner, owner, part_owners
 from wmspec.lang.check.expressions.typed import Failed
 from wmspec.lang.check.ir import ir
 from wmspec.lang.check.library.files import possible_texts, resolve_path
-from wmspec.lang.check.statements.defaults import default_value
 from wmspec.lang.check.tables.property_schema import inherited_appearance
 from wmspec.lang.check.tables.verbs import ROBOTS
 from wmspec.lang.check.tables.vocabulary import COLORS, FILES, JOINTS, MEASURES, PROPERTIES, PropertySpec
@@ -157,7 +155,7 @@ class Entities:
     def _setting(self, of: Owner, p: s.Property) -> ir.Setting:
         name, slot = p.name.id, of.slots[p.name.id]
         typed = setting(self.check, of, p, slot)
-        check_bounds(self.check, typed.expr, slot, p.value.span, f"`{name}`")
+        self.check.bounds(typed.expr, slot, p.value.span, f"`{name}`")
         if name in ("called", "plural"):
             self._check_noun(of, p)
         expr = resolve_path(self.check, name, p.value, typed.expr) if name in FILES else typed.expr
@@ -215,7 +213,7 @@ class Entities:
     def _argument(self, action: s.Action, does: ResolvedAction, name: str, slot: PropertySpec) -> ir.Setting:
         typed = actions.argument(self.check, action, does, name)
         span = does.written[name].value.span
-        check_bounds(self.check, typed.expr, slot, span, f"`{name}`")
+        self.check.bounds(typed.expr, slot, span, f"`{name}`")
         return ir.Setting(value=typed.expr, place=Location.of(span))
 
     def _check_arguments(self, does: ResolvedAction) -> None:
@@ -247,7 +245,7 @@ class Entities:
         timed = ((named.get(t.kind, "when this starts"), t.span) for t in action.timings)
         self.report.add_set_twice(timed, "{} is set twice")
         begin, span = actions.start(self.check, action)
-        check_bounds(self.check, begin.expr, START, span, "`at`")
+        self.check.bounds(begin.expr, START, span, "`at`")
         settings = {"start": ir.Setting(value=begin.expr, place=Location.of(span))}
         lasting = next((t for t in action.timings if t.kind == "for"), None)
         if lasting is None and does.verb.lasts:
@@ -258,7 +256,7 @@ class Entities:
                 message = f"`{does.name}` is instantaneous and has no duration"
                 self.check.fail("WMS205", message, does.call.span, "remove `for`")
             typed = self.check.value(lasting.value, (A_TIME,), "`for`")
-            check_bounds(self.check, typed.expr, DURATION, lasting.value.span, "`for`")
+            self.check.bounds(typed.expr, DURATION, lasting.value.span, "`for`")
             settings["duration"] = ir.Setting(value=typed.expr, place=Location.of(lasting.value.span))
         if (when := next((t for t in action.timings if t.kind == "when"), None)) is not None:
             condition = self.check.value(when.value, (TRUTH,), "`when`").expr

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from wmspec.core.diagnostics import Note
 from wmspec.core.places import Span
-from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import ZERO, Typed, common_type
 from wmspec.lang.check.ir import ir
@@ -124,7 +123,7 @@ class QuestionAnswers:
             return None
         clause = clauses["within"][0]
         typed = self.check.value(clause.value, (answer.type,), "`within`, like the answer,")
-        check_bounds(self.check, typed.expr, PropertySpec((answer.type,), "", least=0), clause.value.span, "`within`")
+        self.check.bounds(typed.expr, PropertySpec((answer.type,), "", least=0), clause.value.span, "`within`")
         return typed.expr
 
 

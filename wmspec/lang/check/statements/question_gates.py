@@ -8,7 +8,6 @@ from math import pi
 
 from wmspec.core.diagnostics import Note
 from wmspec.core.places import Location
-from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.typed import ZERO, Failed, constant
 from wmspec.lang.check.ir import ir
@@ -43,7 +42,7 @@ class QuestionGates:
         ratio = kind.dimension == NUMBER
         if ratio and (factor := constant(bound.expr)) is not None and factor < 1:
             self.check.fail("WMS304", "a ratio is apart by a factor of 1 or more", clause.bound.span)
-        check_bounds(self.check, bound.expr, PropertySpec((kind,), "", least=0), clause.bound.span, "`apart by`")
+        self.check.bounds(bound.expr, PropertySpec((kind,), "", least=0), clause.bound.span, "`apart by`")
         unless = self.check.measuring(clause.unless, (TRUTH,), "`unless`").expr if clause.unless else None
         return ir.Margin(value=value, bound=bound.expr, ratio=ratio, unless=unless, place=Location.of(clause.span))
 
@@ -93,11 +92,11 @@ class QuestionGates:
         if turn is None:
             return apart, None
         typed = self.check.value(turn, _TURNED.types, "`distinct by`, after `or`,")
-        check_bounds(self.check, typed.expr, _TURNED, turn.span, "`distinct by`")
+        self.check.bounds(typed.expr, _TURNED, turn.span, "`distinct by`")
         return apart, typed.expr
 
     def separately(self, clause: s.Clause) -> ir.Expr:
         """Return the required distance of options, or the displacement of objects."""
         typed = self.check.value(clause.value, _APART.types, f"`{clause.kind} by`")
-        check_bounds(self.check, typed.expr, _APART, clause.value.span, f"`{clause.kind} by`")
+        self.check.bounds(typed.expr, _APART, clause.value.span, f"`{clause.kind} by`")
         return typed.expr

@@ -14,7 +14,6 @@ from typing import Any, TypeVar
 from wmspec.core.diagnostics import Diagnostic, Note, Report, suggestion
 from wmspec.core.limits import EPISODE_SECONDS
 from wmspec.core.places import Source, Span
-from wmspec.lang.check.expressions.bounds import check_bounds
 from wmspec.lang.check.expressions.expressions import Expressions
 from wmspec.lang.check.expressions.scope import Scope
 from wmspec.lang.check.expressions.typed import Failed, Typed, constant, without_failed
@@ -365,7 +364,7 @@ def _tolerance(check: Expressions, tolerance: s.Tolerance) -> tuple[str, float]:
         check.fail("WMS203", message, name.span, suggestion(name.id, TOLERANCES))
     slot = TOLERANCES[name.id]
     typed = check.value(tolerance.value, slot.types, f"`{name.id}`")
-    check_bounds(check, typed.expr, slot, tolerance.value.span, f"`{name.id}`")
+    check.bounds(typed.expr, slot, tolerance.value.span, f"`{name.id}`")
     value = constant(typed.expr)
     if value is None:
         check.fail("WMS304", "a tolerance is a constant", tolerance.value.span, "write a quantity")
