@@ -31,7 +31,7 @@ OWN = {
 CHECKED = {
     ("api/things.py", "trimesh.load"),
     ("compile/layout/meshes.py", "trimesh.load"),
-    ("lang/importers/mesh_sizes.py", "trimesh.load"),
+    ("lang/importers/plausible.py", "trimesh.load"),
     ("lang/importers/mjcf_source.py", "trimesh.load"),
 }
 

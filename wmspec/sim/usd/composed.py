@@ -2,22 +2,30 @@
 
 A few lines can expand to billions of prims by nested references. The count is an upper bound: it includes all variants,
 and every inherited class in the layers of the stage and of the asset.
+
+Variable expressions in asset paths are bounded too: a few nested variables can expand to gigabytes. So are the files of
+value clips, which USD opens when a value at a time is first read.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pxr import Sdf
 
-from wmspec.core.limits import COMPOSED_PRIMS, XML_DEPTH
-from wmspec.sim.usd.clips import clip_files
-from wmspec.sim.usd.expression_variables import Variables, evaluated, variables_of
+from wmspec.core.limits import COMPOSED_PRIMS, EXPRESSION_LENGTH, LAYERS, XML_DEPTH
 from wmspec.sim.usd.layer_files import LayerFiles
 from wmspec.sim.usd.probe import require_readable
+
+Variables = tuple[tuple[str, object], ...]
+
+_REFERENCE = re.compile(r"\$\{([^}]*)\}")
+#: Nesting from which variables are cyclic or made to expand.
+_DEPTH = 20
 
 #: The list edits of composition arcs.
 _EDITS = ("explicitItems", "prependedItems", "appendedItems", "addedItems")
@@ -179,3 +187,66 @@ def _items(spec: Any, kind: str) -> Iterable[Any]:
 def _info(spec: Any, key: str) -> Iterable[Any]:
     """Return a list of a spec; unlike the views of pxr on children and arcs, its time is linear in their number."""
     return spec.GetInfo(key) if spec.HasInfo(key) else ()
+
+
+def clip_files(spec: Any) -> Iterator[str]:
+    """Yield the asset paths of a prim's clips as written, and those in its folder that match a template.
+
+    Raises TooLarge if a template matches too many files.
+    """
+    if not spec.HasInfo("clips"):
+        return
+    clips = spec.GetInfo("clips")
+    for one in clips.values() if isinstance(clips, dict) else ():
+        if not isinstance(one, dict):
+            continue
+        for path in [*(one.get("assetPaths") or ()), one.get("manifestAssetPath")]:
+            if path:
+                yield str(getattr(path, "path", path))
+        if template := one.get("templateAssetPath"):
+            yield from _matching(spec.layer.ComputeAbsolutePath(str(template)))
+
+
+def _matching(template: str) -> Iterator[str]:
+    """Yield the existing files of a template such as `clip.###.usd`, where `#` is a digit."""
+    place = Path(template)
+    if "#" not in place.name or not place.parent.is_dir():
+        return
+    pattern = re.compile(re.sub(r"(\\#)+", r"-?\\d+", re.escape(place.name)))
+    for number, path in enumerate(sorted(place.parent.iterdir())):
+        if number > LAYERS.most:
+            raise LAYERS.exceeded()
+        if pattern.fullmatch(path.name):
+            yield str(path)
+
+
+def variables_of(layer: Sdf.Layer, outer: Variables) -> Variables:
+    """Return the variables of a layer stack with this root, of which those of the referencing stack are stronger."""
+    return tuple(sorted({**dict(layer.expressionVariables), **dict(outer)}.items(), key=lambda pair: pair[0]))
+
+
+def evaluated(path: str, variables: Variables) -> str:
+    """Return an asset path with its expression evaluated; '' if that is invalid, which USD reports.
+
+    Raises TooLarge if the expression, with its variables expanded, is too long.
+    """
+    if not Sdf.VariableExpression.IsExpression(path):
+        return path
+    known = dict(variables)
+    if _expanded_length(path, known, 0) > EXPRESSION_LENGTH.most:
+        raise EXPRESSION_LENGTH.exceeded()
+    result = Sdf.VariableExpression(path).Evaluate(known)
+    return result.value if isinstance(result.value, str) and not result.errors else ""
+
+
+def _expanded_length(text: str, known: Mapping[str, object], depth: int) -> int:
+    """Return an upper bound on the length of a text after its variables are expanded."""
+    length = len(text)
+    if depth > _DEPTH or length > EXPRESSION_LENGTH.most:
+        raise EXPRESSION_LENGTH.exceeded()
+    for name in _REFERENCE.findall(text):
+        value = known.get(name)
+        length += _expanded_length(value, known, depth + 1) if isinstance(value, str) else 0
+        if length > EXPRESSION_LENGTH.most:
+            raise EXPRESSION_LENGTH.exceeded()
+    return length
