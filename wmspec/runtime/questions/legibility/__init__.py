@@ -10,9 +10,9 @@ from wmspec.lang.check.expressions.measured import is_measured, moments
 from wmspec.runtime.questions.kinds import KINDS
 from wmspec.runtime.questions.kinds.pictures import PictureAnswer
 from wmspec.runtime.questions.legibility.bounds import BOUNDS, ratio
+from wmspec.runtime.questions.legibility.color_vision import color_name_measures
 from wmspec.runtime.questions.legibility.labels import DecisiveMeasures, least_by_name
 from wmspec.runtime.questions.legibility.motion import is_drawn_moving, motion_measures, moves
-from wmspec.runtime.questions.legibility.names import color_name_measures
 from wmspec.runtime.questions.legibility.options import option_measures
 from wmspec.runtime.questions.model import Answer, Legibility, Option, Reject, VisibleObject
 from wmspec.runtime.questions.observed import MIN_MOTION

@@ -21,9 +21,8 @@ from wmspec.sim.scene.model.actions import (
 )
 from wmspec.sim.scene.model.bodies import Body, Drive, Friction, Geom, Inertia, Joint, JointKind, Mimic, Motion, Surface
 from wmspec.sim.scene.model.cameras import Camera, Frame, Light, Observation, Shot
-from wmspec.sim.scene.model.episode import Contact, Scene, Trace
+from wmspec.sim.scene.model.episode import Contact, Look, Renderer, Scene, Trace
 from wmspec.sim.scene.model.geometry import Array, Pose
-from wmspec.sim.scene.model.renderer import Look, Renderer
 
 __all__ = [
     "Action",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +11,11 @@ from numpy.typing import NDArray
 from wmspec.core.diagnostics import Diagnostic
 from wmspec.sim.scene.model.actions import Action
 from wmspec.sim.scene.model.bodies import Body, Joint
-from wmspec.sim.scene.model.cameras import Camera, Light, Observation
+from wmspec.sim.scene.model.cameras import Camera, Frame, Light, Observation, Shot
 from wmspec.sim.scene.model.geometry import Array, Pose
+
+Look = Literal["parity", "photo"]
+"""`parity` is equal in all engines; `photo` is path-traced by Mitsuba."""
 
 TIME_EPSILON = 1e-6  # s
 
@@ -100,3 +104,19 @@ class Trace:
         reach = 2 * abs(self.time[j] - self.time[i]) * speed.max(axis=0) + 1e-3
         leaps: NDArray[np.bool_] = np.linalg.norm(self.position[j] - self.position[i], axis=1) > reach
         return leaps
+
+
+class Renderer(Protocol):
+    """Draws one scene any number of times. Close it after use."""
+
+    def draw(self, shot: Shot, *, depth: bool = False) -> Frame:
+        """Draw a picture."""
+        ...
+
+    def repaint(self, scene: Scene) -> bool:
+        """Switch to `scene`, which differs in colours only. Return False if a new renderer is necessary."""
+        ...
+
+    def close(self) -> None:
+        """Release all resources."""
+        ...
