@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from tests.examples import slow_except
 from wmspec.runtime.engines.registry import backend, info, names
 from wmspec.sim.scene.backend import Backend
 
@@ -22,4 +23,4 @@ def installed(engine: str) -> Backend:
 
 def quick(*engines: str) -> list[Any]:
     """Every engine; those that are not named only where slow tests run."""
-    return [engine if engine in engines else pytest.param(engine, marks=pytest.mark.slow) for engine in ENGINES]
+    return slow_except(engines, ENGINES)

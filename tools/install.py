@@ -10,9 +10,11 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
+PROJECT = Path(__file__).resolve().parents[1] / "pyproject.toml"
 #: Options of uv for those settings of pip that have a list of values.
 OPTIONS = {
     "constraint": "--constraint",
@@ -30,7 +32,9 @@ def main(arguments: list[str]) -> int:
     """Install, and return uv's exit code; that of pip if uv itself cannot be installed."""
     quiet = ("--quiet", "--disable-pip-version-check")
     pip = [sys.executable, "-m", "pip"]
-    if code := subprocess.run([*pip, "install", *quiet, "uv>=0.9,<1"], check=False).returncode:
+    dev = tomllib.loads(PROJECT.read_text(encoding="utf-8"))["project"]["optional-dependencies"]["dev"]
+    uv = next(requirement for requirement in dev if re.match(r"uv\b", requirement))
+    if code := subprocess.run([*pip, "install", *quiet, uv], check=False).returncode:
         return code
     listed = subprocess.run([*pip, "config", "list"], check=True, capture_output=True, text=True).stdout
     settings = effective(listed)

@@ -7,9 +7,8 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
-import pytest
-
 from tests.engines import ENGINES, installed
+from tests.examples import slow_except
 from tests.language.specs import task_from
 from wmspec.compile.design.design import Design
 from wmspec.lang.check.ir.ir import TaskSpec
@@ -35,11 +34,8 @@ def spec_of(body: str) -> TaskSpec:
 
 def quick_matrix(cases: Sequence[tuple[str, ...]], quickest: str, every: int) -> list[Any]:
     """The cases, each with an engine: all in the quickest, and some in the others; the rest where slow tests run."""
-    return [
-        pytest.param(*case, engine, marks=[pytest.mark.slow] * (engine != quickest and i % every > 0))
-        for engine in ENGINES
-        for i, case in enumerate(cases)
-    ]
+    quick = [(*case, engine) for engine in ENGINES for case in (cases if engine == quickest else cases[::every])]
+    return slow_except(quick, [(*case, engine) for engine in ENGINES for case in cases])
 
 
 @cache

@@ -16,6 +16,7 @@ import pytest
 from tests.audit.made import Ask, inject_rarely, make, make_all, picture, race, roll, shuffled, spec
 from tests.dataset.made import make as pictured
 from tests.dataset.made import plan
+from tests.examples import slow_except
 from tests.shared import Shared
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import WmsError
@@ -102,9 +103,7 @@ def test_any_number_of_workers_finds_the_same(tmp_path: Path) -> None:
     assert message == ["race", "roll"] * 2
 
 
-@pytest.mark.parametrize(
-    "name", ["race", *(pytest.param(name, marks=pytest.mark.slow) for name in ("race at full power", "roll"))]
-)
+@pytest.mark.parametrize("name", slow_except(["race"], ["race", "race at full power", "roll"]))
 def test_a_sound_dataset_passes(name: str, audited: Audited) -> None:
     found = audited(name)
     assert found.passed, failing(found)

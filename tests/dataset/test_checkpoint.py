@@ -12,6 +12,7 @@ import pytest
 
 from tests.dataset.made import filling, make, plan
 from tests.dataset.test_dataset import contents, largest_file
+from tests.examples import slow_except
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.generate import generate
@@ -78,7 +79,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     return contents(folder)
 
 
-@pytest.mark.parametrize("most", [3, 4, *(pytest.param(most, marks=pytest.mark.slow) for most in (1, 7))])
+@pytest.mark.parametrize("most", slow_except([3, 4], [1, 3, 4, 7]))
 def test_no_instance_is_generated_twice_despite_interruptions(
     tmp_path: Path, whole: dict[str, bytes], run: Run, most: int
 ) -> None:
@@ -226,9 +227,7 @@ def test_a_failure_that_was_kept_is_tried_again(tmp_path: Path, whole: dict[str,
     assert contents(tmp_path / "out") == whole
 
 
-@pytest.mark.parametrize(
-    "moment", [0, 2, 5, 7, *(pytest.param(moment, marks=pytest.mark.slow) for moment in (1, 3, 4, 6))]
-)
+@pytest.mark.parametrize("moment", slow_except([0, 2, 5, 7], range(8)))
 def test_trying_again_can_be_killed_at_any_moment(
     tmp_path: Path, whole: dict[str, bytes], run: Run, monkeypatch: pytest.MonkeyPatch, moment: int
 ) -> None:

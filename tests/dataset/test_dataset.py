@@ -21,6 +21,7 @@ import yaml
 from PIL import Image
 
 from tests.dataset.made import filling, make, plan
+from tests.examples import slow_except
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.card import card
 from wmspec.dataset.build.dataset import Dataset
@@ -110,7 +111,7 @@ def test_tampered_shard_is_named_and_generated_again(
     assert contents(made) == whole
 
 
-@pytest.mark.parametrize("damage", [b"", b"[]", b'{"rows": 1}', b"\xff"])
+@pytest.mark.parametrize("damage", [b"", b"{", b"[]", b'{"rows": 1}', b"\xff"])
 def test_a_damaged_record_costs_its_shard(tmp_path: Path, whole: dict[str, bytes], damage: bytes) -> None:
     with Dataset.open(tmp_path, plan()) as dataset:
         for shard in dataset.pending():
@@ -135,7 +136,7 @@ with Dataset.open(Path(sys.argv[1]), plan()) as dataset:
 """
 
 
-@pytest.mark.parametrize("delay", [0.01, *(pytest.param(delay, marks=pytest.mark.slow) for delay in (0.0, 0.03))])
+@pytest.mark.parametrize("delay", slow_except([0.01], [0.0, 0.01, 0.03]))
 def test_a_killed_writer_loses_at_most_one_shard(tmp_path: Path, whole: dict[str, bytes], delay: float) -> None:
     writer = subprocess.Popen(
         [sys.executable, "-c", WRITER, str(tmp_path)], cwd=ROOT, stdout=subprocess.PIPE, text=True
@@ -209,7 +210,7 @@ def test_force_removes_only_own_output(tmp_path: Path, whole: dict[str, bytes]) 
     assert contents(tmp_path) == whole
 
 
-@pytest.mark.parametrize("damage", [b"{", b"{}"])
+@pytest.mark.parametrize("damage", [b"", b"{", b"[]", b"{}"])
 def test_a_damaged_plan_needs_force(made: Path, whole: dict[str, bytes], damage: bytes) -> None:
     (made / "plan.json").write_bytes(damage)
     with pytest.raises(WmsError, match="--force"):

@@ -9,6 +9,7 @@ import pytest
 from nbclient import NotebookClient
 
 from tests.engines import installed
+from tests.examples import slow_except
 
 FOLDER = Path(__file__).parents[2] / "docs/notebooks"
 NEEDS = {"first_scene": ["mujoco"], "factor_study": ["mujoco", "pybullet", "sapien"], "own_engine": ["mujoco"]}
@@ -19,7 +20,7 @@ def test_there_is_a_test_for_each() -> None:
 
 
 @pytest.mark.pixels
-@pytest.mark.parametrize("name", ["first_scene", "own_engine", pytest.param("factor_study", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", slow_except(NEEDS.keys() - {"factor_study"}, NEEDS))
 def test_it_runs_from_beginning_to_end(name: str, tmp_path: Path) -> None:
     for engine in NEEDS[name]:
         installed(engine)

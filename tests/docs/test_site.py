@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from markdown.extensions.toc import slugify  # type: ignore[import-untyped]
 
 import wmspec
 from tests.language.specs import SPECS
@@ -23,11 +24,9 @@ from wmspec.runtime.engines.registry import info, names
 from wmspec.sim.scene.capability import capability_table
 
 ROOT = Path(__file__).parents[2]
-
-
-#: A link of a page, and what may be its end: a page, a place in it, or both.
+#: A link of a page: to another page, to a heading in it, or both.
 LINK = re.compile(r"\]\(([^()\s#]*)(?:#([^()\s]+))?\)")
-CODE = re.compile(r"^( *)(```|~~~).*?^\1\2|`[^`\n]*`", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^( *)(```|~~~).*?^\1\2", re.MULTILINE | re.DOTALL)
 
 
 @pytest.mark.build
@@ -57,7 +56,7 @@ def test_it_builds_without_warnings(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("page", [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))], ids=lambda p: p.stem)
 def test_every_link_leads_somewhere(page: Path) -> None:
-    for target, place in LINK.findall(CODE.sub("", page.read_text())):
+    for target, place in LINK.findall(re.sub(r"`[^`\n]*`", "", BLOCK.sub("", page.read_text()))):
         if not re.match(r"\w+:|\.\./\.\./actions/", target):  # elsewhere; workflows of GitHub
             there = Path(os.path.normpath(page.parent / target)) if target else page
             assert there.exists() or there.relative_to(ROOT / "docs").as_posix() in made(), target
@@ -76,12 +75,10 @@ def made() -> set[str]:
 
 @cache
 def places(page: Path) -> set[str]:
-    """What links within a page can lead to: its headings, as they are in addresses."""
-    text = re.sub(r"^( *)(```|~~~).*?^\1\2", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
-    headings = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
-    named = re.findall(r"\{ ?#([\w-]+)|id=\"([\w-]+)\"", text)
-    words = (re.sub(r"[^\w\s-]", "", re.sub(r"\]\([^)]*\)", "]", heading)).strip().lower() for heading in headings)
-    return {re.sub(r"[-\s]+", "-", said) for said in words} | {name for pair in named for name in pair if name}
+    """The anchors of a page: its headings as the site writes them, and those that it names itself."""
+    text = BLOCK.sub("", page.read_text())
+    headings = (re.sub(r"\]\([^)]*\)", "]", heading) for heading in re.findall(r"^#+ (.*)$", text, re.MULTILINE))
+    return {slugify(heading, "-") for heading in headings} | set(re.findall(r"(?:\{ ?#|id=\")([\w-]+)", text))
 
 
 def test_generated_pages_name_all_that_is_public() -> None:

@@ -24,6 +24,7 @@ from PIL import Image
 
 from tests.evaluate.loopback import TRIES, loopback
 from tests.evaluate.made import in_numbers, in_pictures, in_words
+from tests.examples import slow_except
 from wmspec.cli import main
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build.reader import DatasetReader
@@ -111,7 +112,7 @@ def test_every_reply_is_accounted_for(rules: str, status: str, tries: int, words
     assert about["status"] == {status: 6}
 
 
-@pytest.mark.parametrize("rules", ["right+chatty+429", pytest.param("right", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("rules", slow_except(["right+chatty+429"], ["right", "right+chatty+429"]))
 def test_system_that_knows_the_answers_is_right(rules: str, pictures: Path, tmp_path: Path) -> None:
     """Only what the request shows distinguishes it."""
     known = {(q.context[0], q.pictures[q.answer or 0]) for q in all_questions(pictures)}
@@ -373,8 +374,8 @@ def test_a_baseline_finds_what_words_betray(tmp_path: Path) -> None:
     """Where "neither" is never true, who has read that knows; without anything to learn it guesses."""
     from tests.audit.made import make, race
 
-    make(tmp_path / "told", "race", race(telling=True), 80)
-    evaluate(tmp_path / "told", "-m", "options-only", "-o", tmp_path / "r.parquet")
+    make(tmp_path / "telling", "race", race(telling=True), 80)
+    evaluate(tmp_path / "telling", "-m", "options-only", "-o", tmp_path / "r.parquet")
     right = [row["right"] for row in rows(tmp_path / "r.parquet")]
     assert sum(right) > 0.9 * len(right)
 

@@ -10,10 +10,10 @@ import zlib
 from base64 import b64encode
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
+from tests.examples import slow_except
 from wmspec.api import load_all
 from wmspec.api.checking import Checked, check_files
 from wmspec.api.generating import spec_texts
@@ -29,14 +29,10 @@ from wmspec.lang.parse.parser import parse
 
 ROOT = Path(__file__).parents[2]
 CORPUS = sorted((ROOT / "tests/corpus").glob("*.wms"))
+LIBRARIES = sorted(library_folder().glob("*.wms"))
 CATALOGUE = [ROOT / f"specs/{name}.wms" for name in ("prediction/mechanistic/collide", "prediction/mechanistic/topple")]
 SPEC = "use mine\ntask t : custom {{ object o {{ shape: sphere  mass: {} kg  on: mat }}  observe front at [0 s] }}\n"
 LIBRARY = "use tabletop\nobject mat {{ shape: box  size: ({} cm, 4 cm, 1 cm)  on: table }}\n"
-
-
-def few(paths: list[Path]) -> list[Any]:
-    """Every fourth, and the others where slow tests run."""
-    return [path if i % 4 == 0 else pytest.param(path, marks=pytest.mark.slow) for i, path in enumerate(paths)]
 
 
 @pytest.fixture(autouse=True)
@@ -67,7 +63,7 @@ def seen(checked: Checked) -> object:
     return [d.render() for d in checked.diagnostics], [d.record() for d in checked.diagnostics], checked.tasks
 
 
-@pytest.mark.parametrize("path", [*few(CORPUS), *CATALOGUE], ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", [*slow_except(CORPUS[::4], CORPUS), *CATALOGUE], ids=lambda path: path.stem)
 def test_a_cached_result_is_the_result(path: Path, hits: list[bool]) -> None:
     with disk_cache.disabled():
         plain = check_files([path])
@@ -220,7 +216,7 @@ def test_a_cache_that_cannot_be_written_costs_nothing(tmp_path: Path, monkeypatc
     assert not check_files([ROOT / "tests/corpus/three_mistakes.wms"]).passed
 
 
-@pytest.mark.parametrize("path", few(sorted(library_folder().glob("*.wms"))), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", slow_except(LIBRARIES[::4], LIBRARIES), ids=lambda path: path.stem)
 def test_a_library_from_the_cache_is_the_library(path: Path) -> None:
     source = read_source(path)
     tree = parse(source, Report())

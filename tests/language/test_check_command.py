@@ -10,14 +10,13 @@ from urllib.parse import unquote, urlparse
 import pytest
 from click.testing import CliRunner
 
+from tests.examples import slow_except
 from wmspec.cli import common, main
 from wmspec.lang.parse.codes import CODES
 
 CORPUS = Path(__file__).parents[1] / "corpus"
 ROOT = Path(__file__).parents[2]
 NAMES = sorted(path.name for path in CORPUS.glob("*.wms"))
-#: Every third case of the corpus, and the others where slow tests run.
-FEW = [name if i % 3 == 0 else pytest.param(name, marks=pytest.mark.slow) for i, name in enumerate(NAMES)]
 
 
 def run(*args: object, **more: Any) -> Any:
@@ -39,7 +38,7 @@ def test_good_tasks_are_listed_beside_one_with_mistakes() -> None:
     assert "as_written" not in outcome.stdout
 
 
-@pytest.mark.parametrize("name", FEW)
+@pytest.mark.parametrize("name", slow_except(NAMES[::3], NAMES))
 def test_sarif_keeps_the_rules_of_its_schema(name: str) -> None:
     """The required properties, closed sets and bounds of the SARIF 2.1.0 schema for what we write."""
     log = json.loads(run(CORPUS / name, "--format", "sarif").stdout)

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import binomtest
 
-from tests.examples import examples
+from tests.examples import examples, slow_except
 from tests.language.designs import compare, design_of
 from tests.language.specs import SPECS, task_of
 from wmspec.compile.design.design import Design, Instance
@@ -29,7 +29,7 @@ NAMES = ("collide", "direction", "count", "support", "trajectory", "speed", "rel
 TASKS = [path for path in SPECS if path.stem in NAMES]
 #: The larger designs of them are guessed where slow tests run.
 LARGE = ("relation", "drop", "direction", "speed")
-QUICK = [pytest.param(p, marks=pytest.mark.slow) if p.stem in LARGE else p for p in TASKS]
+GUESSED = slow_except([path for path in TASKS if path.stem not in LARGE], TASKS)
 #: A guess of a level from the index and the block, which the attacker sees.
 Guess = Callable[[str, Instance], object]
 
@@ -95,7 +95,7 @@ def test_the_tasks_are_there() -> None:
     assert len(TASKS) == len(NAMES)
 
 
-@pytest.mark.parametrize("path", QUICK, ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", GUESSED, ids=lambda p: p.stem)
 def test_another_seed_recomputes_the_factors_at_chance(path: Path) -> None:
     spec = task_of(path)
     secret = Remembered(Design(spec, bits("secret", spec.name)))
@@ -106,7 +106,7 @@ def test_another_seed_recomputes_the_factors_at_chance(path: Path) -> None:
     assert not at_chance(secret, lambda name, i: secret[i.index].factors[name], whole, 1)
 
 
-@pytest.mark.parametrize("path", QUICK, ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", GUESSED, ids=lambda p: p.stem)
 def test_levels_do_not_follow_from_remainders_of_the_index(path: Path) -> None:
     """Who knows the levels of half of the groups learns nothing from indices about those of the other half."""
     spec = task_of(path)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import cos, cosh, pi, sin, sinh
 
 import numpy as np
 import pytest
 
-from tests.engines import ENGINES, installed
+from tests.physics.conftest import Execute
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
 from wmspec.core.diagnostics import WmsError
 from wmspec.sim.scene.model import (
@@ -21,23 +20,14 @@ from wmspec.sim.scene.model import (
     PassThrough,
     Pose,
     Release,
-    Scene,
     Teleport,
-    Trace,
     Vanish,
 )
 from wmspec.sim.scene.model.transform import multiply, rotate
 from wmspec.sim.shapes import Box, Sphere
 
-Execute = Callable[[Scene], Trace]
 CUBE = Box((0.05,) * 3)
 AWAY = Pose(np.array([1.0, 0, 0.05]), turn((0, 0, 1), 0.5))
-
-
-@pytest.fixture(params=ENGINES)
-def execute(request: pytest.FixtureRequest) -> Execute:
-    run: Execute = installed(request.param).execute
-    return run
 
 
 def test_a_path_is_followed_exactly(execute: Execute) -> None:

@@ -3,14 +3,12 @@
 import os
 import subprocess
 import sys
-from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from itertools import product
 from math import radians
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +16,8 @@ from pxr import Usd, UsdGeom, UsdPhysics
 from scipy.interpolate import CubicSpline
 
 import wmspec
-from tests.engines import installed, quick
+from tests.engines import ENGINES, installed, quick
+from tests.examples import slow_except
 from tests.language.specs import SPECS, task_of
 from tests.stage.law import violations
 from wmspec.compile.design.depend import Dependencies, changed_by
@@ -33,14 +32,6 @@ from wmspec.compile.stage.episode import document
 from wmspec.core.diagnostics import EngineError, SpecError
 from wmspec.core.resources import resource
 from wmspec.sim.usd import read
-
-ENGINES = ("mujoco", "pybullet", "sapien")
-
-
-def some(every: Iterable[tuple[Any, str]], chosen: list[tuple[Any, str]]) -> list[Any]:
-    """Cases, each in an engine; those that are not chosen only where slow tests run."""
-    return [case if case in chosen else pytest.param(*case, marks=pytest.mark.slow) for case in every]
-
 
 TASKS = [path for path in SPECS if path.stem.startswith(("arm_", "arms_"))]
 PICKED = 3.8  # s, when PICK is over
@@ -125,7 +116,8 @@ WAYS = {"left": (-0.1, 0), "away": (0, 0.1), "nearer": (0, -0.1)}
 
 
 @pytest.mark.parametrize(
-    ("way", "engine"), some(product(WAYS, ENGINES), [("left", "mujoco"), ("away", "pybullet"), ("nearer", "sapien")])
+    ("way", "engine"),
+    slow_except([("left", "mujoco"), ("away", "pybullet"), ("nearer", "sapien")], product(WAYS, ENGINES)),
 )
 def test_pushed_object_follows_the_push(engine: str, way: str) -> None:
     shove = f"action shove = arm.push(cup, direction: {way}, distance: 10 cm) for 5 s"
@@ -138,7 +130,7 @@ SLIPS = {"heavy": (80_000, 0.5), "smooth": (3000, 0.0001)}
 
 @pytest.mark.parametrize(
     ("why", "engine"),
-    some(product(SLIPS, ENGINES), [("heavy", "mujoco"), ("smooth", "pybullet"), ("smooth", "sapien")]),
+    slow_except([("heavy", "mujoco"), ("smooth", "pybullet"), ("smooth", "sapien")], product(SLIPS, ENGINES)),
 )
 def test_too_heavy_or_smooth_object_slips(engine: str, why: str) -> None:
     moved, _ = ended(one(PICK, *SLIPS[why], horizon=4), engine, "cup")
@@ -270,7 +262,7 @@ def test_two_arms_push_by_the_sum(engine: str) -> None:
 
 
 @pytest.mark.parametrize("engine", quick("pybullet"))
-@pytest.mark.parametrize(("left", "right"), [pytest.param("away", "away", marks=pytest.mark.slow), ("away", "nearer")])
+@pytest.mark.parametrize(("left", "right"), slow_except([("away", "nearer")], [("away", "away"), ("away", "nearer")]))
 def test_a_bar_that_two_arms_push_by_its_ends_shifts_or_turns(engine: str, left: str, right: str) -> None:
     more = f"""action a = left_arm.push(plank, direction: {left}, distance: 8 cm) for 6 s
       action b = right_arm.push(plank, direction: {right}, distance: 8 cm) for 6 s with a"""
@@ -314,7 +306,7 @@ DRAWER = """object body { shape: box  size: (26 cm, 1 cm, 9 cm)  on: table at (0
   joint rails : slider { of: drawer  to: body    at: (0, 0, 2 cm)  axis: (0, -1, 0)  low: -1 cm  high: 18 cm }"""
 
 
-@pytest.mark.parametrize("wide", [34, pytest.param(45, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("wide", slow_except([34], [34, 45]))
 @pytest.mark.parametrize("engine", quick("mujoco"))
 def test_objects_narrower_than_the_hand_are_pushed(engine: str, wide: int) -> None:
     more = "action go = arm.push(cup, direction: left, distance: 8 cm) for 6 s"
@@ -508,7 +500,7 @@ def test_nothing_is_squeezed_out(shape: str, at: str, message: str) -> None:
         one(f"{tile} action grab = arm.pick(tile, height: 6 cm, at: {at}) for 3.4 s")[0].stage()
 
 
-@pytest.mark.parametrize("high", [4, pytest.param(12, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("high", slow_except([4], [4, 12]))
 def test_thin_object_is_gripped_above_its_support(high: int) -> None:
     thin = f"object tile {{ shape: box  size: (6 cm, 5 cm, {high} mm)  on: table at (14 cm, 9 cm) }}"
     moved, _ = ended(one(f"{thin} {PICK.replace('cup', 'tile')}", horizon=PICKED), "pybullet", "tile")

@@ -2,37 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from tests.engines import ENGINES, installed
+from tests.physics.conftest import Execute
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.engines.registry import info
 from wmspec.sim.scene.capability import approximation_warnings, require
-from wmspec.sim.scene.model import Array, Body, Friction, Geom, Glide, Launch, Pose, Scene, Trace
+from wmspec.sim.scene.model import Array, Body, Friction, Geom, Glide, Launch, Pose, Trace
 from wmspec.sim.scene.model.transform import rotate
 from wmspec.sim.scene.physics.inertia import inertia
 from wmspec.sim.shapes import Box, Capsule, Cone, Cylinder, Mesh, Shape, Sphere
-
-Execute = Callable[[Scene], Trace]
-
-
-@pytest.fixture(params=ENGINES)
-def engine(request: pytest.FixtureRequest) -> str:
-    """The engine's name; tests of one that isn't installed are skipped."""
-    installed(request.param)
-    return str(request.param)
-
-
-@pytest.fixture
-def execute(engine: str) -> Execute:
-    """The engine's `execute`."""
-    run: Execute = installed(engine).execute
-    return run
 
 
 def cube(half: float) -> Box:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.engines import ENGINES, installed
+from tests.physics.conftest import Execute
 from tests.physics.scenes import UPRIGHT, G, body, floor, scene, turn
 from wmspec.core.diagnostics import WmsError
 from wmspec.runtime.compare.regimes import _energy, _rotor_energy
@@ -26,7 +27,6 @@ from wmspec.sim.scene.model import (
     Launch,
     Pose,
     Release,
-    Scene,
     Steer,
     Teleport,
     Trace,
@@ -34,23 +34,8 @@ from wmspec.sim.scene.model import (
 from wmspec.sim.scene.model.transform import compose, inverse, rotate
 from wmspec.sim.shapes import Box, Sphere
 
-Execute = Callable[[Scene], Trace]
 ALONG_Y = turn((0, 0, 1), pi / 2)  # turns x to y
 DOWN = turn((0, 1, 0), pi / 2)  # turns x to -z
-
-
-@pytest.fixture(params=ENGINES)
-def engine(request: pytest.FixtureRequest) -> str:
-    """The name of an engine; tests of one that isn't installed are skipped."""
-    installed(request.param)
-    return str(request.param)
-
-
-@pytest.fixture
-def execute(engine: str) -> Execute:
-    """The engine's `execute`."""
-    run: Execute = installed(engine).execute
-    return run
 
 
 def joint(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.engines import installed
+from tests.examples import slow_except
 from tests.language.specs import SPECS, task_of
 from wmspec.compile.design.design import Design
 from wmspec.compile.stage.episode import document
@@ -17,7 +19,6 @@ from wmspec.sim.scene.physics.episode import play
 from wmspec.sim.usd import read
 
 TASKS = ("domino_row", "arm_push", "arms_push", "arm_drop")
-CASES = [(task, place) for task in TASKS for place in range(2)]
 QUICK = [("domino_row", 0), ("domino_row", 1), ("arm_push", 0), ("arm_drop", 1)]
 
 
@@ -35,9 +36,7 @@ class Counted:
         self.engine.mj_step(model, data)
 
 
-@pytest.mark.parametrize(
-    ("task", "place"), [case if case in QUICK else pytest.param(*case, marks=pytest.mark.slow) for case in CASES]
-)
+@pytest.mark.parametrize(("task", "place"), slow_except(QUICK, product(TASKS, range(2))))
 def test_omitted_bodies_have_no_effect(task: str, place: int, monkeypatch: pytest.MonkeyPatch) -> None:
     installed("mujoco")
     from wmspec.backends.mujoco import physics, world

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from tests.engines import ENGINES, installed
+from tests.examples import slow_except
 from tests.physics.scenes import UPRIGHT, body, floor, scene, turn
 from tests.physics.test_joints import joint, rod
 from wmspec.sim.scene.model import (
@@ -91,13 +92,7 @@ def limbs() -> Scene:
 PLAYED = [("mujoco", limbs), ("pybullet", lively), ("sapien", limbs)]
 
 
-@pytest.mark.parametrize(
-    ("engine", "play"),
-    [
-        case if case in PLAYED else pytest.param(*case, marks=pytest.mark.slow)
-        for case in product(ENGINES, (lively, limbs))
-    ],
-)
+@pytest.mark.parametrize(("engine", "play"), slow_except(PLAYED, product(ENGINES, (lively, limbs))))
 def test_the_native_script_plays_the_same_episode(engine: str, play: Callable[[], Scene], tmp_path: Path) -> None:
     backend = installed(engine)
     expected = backend.execute(play())

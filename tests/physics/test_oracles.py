@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.engines import ENGINES, installed
+from tests.examples import slow_except
 from tests.physics.oracles.table import ORACLES
 from tools.oracles import rewritten
 
@@ -17,10 +18,7 @@ LONG = {(spec, engine) for spec in ("bounce", "collide", "pusher", "stack") for 
 LONG |= {(spec, "sapien") for spec in ("incline", "third", "tip")}
 
 
-@pytest.mark.parametrize(
-    ("spec", "engine"),
-    [pytest.param(*case, marks=[pytest.mark.slow] * (case in LONG)) for case in product(SPECS, ENGINES)],
-)
+@pytest.mark.parametrize(("spec", "engine"), slow_except({*product(SPECS, ENGINES)} - LONG, product(SPECS, ENGINES)))
 def test_an_engine_meets_its_bars(spec: str, engine: str) -> None:
     installed(engine)
     for oracle in ORACLES:

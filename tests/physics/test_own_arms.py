@@ -10,7 +10,7 @@ import pytest
 
 import wmspec
 from tests.command import wmspec as command
-from tests.engines import installed
+from tests.engines import installed, quick
 from wmspec.compile.robots.arm import solve
 from wmspec.compile.robots.arm_assets import read_arm, write_arm
 from wmspec.core.diagnostics import WmsError
@@ -116,9 +116,7 @@ def placed(folder: Path, description: str) -> Path:
     return folder / "mine.usdc"
 
 
-@pytest.mark.parametrize(
-    "engine", ["pybullet", *(pytest.param(e, marks=pytest.mark.slow) for e in ("mujoco", "sapien"))]
-)
+@pytest.mark.parametrize("engine", quick("pybullet"))
 @pytest.mark.parametrize("arm", [IIWA, pytest.param(XARM, marks=pytest.mark.slow)], ids=["iiwa", "xarm6"])
 def test_it_picks_turns_and_puts_down(tmp_path: Path, arm: str, engine: str) -> None:
     installed(engine)

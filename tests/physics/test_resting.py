@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.engines import installed
+from tests.examples import slow_except
 from tests.language.specs import task_from
 from wmspec.compile.design.design import Design
 from wmspec.compile.stage.episode import document
@@ -68,22 +70,16 @@ IN_SAPIEN = ("what strikes it", "its release")
 
 
 @pytest.mark.parametrize(
-    ("happens", "engine"),
-    [
-        pytest.param(
-            happens,
-            engine,
-            id=f"{name}-{engine}",
-            marks=[pytest.mark.slow] * (engine == "sapien" and name not in IN_SAPIEN),
-        )
-        for name, happens in (WAKES | RELEASE).items()
-        for engine in ("pybullet", "sapien")
-    ],
+    ("name", "engine"),
+    slow_except(
+        {*product(WAKES | RELEASE, ["pybullet"]), *product(IN_SAPIEN, ["sapien"])},
+        product(WAKES | RELEASE, ("pybullet", "sapien")),
+    ),
 )
 def test_engines_without_sleep_leave_out_the_steps_that_change_nothing(
-    engine: str, happens: str, monkeypatch: pytest.MonkeyPatch
+    engine: str, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    backend = installed(engine)
+    backend, happens = installed(engine), (WAKES | RELEASE)[name]
     scene = read(compose(document(spec := task_from(SCENE.format(happens=happens)), Design(spec)[0])))
     leave_out, left_out = rest.Rest.leave_out, list[int]()
 

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.engines import ENGINES
+from tests.engines import ENGINES, quick
+from tests.examples import slow_except
 from tests.pixels.scenes import LYING, body, scene, turned, wedge
 from tools import looks
 from wmspec.sim.materials import MATERIALS, TEXTURES, Material
@@ -44,10 +45,7 @@ def test_the_table_and_the_files_name_one_another() -> None:
     assert sorted(path.name for path in TEXTURES.iterdir()) == IMAGES
 
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name in ("leather.png", "stone.png"))) for name in IMAGES],
-)
+@pytest.mark.parametrize("name", slow_except({*IMAGES} - {"leather.png", "stone.png"}, IMAGES))
 def test_files_are_as_the_tool_writes_them(name: str) -> None:
     assert looks.current(name)
 
@@ -134,7 +132,7 @@ def test_engines_tint_alike(pair: tuple[str, str], frames: dict[str, Frame]) -> 
     assert everything.max() < 1.6
 
 
-@pytest.mark.parametrize("engine", ["mujoco", pytest.param("pybullet", marks=pytest.mark.slow), "sapien"])
+@pytest.mark.parametrize("engine", quick("mujoco", "sapien"))
 def test_materials_are_distinguishable(engine: str, renderer: Any) -> None:
     """Of one colour, their pictures still differ, on average by more than engines may."""
     names, shots = sorted(MATERIALS), {}
