@@ -79,10 +79,10 @@ check: setup
 	cd conformance && ../$(BIN)/deptry .
 	$(BIN)/python -m tools.prose
 
-QUICK := -n auto --dist loadgroup --one-engine -m "not (slow or pixels or browser or build)" tests/language tests/stage tests/physics
+ONE_ENGINE := -n auto --dist loadgroup --one-engine tests/language tests/stage tests/physics
 
 quick: setup
-	$(BIN)/pytest $(QUICK)
+	$(BIN)/pytest $(ONE_ENGINE) -m "not (slow or broad or pixels or browser or build)"
 
 # Every extra that users may have, but the models on this machine: PyTorch is gigabytes, and no quick test needs it.
 EXTRAS := audit,clips,engines,evaluate,lsp,meshes,photo,ray,report,video
@@ -92,7 +92,7 @@ lowest: setup
 	$(BIN)/uv venv --quiet --clear --python $(BIN)/python build/lowest
 	$(LOWEST) --resolution lowest-direct -e '.[$(EXTRAS)]' -e ./conformance
 	$(LOWEST) filelock hypothesis pytest pytest-timeout pytest-xdist usd-validation-nvidia
-	build/lowest/bin/pytest $(QUICK)
+	build/lowest/bin/pytest $(ONE_ENGINE) -m "not (slow or pixels or browser or build)"
 
 # The tests of the checkout, run on an installed wheel: what only a checkout can do fails here. Bytecode is kept: without
 # it every process compiles 40,000 lines of tests.

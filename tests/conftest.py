@@ -58,6 +58,13 @@ NEEDS = {
     "recipes": ("build",),
     "thirdparty": ("engine",),
 }
+#: Files whose tests try many specs or cases, or execute long episodes: `make quick` leaves them out.
+BROAD = {
+    "language/test_beginners.py", "language/test_check_cache.py", "language/test_format.py", "language/test_machine.py",
+    "language/test_mutants.py", "language/test_order.py", "language/test_robust.py", "physics/test_arms.py",
+    "physics/test_determinism.py", "physics/test_left_out.py", "physics/test_native.py", "physics/test_own_arms.py",
+    "physics/test_sharing.py", "stage/test_meshes.py", "stage/test_object_cache.py", "stage/test_parts.py",
+}  # fmt: skip
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -85,6 +92,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if item.path.is_relative_to(HERE):
             for need in NEEDS.get(item.path.relative_to(HERE).parts[0], ()):
                 item.add_marker(need)
+            if item.path.relative_to(HERE).as_posix() in BROAD:
+                item.add_marker("broad")
         if "browser" in getattr(item, "fixturenames", ()):
             item.add_marker("browser")
     if config.getoption("--one-engine"):
