@@ -24,6 +24,7 @@ from wmspec.lang.parse.load import load_source
 DOCS = Path(__file__).parents[2] / "docs"
 
 
+@pytest.mark.broad
 @pytest.mark.parametrize("path", FEW, ids=lambda p: p.stem)
 def test_shipped_specs_survive_json(path: Path) -> None:
     task = task_of(path)

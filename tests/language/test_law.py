@@ -34,6 +34,7 @@ def assert_law(spec: TaskSpec, before: Document, stage: Usd.Stage, after: Docume
         assert path in ours or any(path.startswith((f"{o}.", f"{o}/")) for o in ours), f"USD also sees {path}"
 
 
+@pytest.mark.broad
 @pytest.mark.parametrize("path", FEW, ids=lambda p: p.stem)
 @examples(2, 6)
 @given(data=st.data())
@@ -51,6 +52,7 @@ def test_neighbours_differ_in_one_factor_alone(path: Path, data: st.DataObject) 
         assert_law(spec, truth, stage, document(spec, there), factor)
 
 
+@pytest.mark.broad
 @pytest.mark.parametrize("path", FEW, ids=lambda p: p.stem)
 @examples(2, 4)
 @given(data=st.data())
