@@ -62,8 +62,9 @@ NEEDS = {
 BROAD = {
     "language/test_beginners.py", "language/test_check_cache.py", "language/test_format.py", "language/test_machine.py",
     "language/test_mutants.py", "language/test_order.py", "language/test_overlapping_options.py",
-    "language/test_robust.py", "physics/test_arms.py", "physics/test_determinism.py", "physics/test_left_out.py",
-    "physics/test_native.py", "physics/test_own_arms.py", "physics/test_sharing.py", "stage/test_meshes.py",
+    "language/test_plans.py", "language/test_robots.py", "language/test_robust.py", "physics/test_arms.py",
+    "physics/test_determinism.py", "physics/test_left_out.py", "physics/test_native.py", "physics/test_oracles.py",
+    "physics/test_own_arms.py", "physics/test_rollout.py", "physics/test_sharing.py", "stage/test_meshes.py",
     "stage/test_object_cache.py", "stage/test_parts.py",
 }  # fmt: skip
 

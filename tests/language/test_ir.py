@@ -97,6 +97,7 @@ def test_a_task_goes_to_another_process() -> None:
     assert pickle.loads(pickle.dumps(made)) == made
 
 
+@pytest.mark.broad
 @pytest.mark.parametrize("path", FEW, ids=lambda p: f"{p.parent.stem}-{p.stem}")
 def test_quantities_are_floats_and_lists_are_tuples(path: Path) -> None:
     """Nothing coerces what the checker makes: it must be what reading its JSON gives, to the type."""

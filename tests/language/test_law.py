@@ -138,6 +138,7 @@ def test_property_without_a_cause_is_a_violation() -> None:
     assert violations(Dependencies(spec), before, after, "big") == ("/World/Objects/a.physics:mass",)
 
 
+@pytest.mark.broad
 @pytest.mark.parametrize("path", SPECS[::7], ids=lambda p: p.stem)
 def test_dependencies_are_worked_out_once_for_a_spec(path: Path) -> None:
     spec = task_of(path)
