@@ -39,8 +39,9 @@ FIGURES = ("instances", "questions", "size")
 HEAD = """# The whole catalogue in three engines
 
 `python -m benchmarks.catalogue FOLDER` generates every instance of a spec in MuJoCo, PyBullet and SAPIEN, keeps the
-questions that have one answer in all of them, and verifies the dataset. Processor time is that of all processes of the
-command, beside other work of the machine. A spec may have changed since the date of its row.
+questions that have one answer in all of them, and verifies the dataset. `rejected` counts questions by
+[reason](../questions.md#gates). Processor time is the sum over all processes of `wmspec generate`; the machine also ran
+other programs. A spec may have changed since the date of its row.
 
 """
 
@@ -164,9 +165,9 @@ def page(pieces: list[Piece], count: int) -> str:
     whole = sum(sum(piece.share for piece in spec) == 1 for spec in specs)
     done = f"{whole} of {count} specs, {instances:,} instances, {questions:,} questions, {rejected:,} rejected"
     lines = [
-        f"{done}, {size:.1f} GB, {hours:.1f} hours of a core, with {', '.join(sorted(versions))}.",
+        f"{done}, {size:.1f} GB, {hours:.1f} hours of processor time, with {', '.join(sorted(versions))}.",
         "",
-        "| spec | tasks | instances | questions | rejected | MB | a core's time for each | date |",
+        "| spec | tasks | instances | questions | rejected | size (MB) | processor time per instance | date |",
         "|---|---:|---:|---:|---|---:|---:|---|",
         *map(row, specs),
     ]

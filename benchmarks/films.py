@@ -246,47 +246,55 @@ def page(tasks: list[TaskScores], models: list[Evaluated], note: str) -> str:
             f"{__version__}, version {RULES_VERSION} of the rules and Python {platform.python_version()}."
         ),
         "",
-        "A known future is damaged, and scored as the clip of a model. *Right* clips are recognized as their future,",
-        "*wrong* ones are taken for another, and of the rest none of the futures is chosen.",
+        "The benchmark damages clips of known futures and scores them as clips of a model. The columns *right*,",
+        "*wrong* and *none* give the share of clips for which the rules choose the true future, another one, and none.",
         *([note] if note else []),
+        "Names with `@` are [baselines](../guides/video_models.md#4-score-and-report).",
         "",
-        "| | clips | right | wrong | none |",
+        "| kind of clip | clips | right | wrong | none |",
         "|---|---|---|---|---|",
         _line("damaged futures", [one for one in scored if one.damage in KEEPS]),
         _line("clips without a future", [one for one in scored if one.damage in SPOILS]),
         *(_line(f"`{name}`", [one for one in scored if one.damage == name]) for name in (f"@{b}" for b in BASELINES)),
         "",
-        "| seed of the dataset | damaged futures | right | wrong | clips without a future | none | `@engine` | right |",
+        (
+            "| seed of the dataset | damaged futures | of these right | of these wrong "
+            "| clips without a future | of these none | clips of `@engine` | of these right |"
+        ),
         "|---|---|---|---|---|---|---|---|",
         *(_of_seed(seed, [task for task in tasks if task.seed == seed]) for seed in sorted({t.seed for t in tasks})),
         "",
         (
-            f"`evaluate` takes {seconds:.2f} processor seconds for a clip of {frames:.0f} frames, with decoding "
-            f"and the films of its closed set: {1000 * seconds / 60:.1f} minutes for 1,000 clips."
+            f"`evaluate` takes {seconds:.2f} processor seconds for a clip of {frames:.0f} frames, including the "
+            "decoding of the clip and of the films of its closed set: "
+            f"{1000 * seconds / 60:.1f} minutes for 1,000 clips."
         ),
         "",
-        "| model with a known answer | answers | right | |",
+        "| model with known answers | answers | right | wrong answers |",
         "|---|---|---|---|",
         (
             f"| a video model that ignores the state | {clips} | {ignorant[RIGHT] / max(1, clips):.0%} "
-            f"| {ignorant['state']} of {ignorant[WRONG]} wrong ones are the future of the other state |"
+            f"| {ignorant['state']} of {ignorant[WRONG]} are the future of the other state |"
         ),
         *(
-            f"| a latent model with a bias for each future, {name} | {answers} | {latent[name] / answers:.0%} | |"
+            f"| a latent model with a constant bias for each future, scored as `{name}` | {answers} "
+            f"| {latent[name] / answers:.0%} | |"
             for name in ("raw", "centred")
         ),
         "",
         "## Damage",
         "",
-        "Clips that are right, wrong and none, by task.",
+        "Each cell has the numbers of clips that are right, wrong and none (right / wrong / none).",
         "",
-        "| | " + " | ".join(f"`{name}`" for name in names) + " |",
+        "| damage or baseline | " + " | ".join(f"`{name}`" for name in names) + " |",
         "|---" * (len(names) + 1) + "|",
     ]
     for damage in (*KEEPS, *SPOILS, *(f"@{b}" for b in BASELINES)):
         cells = [_cell([s for t in tasks if t.task == name for s in t.scored if s.damage == damage]) for name in names]
         lines.append(f"| {f'`{damage}`' if damage[0] == '@' else damage} | " + " | ".join(cells) + " |")
-    lines.append("| closed sets | " + " | ".join(str(sum(t.sets for t in tasks if t.task == n)) for n in names) + " |")
+    lines.append(
+        "| number of closed sets | " + " | ".join(str(sum(t.sets for t in tasks if t.task == n)) for n in names) + " |"
+    )
     return "\n".join([*lines, ""])
 
 

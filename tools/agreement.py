@@ -37,13 +37,14 @@ def measured(records: Sequence[Record], engine: str | None = None) -> Iterator[s
     instances = [instance for record in records for instance in record["instances"]]
     good, total = total_of(lines, "before_gates")
     yield f"{len(rows)} tasks, {len(instances):,} instances, seed {records[0]['seed']}, with {engines}."
-    yield f"Before any gate, {good:,} of {total:,} answers are the same in both engines of a pair: that is"
-    yield f"{good / total:.2%}.\n"
+    yield "Before any gate, both engines of a pair have the same answer in"
+    yield f"{good:,} of {total:,} cases ({good / total:.2%}).\n"
     pairs = [" ".join(line["engines"]) for line in next(iter(rows.values()))]
     heads = ("task", *pairs, *(f"{pair}, before gates" for pair in pairs), "within tolerance", "largest gap")
     yield from table(heads, (row(*r) for r in rows.items()))
-    yield "First the answers of the kept questions, then those of all questions before any gate; then the episodes,"
-    yield "counterfactuals included, and of all pairs together, in which everything is within tolerance.\n"
+    yield "The columns of pairs count equal answers: first among kept questions, then among all questions before any"
+    yield "gate. The last two columns are about all pairs together: the share of episodes, counterfactuals included, in"
+    yield "which no body is out of tolerance, and the largest distance between positions of a body in two engines.\n"
     yield from disagreements(instances)
 
 

@@ -52,10 +52,10 @@ def measured(reports: Sequence[Record], today: dt.date) -> Iterator[str]:
     versions = ", ".join(f"{name} {version}" for name, version in sorted(about["versions"].items()))
     yield f"Measured on {today.isoformat()} with {versions}, at {about['size'][0]} px.\n"
     yield f"{passed} of {len(tasks)} tasks pass with every seed that was measured.\n"
-    heads = ("task", *(f"seed {seed}" for seed in seeds), "best judged probe", "above chance", "would be found")
+    heads = ("task", *(f"seed {seed}" for seed in seeds), "best probe", "above chance", "detectable shortcut")
     yield from table(heads, (_row(task, seeds, found) for task in tasks))
     failures = [(task, seed, f) for task in tasks for seed in seeds for f in found.get((task, seed), ({}, ()))[1]]
-    yield "What fails:\n" if failures else "No check fails."
+    yield "Failed checks:\n" if failures else "No check fails."
     for _, seed, finding in failures:
         yield f"- `{finding['task']}`, seed {seed}, {finding['check']}: {finding['what']}"
 

@@ -74,7 +74,8 @@ def main() -> None:
     scenes = list(islice(alike(given.spec, given.seconds), max(given.worlds)))
     versions = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
     where = given.device or "the default device"
-    heads = ("worlds", "processor time an instance", "time an instance", "farthest from alone")
+    distance = "largest distance from execution one by one"
+    heads = ("worlds", "processor time per instance", "elapsed time per instance", distance)
     rows = list(measured(scenes, given.worlds, given.device))
     lines = [
         f"\n`{given.spec.stem}`, the first {given.seconds:g} s, on {where}, {datetime.now(UTC).date()}, {versions}:\n",

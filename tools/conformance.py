@@ -21,7 +21,8 @@ TEXT = """# Conformance: scores
 
 Generated on {date} by `{command}`: usdphysics-conformance {version}, {engines}.
 
-Bold: out of tolerance. A dash: the case was not executed. [Conformance](../conformance.md) explains the cases.
+The columns of engines hold their results. Bold results are out of tolerance. A dash means that the engine did not
+execute the case. [Conformance](../conformance.md) describes the cases.
 
 {card}"""
 

@@ -22,7 +22,7 @@ DESCRIPTION = re.compile(r'\A"""(.*?)"""', re.DOTALL)
 
 def gallery() -> Iterator[str]:
     """Yield a table with the picture, the spec and the description of each example."""
-    yield "| | spec | asks |\n|---|---|---|"
+    yield "| picture | spec | question |\n|---|---|---|"
     for path in sorted((ROOT / "specs/gallery").glob("*.wms")):
         picture = f"![{path.stem}](images/gallery/{path.stem}.jpg)"
         yield f"| {picture} | `specs/gallery/{path.name}` | {description(path)[0]} |"

@@ -316,7 +316,7 @@ def page(results: dict[str, Any]) -> str:
         "moves",
         "finer steps",
         *(info(engine).title for engine in ENGINES),
-        "why it differs",
+        "reason or warnings",
     )
     return "\n".join(table(head, rows))
 

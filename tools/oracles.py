@@ -45,7 +45,7 @@ def read(text: str) -> Columns:
 def lines(columns: Columns) -> Iterator[str]:
     """Yield the lines of the table."""
     rows = ((*key(o), o.answer, o.unit, *(of.get(key(o), NOT_MEASURED) for of in columns.values())) for o in ORACLES)
-    yield from table(("scene", "what", "analytic", "unit", *columns), rows)
+    yield from table(("spec", "quantity", "analytic answer", "unit", *columns), rows)
 
 
 def key(oracle: Oracle) -> tuple[str, str]:

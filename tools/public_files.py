@@ -113,7 +113,7 @@ def counted(results: dict[str, Any]) -> str:
     columns = ("exactly", "approximately", "refused", "native", "fragments")
     rows = [(f"`{name}` {PACKAGES[name]}", *(str(packages[name][c]) for c in columns)) for name in PACKAGES]
     head = ("package", "read exactly", "read with warnings", "refused", "refused by MuJoCo too", "no model")
-    text = f"Of {models_} models {read_} are read ({100 * read_ / models_:.0f} %).\n\n"
+    text = f"Of {models_} models, wmspec reads {read_} ({100 * read_ / models_:.0f} %).\n\n"
     return text + "\n".join((*table(head, rows), *table(("package", "file", "refused because"), refused)))
 
 

@@ -89,7 +89,7 @@ def design() -> Iterator[str]:
     yield "Only a `factor` may have these:\n"
     yield from forms("domain", CONDITIONAL_DOMAINS)
     yield "### Dimensions\n"
-    yield "What a `factor` or a `nuisance` is about, after its domain: `factor tone in [red, blue] about color`.\n"
+    yield "`about` states what a `factor` or `nuisance` changes: `factor tone in [red, blue] about color`.\n"
     yield from table(("dimension", "meaning"), ((f"`about {name}`", what) for name, what in FACTOR_DIMENSIONS.items()))
     yield "### Designs\n"
     yield from forms("design", DESIGNS.values())
@@ -98,50 +98,55 @@ def design() -> Iterator[str]:
 def entities() -> Iterator[str]:
     """Yield the tables of objects, actions, functions, words and codes."""
     yield "### Properties\n"
+    yield "Limits are in SI units. The default — is no value, or the one that the last column states.\n"
     for kind, properties in PROPERTIES.items():
-        yield f"Of {'the world' if kind == 'world' else f'{article(kind)} {kind}'}:\n"
+        yield f"Properties of {'the world' if kind == 'world' else f'{article(kind)} {kind}'}:\n"
         yield from table(
-            ("property", "takes", "left out", "meaning"),
+            ("property", "values", "default", "meaning"),
             (
                 row(name, slot, "its object's" if kind == "part" and name in APPEARANCE else "")
                 for name, slot in properties.items()
             ),
         )
     yield "### Joints\n"
-    yield "Every engine executes all of them; what else there is about joints is in [the stage](../stage.md).\n"
-    yield from table(("joint", "meaning", "counts in", "its own properties"), joints())
+    yield "Every engine executes all kinds of joints. [The stage](../stage.md) describes them in detail.\n"
+    yield from table(("joint", "meaning", "coordinate", "properties of this kind only"), joints())
     yield "### Verbs\n"
+    yield "Limits are in SI units.\n"
     for name, verb in VERBS.items():
         yield from described(name, verb)
     yield "### Robots\n"
-    yield "What they do is planned when a stage is made: see [robots](../robots.md).\n"
+    yield "wmspec plans the motion of a robot when it compiles the stage: see [robots](../robots.md).\n"
     for verbs in {id(each): each for each in ROBOTS.values()}.values():
         models = [model for model, can in ROBOTS.items() if can is verbs]
         yield " or ".join(f"{'an' if model[0] in 'aeiou' else 'a'} `{model}`" for model in models).capitalize() + ":\n"
         calls = (
             (f"`{call(name, verb)}`", ", ".join(arguments(verb)) or "—", verb.meaning) for name, verb in verbs.items()
         )
-        yield from table(("verb", "takes", "meaning"), calls)
+        yield from table(("verb", "arguments (default)", "meaning"), calls)
     yield "### Functions\n"
     for measured in (False, True):
         lines = (
-            "Measured on the executed episode, in `answer`, `ensure`, `margin` and `difference`:"
+            "These functions measure the executed episode. They are allowed in `answer`, `ensure`, `margin` and "
+            "`difference`. The window lasts from the first observation to the last, or `from` a time `to` a time. "
+            "[Measures](../questions.md#measures) defines each function:"
             if measured
-            else "Anywhere:"
+            else "These functions are allowed in every expression:"
         )
         yield f"{lines}\n"
         chosen = ((n, f) for n, f in FUNCTIONS.items() if bool(f.measured) == measured)
         rows = ((f"`{signature(n, f)}`", str(f.result), f.meaning) for n, f in chosen)
-        yield from table(("function", "gives", "meaning"), rows)
+        yield from table(("function", "result", "meaning"), rows)
     yield "### Settings\n"
-    yield "Of a task, each once: " + ", ".join(f"`{name}` ({kind})" for name, kind in SETTINGS.items()) + ".\n"
+    yield "A task has each at most once: " + ", ".join(f"`{name}` ({kind})" for name, kind in SETTINGS.items()) + ".\n"
     yield "### Tolerances\n"
     limits = ((f"`{name}`", str(slot.types[0]), slot.meaning) for name, slot in TOLERANCES.items())
-    yield from table(("tolerance", "takes", "of"), limits)
+    yield "The largest differences between engines that count as agreement, as in `tolerance event 30 ms`:\n"
+    yield from table(("tolerance", "value", "applies to"), limits)
     yield "### Materials\n"
     yield (
-        "What an object seems to be made of, to the eye alone: what it weighs, how it rubs and bounces is said by its "
-        "`density`, `friction` and `restitution`. The colour (sRGB) is that of an object that has no `color`.\n"
+        "A material sets only the look of an object; `density`, `friction` and `restitution` set its mechanics. An "
+        "object without `color` has the colour (sRGB) of its material.\n"
     )
     looks = (
         (f"`{n}`", m.meaning, ", ".join(f"{c:g}" for c in m.color), f"{m.roughness:g}", f"{m.metallic:g}")
@@ -149,6 +154,7 @@ def entities() -> Iterator[str]:
     )
     yield from table(("material", "look", "color", "roughness", "metallic"), looks)
     yield "### Words\n"
+    yield "Values of these types are words:\n"
     for vocabulary, words in (WORDS | {"kind of joint": JOINTS}).items():
         yield f"- **{vocabulary}**: {', '.join(f'`{word}`' for word in words)}"
     yield "\n### Units\n"
@@ -156,20 +162,24 @@ def entities() -> Iterator[str]:
         (f"`{name}`", str(dimension), f"{scale:.6g} {dimension.symbol}".strip())
         for name, (scale, dimension) in UNITS.items()
     )
-    yield from table(("unit", "of", "in SI"), units)
-    yield "They combine: " + ", ".join(f"{dimension} `{text}`" for dimension, text in EXAMPLES.items()) + ".\n"
+    yield from table(("unit", "quantity", "in SI"), units)
+    yield (
+        "Examples of quantities: " + ", ".join(f"{dimension} `{text}`" for dimension, text in EXAMPLES.items()) + ".\n"
+    )
     yield "### Codes\n"
+    yield "`wmspec explain CODE` explains a code, with an example.\n"
     yield from table(("code", "meaning"), ((f"`{code}`", meaning) for code, meaning in CODES.items()))
 
 
 def measures() -> Iterator[str]:
     """Yield the measures of legibility with their bounds and sources."""
     yield "### Measures\n"
-    yield "How these are measured, and when they apply: [questions](../questions.md#legibility).\n"
+    yield "[Questions](../questions.md#legibility) explains how wmspec measures these, and when they apply.\n"
     side = REFERENCE_SIDE
     yield (
-        f"`px` are pixels of a picture of {side} x {side}; those of other sizes are scaled. A picture is assumed to "
-        f"fill 10 degrees, such as 10 cm at a distance of 57 cm: a pixel is {600 / side:.1f} arc minutes.\n"
+        f"`px` are pixels of a picture of {side} x {side}; lengths in other pictures are scaled to it. The bounds "
+        "assume that a picture fills 10 degrees of the visual field, such as 10 cm at a distance of 57 cm. So a pixel "
+        f"is {600 / side:.1f} arc minutes.\n"
     )
     limits = (
         (f"`{name}`", f"at {'most' if b.at_most else 'least'} {b.value:g} {b.unit}".strip(), b.meaning, b.source)
@@ -230,7 +240,7 @@ def described(name: str, verb: Verb) -> Iterator[str]:
     """Yield a verb with a table of its arguments."""
     yield f"`{call(name, verb)}` {verb.meaning}.\n"
     slots = verb.arguments.items()
-    yield from table(("argument", "takes", "left out", "meaning"), (row(n, slot) for n, slot in slots))
+    yield from table(("argument", "values", "default", "meaning"), (row(n, slot) for n, slot in slots))
 
 
 def call(name: str, verb: Verb) -> str:
@@ -248,7 +258,7 @@ def arguments(verb: Verb) -> Iterator[str]:
 def row(name: str, slot: PropertySpec, default: str = "") -> tuple[str, ...]:
     """Return a property or argument as a table row."""
     kinds = either([str(kind) for kind in slot.types])
-    left_out = f"`{slot.default}`" if slot.default is not None else "—" if slot.optional else "must be given"
+    left_out = f"`{slot.default}`" if slot.default is not None else "—" if slot.optional else "required"
     left_out = default or left_out
     return f"`{name}`", kinds + bounds(slot), left_out, slot.meaning
 

@@ -79,7 +79,7 @@ def page(replies: list[Labelled]) -> str:
         "pictures, by letters": lambda r: r.options.isdecimal(),
         "words, by letters": lambda r: not r.options.isdecimal() and r.options[0] not in "#=",
         "pictures, by numbers": lambda r: r.options.startswith("#"),
-        "open: a number with its unit": lambda r: r.options.startswith("="),
+        "no options: a number with its unit": lambda r: r.options.startswith("="),
     }
     lines = [_line(name, [r for r in replies if r.language == code]) for code, name in LANGUAGES.items()]
     lines += [_line(name, [r for r in replies if of_kind(r)]) for name, of_kind in kinds.items()]
@@ -87,22 +87,23 @@ def page(replies: list[Labelled]) -> str:
     return f"""# Reading replies
 
 Made by `python tools/replies.py`, with version {PARSER_VERSION} of the rules (`wmspec/eval/replies`). Each reply in
-`tests/data/replies` was written for this purpose and labelled by hand with the option that a careful reader takes, or
-with none.
+`tests/data/replies` was written for this purpose. Its label, given by hand, is the option that a careful reader finds
+in it, or none.
 
-A *false read* takes an option that a careful reader does not. *Unread* are replies with an answer that the rules miss.
-Rates of false reads are over all replies, rates of unread ones over the replies that have an answer.
+A *false read* is a reply in which the rules find an answer that is not its label. An *unread* reply has an answer that
+the rules do not find. Rates of false reads are shares of all replies; rates of unread replies are shares of the replies
+that have an answer.
 
-| | replies | with an answer | false reads | unread |
+| language, or kind of options | replies | with an answer | false reads | unread |
 |---|---|---|---|---|
 {_line("**all**", replies)}
 {chr(10).join(lines)}
 
-The rules were fitted to these files. All but the first were written after the rules; the first reading of each, before
-the rules were changed again, estimates how the rules do on other replies. Replies without an answer, to which all but
-one of these false reads belong, are frequent here and rare in practice.
+The rules were fitted to these files. All files but the first were written later than the first rules. The first reading
+of such a file, before the rules were fitted to it too, estimates the rates for other replies. All but one of the false
+reads below are of replies without an answer, which are frequent here and rare in practice.
 
-| file | replies | with an answer | false reads, first | unread, first |
+| file | replies | with an answer | false reads, first reading | unread, first reading |
 |---|---|---|---|---|
 {chr(10).join(row for row in first if row)}
 """

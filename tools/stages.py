@@ -167,9 +167,9 @@ def page(folder: Path) -> str:
     head = ("stage", "rigid only", *ENGINES, "warnings", "apart, mm", "refused because")
     share = 100 * n["two"] / n["rigid"]
     summary = (
-        f"{n['listed']} stages are listed and {n['all']} of them were run, of which {n['rigid']} hold rigid bodies "
-        f"only. Of these {n['two']} run in at least two engines ({share:.0f} %), {n['three']} in all three; of "
-        f"{n['agree']} no body ends more than {1e3 * AGREE:g} mm apart."
+        f"Of the {n['listed']} listed stages, {n['all']} were run; {n['rigid']} of those have only rigid bodies. "
+        f"Of these {n['rigid']}, {n['two']} run in at least two engines ({share:.0f} %) and {n['three']} in all three. "
+        f"In {n['agree']}, no body ends more than {1e3 * AGREE:g} mm apart."
     )
     before, start, rest = PAGE.read_text().partition(START)
     return (

@@ -46,7 +46,8 @@ def test_scores_and_their_card(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert run("score", f"mujoco={DATA / 'mujoco'}", *good, "--json") == 0
     (tmp_path / "scores.json").write_text(capsys.readouterr().out)
     assert run("card", tmp_path / "scores.json") == 0
-    assert capsys.readouterr().out.startswith("| case | what | answer | within | unit | mujoco |\n|---|")
+    head = "| case | measured quantity | exact answer | tolerance | unit | mujoco |\n|---|"
+    assert capsys.readouterr().out.startswith(head)
 
 
 @pytest.mark.parametrize(

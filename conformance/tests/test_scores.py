@@ -136,10 +136,10 @@ def test_a_single_array_and_objects_that_run_code_are_refused(tmp_path: Path) ->
 def test_a_score_card_has_a_row_a_criterion_and_a_column_an_engine() -> None:
     worse = [{**record, "engine": "worse", "measured": None, "passed": False, "refusal": "no"} for record in STORED[:1]]
     lines = score_card([*STORED, *worse]).splitlines()
-    assert lines[0] == "| case | what | answer | within | unit | mujoco | worse |"
+    assert lines[0] == "| case | measured quantity | exact answer | tolerance | unit | mujoco | worse |"
     assert len(lines) == 2 + 9 + 1
-    assert lines[2] == "| `free_fall` | way down after 1 s | 4.905 | 0.0005 | m | 4.905 | — |"
+    assert lines[2] == "| `free_fall` | distance fallen in 1 s | 4.905 | 0.0005 | m | 4.905 | — |"
     assert lines[5].startswith("| `cradle_touching` |")
     assert "| **" in lines[5]
-    assert lines[-1] == "|  | within the tolerance | 9 |  |  | 4 | 0 |"
+    assert lines[-1] == "|  | number of results within tolerance | 9 |  |  | 4 | 0 |"
     assert score_text(STORED).endswith("mujoco: 4 of 9")

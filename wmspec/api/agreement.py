@@ -48,11 +48,11 @@ Tasks = Task | str | PathLike[str] | Iterable[Task | str | PathLike[str]]
 class Agreement:
     """The result of a crosscheck: the executed `instances`, each with its comparisons and verdicts.
 
-    With `strict`, an instance passes only if its trajectories are within tolerance too. Disagreements that `baseline`
-    holds are known and accepted. The crosscheck passes if at least `fail_under` percent of the instances pass or have
+    With `strict`, an instance passes only if its trajectories are within tolerance too. Disagreements in `baseline`
+    are known and accepted. The crosscheck passes if at least `fail_under` percent of the instances pass or have
     known disagreements only. `planned` counts all instances of the sample, also those that were not executed because
-    time ran out; `cached` those whose results were known. `tally` counts the compared instances and the instances that
-    failed by an internal error, a crash or a timeout.
+    time ran out; `cached` counts those whose results came from the cache. `tally` counts the compared instances, and
+    the instances that failed by an internal error, a crash or a timeout.
     """
 
     job: SweepConfig
@@ -91,13 +91,13 @@ class Agreement:
 
     @cached_property
     def new(self) -> tuple[Disagreement, ...]:
-        """The disagreements that the baseline does not hold."""
+        """The disagreements that are not in the baseline."""
         known = self.baseline.identities
         return tuple(d for d in self.disagreements if d.identity not in known or (d.task, d.index) in self.lost)
 
     @property
     def vanished(self) -> tuple[Disagreement, ...]:
-        """The disagreements of the baseline that this crosscheck would have found, and did not find."""
+        """The disagreements of the baseline that did not occur again when this crosscheck executed their instances."""
         return self.baseline.vanished(self.disagreements, self.job, self.instances)
 
     @property
@@ -108,7 +108,7 @@ class Agreement:
 
     @property
     def failed(self) -> tuple[CheckResult, ...]:
-        """The instances on which engines disagree, or that an engine cannot execute, unless that is known."""
+        """The instances with disagreements outside the baseline, including failures of an engine."""
         wrong = {(d.task, d.index) for d in self.new}
         return tuple(c for c in self.instances if (c.task, c.index) in wrong)
 
@@ -176,8 +176,8 @@ def crosscheck(
         baseline: known disagreements, or the file that holds them.
         fail_under: percentage of instances that must pass.
         max_time: time (s) after which no group of instances begins. Groups of all tasks then alternate from the start.
-        cache: whether results are kept in the user's cache, or the folder that keeps them.
-        workers: number of processes (default: one per core; 0: this process). Or a function that gives `Workers`.
+        cache: whether results are kept in the user's cache; or another folder for them.
+        workers: number of processes (default: one per core; 0: this process), or a function that returns `Workers`.
         timeout: time limit per instance, in seconds.
         progress: shows the progress, such as `wmspec.progress_bar`.
         tell: receives warnings.

@@ -121,9 +121,9 @@ class Episode:
         return body in self.bodies
 
     def views(self, camera: str = "") -> list[tuple[str, float]]:
-        """Return cameras and times (s) of the pictures that the stage requests, of one camera if given.
+        """Return the camera and time (s) of each picture that the stage requests; with `camera`, of this camera only.
 
-        Without requests, the initial view of every camera. Raises WmsError if there is no such camera.
+        If the stage requests none, return the initial view of each camera. Raises WmsError if there is no such camera.
         """
         requested = [(o.camera, t) for o in self.scene.observations for t in o.times]
         views = requested or [(c.name, 0.0) for c in self.scene.cameras]
@@ -134,7 +134,7 @@ class Episode:
         return [(camera, t) for t in times]
 
     def frame(self, camera: str, time: float, **options: Unpack[RenderOptions]) -> NDArray[np.uint8]:
-        """Return the picture of a camera at the sample nearest to a time (s): (height, width, 3), sRGB.
+        """Return the picture of a camera at a time (s), interpolated between samples: (height, width, 3), sRGB.
 
         Raises WmsError if there is no such camera, the time is outside the episode, or the engine cannot draw.
         """
@@ -153,7 +153,7 @@ class Episode:
     def picture(
         self, camera: str, time: float, *, overlay: bool = False, **options: Unpack[RenderOptions]
     ) -> Image.Image:
-        """Return a picture like `frame`; with `overlay`, with names and paths of bodies."""
+        """Return the picture of `frame` as an image; with `overlay`, it shows names and paths of bodies."""
         frame = self._drawn(camera, time, False, options)
         return annotate(frame, self.scene, self.trace, camera, time) if overlay else Image.fromarray(frame.rgb)
 
@@ -225,7 +225,7 @@ def open_stage(path: str | PathLike[str]) -> Usd.Stage:
 def run(
     stage: Usd.Stage | str | PathLike[str], engine: str, duration: float | None = None, *, strict: bool = False
 ) -> Episode:
-    """Execute a stage, or the stage in a file, in an engine; for a `duration` (s) other than its own, if it is given.
+    """Execute a stage, or the stage in a file, in an engine; `duration` (s) overrides the stage's own.
 
     Visual content that cannot be drawn, and content that can only be approximated, is replaced and listed in the
     episode's `notes`; with `strict`, it is refused.

@@ -45,15 +45,15 @@ class DatasetOptions(TypedDict, total=False):
     """The content of a dataset.
 
     `per_task`: number of random instances per task, by default that of WM-ABench for its tasks and all instances
-    for others; `full`: all instances. `profile`: "wm-abench" for the paper's tasks as the paper asks them. `part`:
-    (i, n), only share i of n. `dimensions`: only tasks of these. `backend`: engines, separated by commas, or "all";
+    for others; `full`: all instances. `profile`: "wm-abench" for the paper's tasks in the paper's form. `part`: (i, n),
+    only share i of n. `dimensions`: only tasks of these dimensions. `backend`: engines, separated by commas, or "all";
     the first is the reference, whose episode is shown. `rows`: "questions" for one row per question, answered in
     all engines, or "engines" for one row per question and engine. `renderer`: one engine that draws all episodes, by
     default the quickest; with "engines", each draws its own by default. `consensus`: keep a question if "all"
     engines agree, if the "majority" agrees, or always ("none"). `seed`: random seed of tasks given by path. `size`
     (pixels), `look` and `samples`: see `RenderOptions`. `film`: frames per second of films of closed sets, None for no
-    films; `film_size`: their width and height (pixels); `film_for`: how long (s) they go on after the context, at
-    least. `licence`: SPDX identifier of the data licence, by default that of the specs, and CC-BY-4.0 for specs of
+    films; `film_size`: their width and height (pixels); `film_for`: the least time (s) that they continue after the
+    context. `licence`: SPDX identifier of the data licence, by default that of the specs, and CC-BY-4.0 for specs of
     wmspec. `split`: only the instances of "train", "validation" or "test"; the first two without the hold-outs of the
     specs. `shares`: of the splits in percent, such as "train=80,validation=10,test=10".
     """

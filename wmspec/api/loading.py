@@ -45,7 +45,7 @@ def load(
 
     Raises:
         SpecError: the spec has mistakes; `diagnostics` lists all of them.
-        WmsError: it cannot be read, it has no task, or it has several and `task` names none.
+        WmsError: the spec cannot be read, has no task, or has several and `task` names none of them.
     """
     if (path is None) == (text is None):
         raise WmsError('give either the path of a spec or its text: `load("my.wms")` or `load(text="task ...")`')
@@ -78,9 +78,10 @@ def without_approximations(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnosti
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The `diagnostics` of specs, with warnings, and each task's name with its number of instances.
+    """The errors and warnings of specs (`diagnostics`), and the name and number of instances of each task (`tasks`).
 
-    `designs` holds the designs by task name, where there is one; `mistaken` the tasks whose scenes have mistakes.
+    `designs` holds the design of each task that has one, by name. `mistaken` holds the names of the tasks whose scenes
+    have mistakes.
     """
 
     diagnostics: tuple[Diagnostic, ...]
@@ -95,7 +96,7 @@ class Diagnosis:
 
 
 def diagnose(*paths: PathOrText, text: str | None = None) -> Diagnosis:
-    """Check specs, their designs, and a sample of their scenes, without executing. A `text` is checked as a spec.
+    """Check specs, their designs, and a sample of their scenes, without executing them. `text` is the text of a spec.
 
     Libraries and files are searched next to a spec file, and for a `text` in the working folder. Raises WmsError if a
     file cannot be read.

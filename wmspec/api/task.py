@@ -62,7 +62,7 @@ class Task(Sequence["Instance"]):
     """A checked task: the sequence of its instances, each built on access.
 
     `spec` is the checked task, `source` its text, `libraries` the texts of the libraries that it uses, `path` its file
-    (None for a text), `assets` the paths of the files other than specs that it names.
+    (None for a text), and `assets` the paths of other files that it names, such as meshes.
     """
 
     spec: TaskSpec
@@ -107,7 +107,7 @@ class Task(Sequence["Instance"]):
 
     @property
     def nuisances(self) -> tuple[Factor, ...]:
-        """The nuisances, drawn per block."""
+        """The nuisances, each drawn once per group."""
         return tuple(Factor.of(f, dimension(self.spec, f)) for f in self.design.nuisances)
 
     @property
@@ -117,9 +117,9 @@ class Task(Sequence["Instance"]):
 
     @property
     def counterfactuals(self) -> tuple[str, ...]:
-        """The names of the counterfactuals; if several questions have counterfactuals, with the number of the question.
+        """The names of all counterfactuals, each with its question's number if several questions have counterfactuals.
 
-        What-ifs are included; their names describe the change, such as `without_ball`.
+        They include what-ifs, whose names describe the change, such as `without_ball`.
         """
         return tuple(self._changes)
 
@@ -220,7 +220,7 @@ class Instance:
 
     @property
     def block(self) -> int:
-        """The block; within it only factors vary."""
+        """The number of its group, within which only factors vary."""
         return self.drawn.block
 
     @property
@@ -251,9 +251,9 @@ class Instance:
         return tuple(self.task[index] for index in self.task.design.neighbours(self.index, factor))
 
     def stage(self, counterfactual: str = "") -> Usd.Stage:
-        """Return the USD stage, in memory; with `counterfactual`, the changed one.
+        """Return the USD stage, in memory, of the instance or of a counterfactual.
 
-        Raises WmsError with its place if a value is impossible, or something cannot be executed.
+        Raises WmsError with a place if a value is impossible, or if the stage cannot be executed.
         """
         from wmspec.compile.stage.episode import document
         from wmspec.compile.stage.layers import compose
@@ -281,8 +281,8 @@ class Instance:
     ) -> Episode:
         """Execute the instance, or a counterfactual, in an engine; `duration` (s) overrides the horizon.
 
-        Raises WmsError if there is no such counterfactual or engine, or if the engine fails; if `strict`, also for what
-        the engine only approximates.
+        Raises WmsError if there is no such counterfactual or engine, or if the engine fails; with `strict`, also if the
+        engine only approximates the scene.
         """
         from wmspec.api.episode import execute
 

@@ -141,7 +141,7 @@ def _excerpt(place: Place, paint: Paint) -> Iterator[str]:
 
 
 class WmsError(Exception):
-    """Invalid input or a missing capability of the machine: one diagnostic, or several (`WmsError.of`).
+    """Input is invalid, or the machine lacks a capability; has one diagnostic, or several (`WmsError.of`).
 
     The command line prints it and exits with code 2. Pickling preserves it.
     """
@@ -185,7 +185,7 @@ class WmsError(Exception):
 
 
 class SpecError(WmsError):
-    """All errors of a spec."""
+    """A spec has errors; `diagnostics` holds all of them."""
 
 
 class ImpossibleValue(SpecError):

@@ -137,7 +137,7 @@ def _function(name: str) -> str:
 def slot_markdown(name: str, slot: PropertySpec) -> str:
     """Return the meaning, types and default of a property or argument."""
     kinds = " or ".join(type_with_example(t) for t in slot.types)
-    left_out = f"  \nleft out: `{slot.default}`" if slot.default is not None else ""
+    left_out = f"  \ndefault: `{slot.default}`" if slot.default is not None else ""
     return f"**{name}** {slot.meaning}\n\ntakes {kinds}{left_out}"
 
 

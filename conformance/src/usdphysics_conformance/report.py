@@ -31,14 +31,14 @@ def score_card(records: Iterable[Record]) -> str:
     records = list(records)
     engines = list(dict.fromkeys(record["engine"] for record in records))
     rows = _rows(records)
-    head = ("case", "what", "answer", "within", "unit", *engines)
+    head = ("case", "measured quantity", "exact answer", "tolerance", "unit", *engines)
     lines = []
     for (case, description), row in rows.items():
         first = next(iter(row.values()))
         about = (f"`{case}`", description, f"{first['answer']:.4g}", f"{first['tolerance']:.3g}", first["unit"])
         lines.append((*about, *(_cell(row[engine]) if engine in row else "" for engine in engines)))
     totals = (str(passed) for _, passed, _ in _totals(records))
-    lines.append(("", "within the tolerance", str(len(rows)), "", "", *totals))
+    lines.append(("", "number of results within tolerance", str(len(rows)), "", "", *totals))
     table = [f"| {' | '.join(line)} |" for line in (head, *lines)]
     return "\n".join([table[0], f"|{'---|' * len(head)}", *table[1:]]) + "\n"
 

@@ -24,8 +24,10 @@ class Extrude(Shape):
 
     parameters = frozenset()
     properties: ClassVar[Mapping[str, Parameter]] = {
-        "outline": Parameter("points", "of what is extruded: its outline seen from the front, (right, up)"),
-        "depth": Parameter("length", "of what is extruded: how far it goes from front to back", above=0),
+        "outline": Parameter(
+            "points", "of an extruded shape: the points (right, up) of its outline, seen from the front"
+        ),
+        "depth": Parameter("length", "of an extruded shape: its length from front to back", above=0),
     }
     convex = False
 

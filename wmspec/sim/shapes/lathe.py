@@ -28,7 +28,9 @@ class Lathe(Shape):
 
     parameters = frozenset()
     properties: ClassVar[Mapping[str, Parameter]] = {
-        "profile": Parameter("points", "of a lathe: the outline that is turned about the vertical, (radius, height)")
+        "profile": Parameter(
+            "points", "of a lathe: the points (radius, height) of the outline that is rotated about the vertical"
+        )
     }
     symmetry = "axis"
     rim = True

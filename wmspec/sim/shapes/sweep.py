@@ -31,7 +31,7 @@ class Sweep(Shape):
 
     parameters = frozenset()
     properties: ClassVar[Mapping[str, Parameter]] = {
-        "along": Parameter("path", "of a sweep: the points of its path, (x, y, z)"),
+        "along": Parameter("path", "of a sweep: the points (x, y, z) of its path"),
         "thickness": THICKNESS,
     }
     convex = False

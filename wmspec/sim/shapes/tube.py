@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from wmspec.sim.shapes.lathe import Lathe
 from wmspec.sim.shapes.shape import Parameter, Shape, UnfitError, width_and_height
 
-THICKNESS = Parameter("length", "of the wall of a tube, of the ring of a torus, of a sweep", above=0)
+THICKNESS = Parameter("length", "thickness of the wall of a tube, of the ring of a torus, or of a sweep", above=0)
 
 
 @dataclass(frozen=True)

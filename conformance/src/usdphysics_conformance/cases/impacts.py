@@ -39,15 +39,15 @@ def _pairs() -> Iterator[Case]:
             0.5,
             *(
                 Criterion(
-                    f"speed of the {what}",
+                    f"speed of the {label} ball",
                     answer,
                     0.015,
                     "m/s",
-                    lambda r, what=what: r[what].linear_velocity[120, 0],  # type: ignore[misc]
+                    lambda r, which=which: r[which].linear_velocity[120, 0],  # type: ignore[misc]
                     "v (m − e n)/(m + n), v (1 + e) m/(m + n)",
                     MECHANICS,
                 )
-                for what, answer in (("striker", first), ("struck", second))
+                for which, label, answer in (("striker", "striking", first), ("struck", "struck", second))
             ),
         )
     b = _RADIUS  # the impact parameter: half a diameter, which is an angle of 30 degrees
@@ -62,11 +62,19 @@ def _pairs() -> Iterator[Case]:
         ),
         0.6,
         Criterion(
-            "speed of the struck", sqrt(3) / 2, 0.015, "m/s", lambda r: r["struck"].speed(0.6), "v cos θ", MECHANICS
+            "speed of the struck ball",
+            sqrt(3) / 2,
+            0.015,
+            "m/s",
+            lambda r: r["struck"].speed(0.6),
+            "v cos θ",
+            MECHANICS,
         ),
-        Criterion("speed of the striker", 0.5, 0.015, "m/s", lambda r: r["striker"].speed(0.6), "v sin θ", MECHANICS),
         Criterion(
-            "angle between their ways",
+            "speed of the striking ball", 0.5, 0.015, "m/s", lambda r: r["striker"].speed(0.6), "v sin θ", MECHANICS
+        ),
+        Criterion(
+            "angle between the velocities of both balls",
             90.0,
             1.0,
             "deg",
@@ -99,7 +107,7 @@ def _pairs() -> Iterator[Case]:
         ),
         0.5,
         Criterion(
-            "speed of the struck, of half the density",
+            "speed of the struck ball, which has half the density",
             4 / 3,
             0.02,
             "m/s",
@@ -130,7 +138,7 @@ def _cradles() -> Iterator[Case]:
             0.5,
             *(
                 Criterion(
-                    f"speed of ball {i} of five",
+                    f"speed of ball {i} in a row of five",
                     1.0 if i >= 5 - striking else 0.0,
                     0.03,
                     "m/s",
@@ -151,7 +159,7 @@ def _rows() -> Iterator[Case]:
         stage(floor(), *bricks, hit),
         2.0,
         Criterion(
-            "how many of six bricks fall",
+            "number of dominoes that fall, of six",
             6,
             0,
             "",
@@ -176,10 +184,10 @@ def _driven() -> Iterator[Case]:
         ),
         1.0,
         Criterion(
-            "speed of what it carries", v, 0.01, "m/s", lambda r: r["box"].linear_velocity[240, 0], "v", MECHANICS
+            "speed of a box on the conveyor", v, 0.01, "m/s", lambda r: r["box"].linear_velocity[240, 0], "v", MECHANICS
         ),
         Criterion(
-            "how far it lags behind",
+            "distance by which the box lags behind the conveyor",
             slid,
             0.004,
             "m",
@@ -201,7 +209,7 @@ def _driven() -> Iterator[Case]:
         ),
         1.5,
         Criterion(
-            "where a pushed box is",
+            "position of a pushed box after 1.5 s",
             -0.4 + 0.05 + 0.1 + 1.5 * v,
             0.005,
             "m",
@@ -253,7 +261,7 @@ def _filtered() -> Iterator[Case]:
             text,
             0.8,
             Criterion(
-                "where a box above a shelf is after 0.8 s",
+                "height after 0.8 s of a box that starts above a shelf",
                 answer,
                 0.003,
                 "m",
@@ -268,7 +276,7 @@ def _filtered() -> Iterator[Case]:
         stage(floor(), upright),
         2.0,
         Criterion(
-            "how far a standing cylinder creeps in 2 s",
+            "displacement of a standing cylinder in 2 s",
             0.0,
             0.5,
             "mm",

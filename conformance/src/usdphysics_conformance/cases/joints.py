@@ -44,8 +44,8 @@ def _period(trace: Trace, name: str = "bob", middle: float = 0.0) -> float:
 
 
 def _pendulums() -> Iterator[Case]:
-    hinged = [(f"{angle}", "Revolute", angle, f"from {angle} degrees") for angle in (10, 60, 150)]
-    for name, kind, angle, how in (*hinged, ("ball_joint", "Spherical", 60, "of one on a ball joint")):
+    hinged = [(f"{angle}", "Revolute", angle, f"released at {angle} degrees") for angle in (10, 60, 150)]
+    for name, kind, angle, how in (*hinged, ("ball_joint", "Spherical", 60, "on a ball joint")):
         at, turn = _hung(radians(angle))
         bob = body("bob", ball(0.05), at, turn, moments=_INERTIA)
         text = stage(bob, joint(kind, "pivot", "", "bob", local_pos1=(0, 0, _ARM), axis="Y"))
@@ -54,7 +54,9 @@ def _pendulums() -> Iterator[Case]:
             f"pendulum_{name}",
             text,
             2.6 * period,
-            Criterion(f"period {how}", period, 0.005 * period, "s", _period, "4 √(I/mgd) K(sin θ/2)", LANDAU),
+            Criterion(
+                f"period of a pendulum {how}", period, 0.005 * period, "s", _period, "4 √(I/mgd) K(sin θ/2)", LANDAU
+            ),
         )
     yield from _double()
 
@@ -86,7 +88,7 @@ def _double() -> Iterator[Case]:
         stage(*arms),
         3.0,
         Criterion(
-            "how far its end is from its place after 1 s",
+            "distance of the lower bob from the exact position after 1 s",
             0.0,
             5.0,
             "mm",
@@ -94,9 +96,17 @@ def _double() -> Iterator[Case]:
             "Lagrange's equations, integrated to 1e-11",
             LANDAU,
         ),
-        Criterion("energy of a double pendulum lost or gained, of its depth", 0.0, 1.0, "%", drift, "constant", LANDAU),
         Criterion(
-            "farthest out of its plane",
+            "largest change of the energy, relative to that of a fall by 0.5 m",
+            0.0,
+            1.0,
+            "%",
+            drift,
+            "constant",
+            LANDAU,
+        ),
+        Criterion(
+            "largest distance from the plane of motion",
             0.0,
             0.5,
             "mm",
@@ -127,7 +137,7 @@ def _linkages() -> Iterator[Case]:
         stage(*parts),
         2.6 * period,
         Criterion(
-            "period of a parallelogram",
+            "period of a swinging parallelogram linkage",
             period,
             0.005 * period,
             "s",
@@ -136,7 +146,7 @@ def _linkages() -> Iterator[Case]:
             LANDAU,
         ),
         Criterion(
-            "farthest that its coupler turns",
+            "largest rotation of its coupler",
             0.0,
             0.2,
             "deg",
@@ -175,7 +185,7 @@ def _drives() -> Iterator[Case]:
             _cart("X", gravity=0, drive=drive),
             0.5,
             Criterion(
-                f"where a drive has moved a cart in {t:g} s",
+                f"position of a driven cart after {t:g} s",
                 300 * response,
                 3.0,
                 "mm",
@@ -190,10 +200,16 @@ def _drives() -> Iterator[Case]:
         _cart("X", gravity=0, drive=spring),
         1.8,
         Criterion(
-            "period of a spring", 2 * pi / w, 0.005, "s", lambda r: _period(r, "cart", 0.2), "2π √(m/k)", MECHANICS
+            "period of a mass on a spring",
+            2 * pi / w,
+            0.005,
+            "s",
+            lambda r: _period(r, "cart", 0.2),
+            "2π √(m/k)",
+            MECHANICS,
         ),
         Criterion(
-            "farthest that it goes",
+            "largest displacement of the mass",
             400.0,
             4.0,
             "mm",
@@ -212,7 +228,7 @@ def _drives() -> Iterator[Case]:
         ),
         3.0,
         Criterion(
-            "where the drive of a hinge, whose numbers are per degree, leaves it",
+            "final angle of a hinge whose drive has units per degree",
             40.0,
             0.2,
             "deg",
@@ -227,7 +243,13 @@ def _drives() -> Iterator[Case]:
         _cart("X", gravity=0, drive=speed),
         0.5,
         Criterion(
-            "speed that a drive gives", 0.7, 0.003, "m/s", lambda r: r["cart"].speed(0.5), "its target", MECHANICS
+            "speed of a cart with a velocity drive",
+            0.7,
+            0.003,
+            "m/s",
+            lambda r: r["cart"].speed(0.5),
+            "its target",
+            MECHANICS,
         ),
     )
     weak = "stiffness = 100000\ndamping = 100\ntargetPosition = 1\nmaxForce = 5"
@@ -236,7 +258,7 @@ def _drives() -> Iterator[Case]:
         _cart("Z", drive=weak),
         0.5,
         Criterion(
-            "way down of 1 kg that a drive of at most 5 N should hold, in 0.4 s",
+            "distance that 1 kg falls in 0.4 s against a drive of at most 5 N",
             (G - 5) / 2 * 0.4**2,
             0.004,
             "m",
@@ -258,7 +280,7 @@ def _limits() -> Iterator[Case]:
         text,
         3.0,
         Criterion(
-            "where a limit holds a falling pendulum",
+            "angle at which a limit stops a falling pendulum",
             30.0,
             0.5,
             "deg",
@@ -272,7 +294,7 @@ def _limits() -> Iterator[Case]:
         _cart("Z", limits=(-0.25, 0.25)),
         2.0,
         Criterion(
-            "where a limit holds a falling cart",
+            "position at which a limit stops a falling cart",
             -250.0,
             1.0,
             "mm",
@@ -289,7 +311,7 @@ def _constrained() -> Iterator[Case]:
         _cart("X"),
         1.0,
         Criterion(
-            "how far a cart on a level rail sinks in 1 s",
+            "displacement of a cart on a level rail in 1 s",
             0.0,
             0.5,
             "mm",
@@ -307,7 +329,7 @@ def _constrained() -> Iterator[Case]:
         ),
         1.0,
         Criterion(
-            "way down of two balls on a bar after 1 s",
+            "distance fallen in 1 s by two balls on a bar",
             G / 2,
             0.001,
             "m",
@@ -316,7 +338,7 @@ def _constrained() -> Iterator[Case]:
             MECHANICS,
         ),
         Criterion(
-            "by how much the bar stretches",
+            "change of the length of the bar",
             0.0,
             0.1,
             "mm",

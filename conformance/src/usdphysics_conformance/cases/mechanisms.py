@@ -37,7 +37,7 @@ def _mimics() -> Iterator[Case]:
         ),
         0.5,
         Criterion(
-            "way down in 0.4 s of a weight that turns a drum",
+            "distance fallen in 0.4 s by a weight that turns a drum",
             fall / 2 * 0.4**2,
             0.004,
             "m",
@@ -46,7 +46,7 @@ def _mimics() -> Iterator[Case]:
             _CONSTRAINED,
         ),
         Criterion(
-            "farthest that the drum is from where it should be",
+            "largest error of the drum's angle",
             0.0,
             0.005,
             "rad",
@@ -72,7 +72,7 @@ def _mimics() -> Iterator[Case]:
         ),
         0.5,
         Criterion(
-            "way down in 0.5 s of a weight that lifts a lighter one",
+            "distance fallen in 0.5 s by a weight that lifts a lighter one",
             G * (heavy - light) / (heavy + light) / 2 * 0.5**2,
             0.004,
             "m",
@@ -81,7 +81,7 @@ def _mimics() -> Iterator[Case]:
             MECHANICS,
         ),
         Criterion(
-            "farthest that the two are from being opposite",
+            "largest error of the opposite displacements of both weights",
             0.0,
             0.5,
             "mm",
@@ -107,7 +107,7 @@ def _mimics() -> Iterator[Case]:
         ),
         0.5,
         Criterion(
-            "where the finger is that mimics a driven one, after 0.2 s",
+            "position after 0.2 s of a finger that mimics a driven one",
             -40 * (1 - exp(-w * t) * (1 + w * t)),
             0.4,
             "mm",
@@ -134,7 +134,7 @@ def _pushed() -> Iterator[Case]:
         stage(body("bob", ball(0.05), down, **bob), hung),  # type: ignore[arg-type]
         1.3 * period,
         Criterion(
-            "how far a pendulum swings that begins to move at its lowest",
+            "amplitude of a pendulum that starts at its lowest point with a velocity",
             degrees(reach),
             0.3,
             "deg",
@@ -143,7 +143,7 @@ def _pushed() -> Iterator[Case]:
             LANDAU,
         ),
         Criterion(
-            "when it is back at its lowest the second time",
+            "time of its second return to the lowest point",
             period,
             0.005 * period,
             "s",
@@ -158,7 +158,7 @@ def _pushed() -> Iterator[Case]:
         stage(body("bob", ball(0.05), down, moments=(0.1,) * 3, velocity=(speed, 0, 1.0)), hung, gravity=0),
         0.2,
         Criterion(
-            "spin of a pendulum whose given velocity its joint does not let be",
+            "angular speed of a pendulum whose initial velocity violates its joint",
             speed * _ARM / (0.1 + _ARM**2),
             0.01,
             "rad/s",
@@ -187,7 +187,7 @@ def _pushed() -> Iterator[Case]:
         ),
         1.25 * 2 * pi / around,
         Criterion(
-            "farthest that a conical pendulum rises or sinks",
+            "largest change of the height of a conical pendulum",
             0.0,
             2.0,
             "mm",
@@ -196,7 +196,7 @@ def _pushed() -> Iterator[Case]:
             LANDAU,
         ),
         Criterion(
-            "its time around",
+            "period of a conical pendulum",
             2 * pi / around,
             0.01,
             "s",
@@ -233,7 +233,7 @@ def _thrown() -> Iterator[Case]:
         stage(*parts, joint("Fixed", "bar", "one", "other", (0.2, 0, 0), (-0.2, 0, 0))),
         1.0,
         Criterion(
-            "farthest that the middle of two balls on a bar, thrown and turning, is off its way",
+            "largest deviation of the centre of mass of a thrown, rotating dumbbell from the parabola",
             0.0,
             1.0,
             "mm",
@@ -242,7 +242,7 @@ def _thrown() -> Iterator[Case]:
             MECHANICS,
         ),
         Criterion(
-            "by how much the bar has turned after 1 s",
+            "rotation of the bar in 1 s",
             turns,
             0.01,
             "rad",
@@ -280,7 +280,7 @@ def _thrown() -> Iterator[Case]:
             MECHANICS,
         ),
         Criterion(
-            "farthest that their hinge opens",
+            "largest gap in their hinge",
             0.0,
             0.1,
             "mm",

@@ -36,14 +36,14 @@ def _flight() -> Iterator[Case]:
         stage(body("ball", ball(0.1), (0, 0, 10))),
         1.0,
         Criterion(
-            "way down after 1 s", G / 2, 0.0005, "m", lambda r: 10 - r["ball"].coordinate(1, 2), "g t²/2", MECHANICS
+            "distance fallen in 1 s", G / 2, 0.0005, "m", lambda r: 10 - r["ball"].coordinate(1, 2), "g t²/2", MECHANICS
         ),
     )
     yield make_case(
         "projectile",
         stage(body("ball", ball(0.1), (0, 0, 10), velocity=(1.5, 0.5, 3.0))),
         1.0,
-        Criterion("farthest off its way in 1 s", 0.0, 0.5, "mm", off, "p + v t + g t²/2", MECHANICS),
+        Criterion("largest deviation from the parabola in 1 s", 0.0, 0.5, "mm", off, "p + v t + g t²/2", MECHANICS),
     )
     centimetres = stage(body("ball", ball(10.0), (0, 1000.0, 0), mass=1000.0), gravity=100 * G)
     centimetres = centimetres.replace("metersPerUnit = 1\n", "metersPerUnit = 0.01\n").replace(
@@ -57,7 +57,7 @@ def _flight() -> Iterator[Case]:
         centimetres,
         1.0,
         Criterion(
-            "way down after 1 s, of a stage in centimetres, grams and Y up",
+            "distance fallen in 1 s on a stage in centimetres and grams with Y up",
             G / 2,
             0.0005,
             "m",
@@ -75,7 +75,7 @@ def _spins() -> Iterator[Case]:
         stage(top, gravity=0),
         1.0,
         Criterion(
-            "turn about a principal axis in 0.5 s",
+            "rotation about a principal axis in 0.5 s",
             2.5,
             0.003,
             "rad",
@@ -110,7 +110,7 @@ def _spins() -> Iterator[Case]:
         ),
         4.0,
         Criterion(
-            "when a body spun about its middle axis turns over",
+            "time at which a body that spins about its intermediate axis flips",
             DZHANIBEKOV_TIME,
             0.02,
             "s",
@@ -149,7 +149,15 @@ def _bounces() -> Iterator[Case]:
             f"bounce_{e:g}",
             stage(floor(), body("ball", ball(0.1), (0, 0, 0.1 + drop)), restitution=e),
             top + 0.2,
-            Criterion("height of the bounce, of the drop", 100 * e * e, 3.0, "%", apex, "e² h", MECHANICS),
+            Criterion(
+                "height of the bounce, relative to the height of the drop",
+                100 * e * e,
+                3.0,
+                "%",
+                apex,
+                "e² h",
+                MECHANICS,
+            ),
         )
     struck = sqrt(2 * G * 1.2)
     yield make_case(
@@ -161,7 +169,7 @@ def _bounces() -> Iterator[Case]:
         ),
         0.8,
         Criterion(
-            "speed upwards of a box that falls on one which rests",
+            "largest upward speed of a heavy box after it falls on a lighter one at rest",
             0.0,
             0.03 * struck,
             "m/s",
@@ -176,10 +184,16 @@ def _bounces() -> Iterator[Case]:
         stage(floor(), body("ball", ball(0.1), (0, 0, 0.6), velocity=(1.0, 0, 0)), friction=0, restitution=0.5),
         0.5,
         Criterion(
-            "speed along the floor", 1.0, 0.01, "m/s", lambda r: r["ball"].linear_velocity[100, 0], "v", MECHANICS
+            "horizontal speed after the bounce",
+            1.0,
+            0.01,
+            "m/s",
+            lambda r: r["ball"].linear_velocity[100, 0],
+            "v",
+            MECHANICS,
         ),
         Criterion(
-            "speed upwards just after it",
+            "upward speed shortly after the bounce",
             0.5 * fall - G * (100 / 240 - sqrt(1 / G)),
             0.06,
             "m/s",
@@ -193,7 +207,7 @@ def _bounces() -> Iterator[Case]:
         stage(floor(), body("ball", ball(0.1), (0, 0, 0.6), velocity=(1.0, 0, 0)), friction=1.0, restitution=0.5),
         0.5,
         Criterion(
-            "speed along the floor of a ball that grips it",
+            "horizontal speed after the bounce of a ball that grips the floor",
             5 / 7,
             0.03,
             "m/s",
@@ -211,7 +225,7 @@ def _bounces() -> Iterator[Case]:
         ),
         0.25,
         Criterion(
-            "farthest beyond a wall of 1 cm that is hit at 20 m/s",
+            "largest penetration of a wall 1 cm thick that is hit at 20 m/s",
             0.0,
             5.0,
             "mm",
@@ -243,7 +257,7 @@ def _slides() -> Iterator[Case]:
             stage(floor(), body("thing", shape, (0, 0, up), velocity=(v, 0, 0)), friction=mu),
             1.2,
             Criterion(
-                "way until it stops",
+                "sliding distance until the body stops",
                 stop,
                 0.01 * stop,
                 "m",
@@ -252,7 +266,7 @@ def _slides() -> Iterator[Case]:
                 MECHANICS,
             ),
             Criterion(
-                "how far it turns aside",
+                "largest sideways displacement",
                 0.0,
                 2.0,
                 "mm",
@@ -271,7 +285,7 @@ def _slides() -> Iterator[Case]:
             stage(floor(turn), body("box", box(0.3, 0.3, 0.1), at, turn), friction=0.5),
             2.0,
             Criterion(
-                f"way down a slope of {degrees(angle):.2f} degrees in 2 s",
+                f"distance slid down a slope of {degrees(angle):.2f} degrees in 2 s",
                 distance,
                 max(0.001, 0.01 * distance),
                 "m",
@@ -287,7 +301,7 @@ def _slides() -> Iterator[Case]:
         stage(floor(turn), body("box", box(0.3, 0.3, 0.1), at, turn), friction=(0.6, 0.4)),
         1.0,
         Criterion(
-            "way down a slope on which only friction at rest holds it, in 1 s",
+            "distance slid in 1 s on a slope where static friction should hold the box",
             0.0,
             1.0,
             "mm",
@@ -302,7 +316,7 @@ def _slides() -> Iterator[Case]:
         stage(floor(), body("box", box(0.2, 0.2, 0.1), (0, 0, 0.05), velocity=(v, 0, 0)), friction=(0.6, 0.4)),
         1.0,
         Criterion(
-            "way until it stops",
+            "sliding distance until the body stops",
             two,
             0.02 * two,
             "m",
@@ -327,7 +341,7 @@ def _spun_puck() -> Iterator[Case]:
         stage(floor(), body("disc", cylinder(radius, 0.05), (0, 0, 0.025), angular_velocity=(0, 0, w)), friction=mu),
         0.2,
         Criterion(
-            "spin of a disc after 0.1 s",
+            "angular speed of a disc on a floor after 0.1 s",
             (even + rim) / 2,
             (even - rim) / 2 + 0.05,
             "rad/s",
@@ -357,7 +371,7 @@ def _rolls() -> Iterator[Case]:
             stage(floor(), body("thing", shape, (0, 0, r), velocity=(v, 0, 0)), friction=0.3),
             1.5,
             Criterion(
-                "speed when it rolls",
+                "speed once the body rolls without slipping",
                 v / (1 + share),
                 0.01,
                 "m/s",
@@ -375,7 +389,7 @@ def _rolls() -> Iterator[Case]:
             stage(floor(turn), body("thing", shape, (r * sin(angle), 0, r * cos(angle)))),
             1.0,
             Criterion(
-                "way down a slope of 15 degrees in 1 s",
+                "distance rolled down a slope of 15 degrees in 1 s",
                 distance,
                 0.01 * distance,
                 "m",
@@ -399,7 +413,7 @@ def _stands() -> Iterator[Case]:
             stage(floor(turn), body("box", box(0.1, 0.1, 0.3), at, turn), friction=1.0),
             2.0,
             Criterion(
-                f"how far a box 3 times as high as wide turns on a slope of {degrees(angle):.2f} degrees",
+                f"rotation of a box 3 times as high as wide on a slope of {degrees(angle):.2f} degrees",
                 90.0 if name == "topple" else 0.0,
                 2.0,
                 "deg",
@@ -417,7 +431,7 @@ def _stands() -> Iterator[Case]:
             stage(floor(turn), body("can", cylinder(0.05, 0.3), at, own), friction=1.0),
             0.7,
             Criterion(
-                f"how far a cylinder 3 times as high as wide leans on a slope of {degrees(angle):.2f} degrees",
+                f"tilt of a cylinder 3 times as high as wide on a slope of {degrees(angle):.2f} degrees",
                 90.0 if name == "topple_cylinder" else 0.0,
                 60.0 if name == "topple_cylinder" else 2.0,
                 "deg",
@@ -432,7 +446,7 @@ def _stands() -> Iterator[Case]:
         stage(floor(), *boxes),
         3.0,
         Criterion(
-            "farthest that a box of a stack of five creeps in 3 s",
+            "largest displacement of a box in a stack of five in 3 s",
             0.0,
             0.5,
             "mm",

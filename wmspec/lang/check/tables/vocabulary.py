@@ -124,10 +124,10 @@ SETS = {"objects": "object", "joints": "joint"}
 
 #: Kinds of joints, and the motion that each allows.
 JOINTS = {
-    "hinge": "turns about its axis",
+    "hinge": "rotates about its axis",
     "slider": "slides along its axis",
-    "ball": "turns every way about its place",
-    "fixed": "holds it fast",
+    "ball": "rotates freely about its position",
+    "fixed": "allows no motion",
 }
 
 
@@ -193,22 +193,20 @@ _SHAPE_PARAMETERS: dict[str, PropertySpec] = {
 MEASURES = ("size", "radius", "height", *_SHAPE_PARAMETERS)
 
 _FORM: dict[str, PropertySpec] = {
-    "shape": PropertySpec((SHAPE,), "its form", "cube"),
+    "shape": PropertySpec((SHAPE,), "form of the object or part", "cube"),
     "size": PropertySpec(
         (A_LENGTH, POINT3, POINT2),
-        "the edge of a cube, or the diameter of a round shape, which is also its height; three lengths of a box or wedge, two of a plane",
+        "edge length of a cube; diameter of a round shape, which is also its height; three lengths of a box or wedge; two of a plane",
         "10 cm",
         above=0,
     ),
-    "radius": PropertySpec((A_LENGTH,), "radius of a round shape, instead of half its size", optional=True, above=0),
+    "radius": PropertySpec((A_LENGTH,), "radius of a round shape; default: half its `size`", optional=True, above=0),
     "height": PropertySpec(
-        (A_LENGTH,), "height of a cylinder, cone or capsule, instead of its size", optional=True, above=0
+        (A_LENGTH,), "height of a cylinder, cone or capsule; default: its `size`", optional=True, above=0
     ),
     **_SHAPE_PARAMETERS,
-    "color": PropertySpec(
-        (COLOR,), "colour, which tints the material; replaces the material's own colour", optional=True
-    ),
-    "material": PropertySpec((MATERIAL,), "material, as drawn: pattern and gloss", "plastic"),
+    "color": PropertySpec((COLOR,), "colour; replaces the material's own colour, and tints its pattern", optional=True),
+    "material": PropertySpec((MATERIAL,), "look of the surface: pattern and gloss", "plastic"),
     "image": PropertySpec((TEXT,), "image on the surface: a PNG or JPEG file beside the spec", optional=True),
     "repeats": PropertySpec(
         (Vector(NUMBER, 2),),
@@ -218,24 +216,24 @@ _FORM: dict[str, PropertySpec] = {
     ),
     "roughness": PropertySpec(
         (A_NUMBER,),
-        "roughness of the surface (0: polished), instead of the material's; only the look `photo` draws reflections of the surroundings",
+        "roughness of the surface (0: polished); default: the material's. Only the look `photo` draws reflections of the surroundings",
         optional=True,
         least=0,
         most=1,
     ),
     "metallic": PropertySpec(
-        (A_NUMBER,), "1 for bare metal, instead of the material's value", optional=True, least=0, most=1
+        (A_NUMBER,), "1 for bare metal; default: the material's value", optional=True, least=0, most=1
     ),
 }
 _MESH: dict[str, PropertySpec] = {
     "file": PropertySpec(
         (TEXT,),
-        "a mesh beside the spec, instead of a shape: obj, stl, ply, off, glb, gltf, dae, or `thing.usda#/PRIM`",
+        "mesh that replaces the shape, in a file beside the spec: obj, stl, ply, off, glb, gltf, dae, or `thing.usda#/PRIM`",
         optional=True,
     ),
     "scale": PropertySpec(
         (A_NUMBER, TRIPLE),
-        "scale of the mesh, along all axes or each; a negative scale mirrors it",
+        "scale of the mesh: one number, or one for each axis; a negative number mirrors it",
         "1",
         nonzero=True,
     ),
@@ -259,30 +257,30 @@ PROPERTIES: dict[str, dict[str, PropertySpec]] = {
     "object": {
         **_FORM,
         **_MESH,
-        "file": PropertySpec((TEXT,), "a mesh (obj, stl, ply, off, glb, gltf, dae, or `thing.usda#/PRIM`) or an asset (urdf, xml, usd) beside the spec, instead of a shape", optional=True),
-        "strict": PropertySpec((TRUTH,), "whether content of an asset file that cannot be read exactly is an error", optional=True),
-        "inertia": PropertySpec((INERTIA_SOURCE,), "`file` keeps inertias of an asset file even if no body of that mass and size can have them", optional=True),
-        "mass": PropertySpec((Quantity(MASS),), "mass, instead of a density", optional=True, above=0),
+        "file": PropertySpec((TEXT,), "file beside the spec that replaces the shape: a mesh (obj, stl, ply, off, glb, gltf, dae, or `thing.usda#/PRIM`) or an asset (urdf, xml, usd)", optional=True),
+        "strict": PropertySpec((TRUTH,), "whether it is an error if content of an asset file cannot be read exactly", optional=True),
+        "inertia": PropertySpec((INERTIA_SOURCE,), "`file` keeps the inertias in an asset file, even those that no body of that mass and size can have", optional=True),
+        "mass": PropertySpec((Quantity(MASS),), "mass; replaces `density`", optional=True, above=0),
         "density": PropertySpec((Quantity(DENSITY),), "mass per volume", "600 kg/m^3", above=0),
-        "centre": PropertySpec((POINT3,), "centre of mass relative to its middle, instead of that of its shape", optional=True),
-        "moments": PropertySpec((Vector(INERTIA, 3),), "moments of inertia about the centre of mass, along its own axes, instead of those of its shape", optional=True, above=0),
-        "axes": PropertySpec((TURNS,), "rotation of the axes of `moments`: yaw, pitch and roll", "(0, 0, 0)"),
-        "friction": PropertySpec((A_NUMBER,), "coefficient of friction; a contact has the geometric mean of both", "0.5", least=0, most=5),
-        "restitution": PropertySpec((A_NUMBER,), "coefficient of restitution; a contact has the geometric mean of both", "0.1", least=0, most=1),
-        "damping": PropertySpec((Quantity(NUMBER / TIME),), "linear damping: the share of its speed that is lost per time", "0 Hz", least=0, most=100),
-        "spin_damping": PropertySpec((Quantity(NUMBER / TIME),), "angular damping; default: as `damping`", optional=True, least=0, most=100),
+        "centre": PropertySpec((POINT3,), "centre of mass, relative to the object's middle; default: that of its shape", optional=True),
+        "moments": PropertySpec((Vector(INERTIA, 3),), "moments of inertia about the centre of mass, along `axes`; default: those of its shape", optional=True, above=0),
+        "axes": PropertySpec((TURNS,), "rotation of the axes of `moments` in the object: yaw, pitch and roll", "(0, 0, 0)"),
+        "friction": PropertySpec((A_NUMBER,), "coefficient of friction; a contact has the geometric mean of the two objects' coefficients", "0.5", least=0, most=5),
+        "restitution": PropertySpec((A_NUMBER,), "coefficient of restitution; a contact has the geometric mean of the two objects' coefficients", "0.1", least=0, most=1),
+        "damping": PropertySpec((Quantity(NUMBER / TIME),), "linear damping: the rate at which the speed decays", "0 Hz", least=0, most=100),
+        "spin_damping": PropertySpec((Quantity(NUMBER / TIME),), "angular damping; default: the value of `damping`", optional=True, least=0, most=100),
         "velocity": PropertySpec((Vector(SPEED, 3),), "velocity at the start, in world axes", optional=True),
         "spin": PropertySpec((Vector(ANGULAR_SPEED, 3),), "angular velocity at the start, about world axes", optional=True),
-        "surface_velocity": PropertySpec((Vector(SPEED, 3),), "of a fixed object that acts as a belt: velocity of its surface, in its own axes", optional=True),
+        "surface_velocity": PropertySpec((Vector(SPEED, 3),), "of a fixed object that acts as a conveyor belt: velocity of its surface, in its own axes", optional=True),
         "passes": PropertySpec((List(OBJECT),), "objects with which it does not collide", optional=True),
-        "on": PropertySpec((OBJECT,), "the object on which it rests; `on: table at (x, y)` gives the place, relative to the middle of the table", optional=True),
-        "inside": PropertySpec((OBJECT,), "the object in which it rests, on the lowest part below its place", optional=True),
-        "at": PropertySpec((POINT2, POINT3, PLACE), "place of its middle: (x, y) on its support or the ground, or (x, y, z)", "(0 m, 0 m)"),
-        "scatter": PropertySpec((POINT2,), "side lengths of a rectangle around `at` in which its place is random", optional=True, least=0),
-        "gap": PropertySpec((A_LENGTH,), "least distance from other scattered objects on the same support", "1 cm", least=0),
+        "on": PropertySpec((OBJECT,), "object on which it rests; `on: table at (x, y)` gives the place, relative to the middle of the table", optional=True),
+        "inside": PropertySpec((OBJECT,), "object in which it rests, on the lowest part of that object below its place", optional=True),
+        "at": PropertySpec((POINT2, POINT3, PLACE), "place of its middle: (x, y) on its support or on the ground, or (x, y, z)", "(0 m, 0 m)"),
+        "scatter": PropertySpec((POINT2,), "side lengths of the rectangle around `at` in which its place is drawn at random", optional=True, least=0),
+        "gap": PropertySpec((A_LENGTH,), "smallest distance from other scattered objects on the same support", "1 cm", least=0),
         **_TURN,
         "fixed": PropertySpec((TRUTH,), "whether it never moves", "false"),
-        "solid": PropertySpec((TRUTH,), "whether it collides; an object that does not is fixed or moved by actions", "true"),
+        "solid": PropertySpec((TRUTH,), "whether it collides; if not, it must be fixed or carried by actions", "true"),
         "drawn": PropertySpec((TRUTH,), "whether it is visible", "true"),
         "present": PropertySpec((TRUTH,), "whether it exists in the instance", "true"),
         "called": PropertySpec((TEXT,), "its noun in texts, without article and colour, such as `\"crate\"`; default: its shape or name", optional=True),
@@ -291,25 +289,25 @@ PROPERTIES: dict[str, dict[str, PropertySpec]] = {
     "part": {
         **_FORM,
         **_MESH,
-        "at": PropertySpec((POINT3,), "place of its middle, relative to the middle of the object's bottom", "(0 m, 0 m, 0 m)"),
+        "at": PropertySpec((POINT3,), "place of its middle, relative to the middle of the bottom of the object", "(0 m, 0 m, 0 m)"),
         **_TURN,
         "friction": PropertySpec((A_NUMBER,), "own value, instead of the object's", optional=True, least=0, most=5),
         "restitution": PropertySpec((A_NUMBER,), "own value, instead of the object's", optional=True, least=0, most=1),
-        "solid": PropertySpec((TRUTH,), "whether it collides; a part that does not has no mass", optional=True),
+        "solid": PropertySpec((TRUTH,), "whether it collides; if not, it has no mass", optional=True),
         "drawn": PropertySpec((TRUTH,), "whether it is visible", optional=True),
     },
     "camera": {
         "at": PropertySpec((POINT3,), "position of the camera"),
-        "look_at": PropertySpec((POINT3,), "the point at which it looks", "(0 m, 0 m, 0 m)"),
+        "look_at": PropertySpec((POINT3,), "point at which the camera looks", "(0 m, 0 m, 0 m)"),
         "fov": PropertySpec((AN_ANGLE,), "vertical field of view", "40 deg", above=0, most=2.6),
         "far": PropertySpec((A_LENGTH,), "largest visible distance; default: 50 m", optional=True, above=0, most=1000),
-        "ride": PropertySpec((OBJECT, ROBOT), "the object that carries it; `at` and `look_at` are then relative to that object", optional=True),
+        "ride": PropertySpec((OBJECT, ROBOT), "object that carries the camera; `at` and `look_at` are then relative to that object", optional=True),
     },
     "light": {
-        "direction": PropertySpec((TRIPLE,), "direction in which its light travels", "(0.35, 0.45, -1)"),
+        "direction": PropertySpec((TRIPLE,), "direction in which the light travels", "(0.35, 0.45, -1)"),
         "diffuse": PropertySpec((A_NUMBER,), "strength of the directed light", "0.4", least=0, most=2),
         "ambient": PropertySpec((A_NUMBER,), "strength of the ambient light", "0.6", least=0, most=2),
-        "shadows": PropertySpec((TRUTH,), "whether objects cast shadows; without shadows it shines through ceilings", "true"),
+        "shadows": PropertySpec((TRUTH,), "whether objects cast shadows; if not, the light shines through ceilings", "true"),
     },
     "world": {
         "gravity": PropertySpec((Quantity(ACCELERATION),), "gravitational acceleration, downwards", "9.81 m/s^2", least=0),
@@ -326,11 +324,11 @@ PROPERTIES: dict[str, dict[str, PropertySpec]] = {
         "target": PropertySpec((AN_ANGLE, A_LENGTH), "target of its drive", optional=True),
         "stiffness": PropertySpec((A_NUMBER,), "stiffness of its drive, SI units per radian or metre", "0", least=0),
         "damping": PropertySpec((A_NUMBER,), "damping of its drive, SI units", "0", least=0),
-        "pace": PropertySpec((A_NUMBER,), "target speed of its drive's damping, SI units", optional=True),
+        "pace": PropertySpec((A_NUMBER,), "target speed of its drive, to which `damping` applies, SI units", optional=True),
         "strength": PropertySpec((A_NUMBER,), "largest force or torque of its drive, SI units; default: no limit", optional=True, above=0),
-        "armature": PropertySpec((A_NUMBER,), "inertia of a rotor that turns or slides with its coordinate alone, kg m^2 or kg", optional=True, least=0),
-        "touching": PropertySpec((TRUTH,), "whether the two joined objects collide; default: they do not", optional=True),
-        "present": PropertySpec((TRUTH,), "whether it exists in the instance; the objects that it joins must exist", "true"),
+        "armature": PropertySpec((A_NUMBER,), "inertia added to the joint's coordinate, as by the rotor of a motor, kg m^2 or kg", optional=True, least=0),
+        "touching": PropertySpec((TRUTH,), "whether the two joined objects collide with each other; default: they do not", optional=True),
+        "present": PropertySpec((TRUTH,), "whether it exists in the instance; if so, the objects that it joins must exist too", "true"),
     },
     "robot": {
         "on": PropertySpec((OBJECT,), "the object on which it stands", optional=True),
@@ -338,9 +336,9 @@ PROPERTIES: dict[str, dict[str, PropertySpec]] = {
         "yaw": PropertySpec((AN_ANGLE,), "direction that it faces, anticlockwise from +x", "0 deg"),
         "color": PropertySpec((COLOR,), "colour", "white"),
         "model": PropertySpec((TEXT,), "of an arm: a file written by `wmspec import-arm`", optional=True),
-        "roads": PropertySpec((List(OBJECT),), "of a car: the objects that are its roads, which cross each other", optional=True),
+        "roads": PropertySpec((List(OBJECT),), "of a car: the objects that are its roads; they cross each other", optional=True),
         "lane": PropertySpec((A_LENGTH,), "of a car: width of the lanes of its roads", "3.5 m", above=0),
-        "keeps": PropertySpec((DIRECTION,), "of a car: the side of the road on which it drives, `left` or `right`", "right", among=("left", "right")),
+        "keeps": PropertySpec((DIRECTION,), "of a car: the side of the road on which it drives", "right", among=("left", "right")),
     },
 }  # fmt: skip
 
@@ -355,13 +353,13 @@ SETTINGS: dict[str, Type] = {
 
 #: Quantities in which engines may disagree.
 TOLERANCES: dict[str, PropertySpec] = {
-    "rest": PropertySpec((A_LENGTH,), "position of a body that has never moved", least=0),
-    "drift": PropertySpec(
-        (Quantity(SPEED),), "a body in motion that has met nothing yet, for each second of motion", least=0
+    "rest": PropertySpec((A_LENGTH,), "offset of a body that has not moved yet", least=0),
+    "drift": PropertySpec((Quantity(SPEED),), "offset of a body for each second of its motion", least=0),
+    "impact": PropertySpec(
+        (A_NUMBER,), "offset for each second of motion after an impact, as a share of the impact speed", least=0
     ),
-    "impact": PropertySpec((A_NUMBER,), "after an impact: share of the speed with which the bodies met", least=0),
-    "event": PropertySpec((A_TIME,), "the first touch of two bodies", least=0),
-    "angle": PropertySpec((AN_ANGLE,), "the orientation of a body", least=0),
+    "event": PropertySpec((A_TIME,), "time of the first touch of two bodies", least=0),
+    "angle": PropertySpec((AN_ANGLE,), "orientation of a body", least=0),
 }
 
 
@@ -375,19 +373,19 @@ class SyntaxForm:
 
 #: Domains of factors: separate, equally weighted values. Nuisances may use them too.
 FACTOR_DOMAINS = (
-    SyntaxForm("[red, blue]", "these values; objects, points, texts and truth values too"),
+    SyntaxForm("[red, blue]", "these values: words, objects, points, texts or truth values"),
     SyntaxForm("[0.5, 1, 2] m/s", "quantities of one unit"),
-    SyntaxForm("10 cm .. 20 cm by 5 cm", "steps from the start, up to the end"),
-    SyntaxForm("0 .. 1 in 5", "five values at equal distances, with both ends"),
+    SyntaxForm("10 cm .. 20 cm by 5 cm", "values in steps of 5 cm from 10 cm, at most 20 cm"),
+    SyntaxForm("0 .. 1 in 5", "five equally spaced values, including both ends"),
     SyntaxForm(
-        "product([0 cm, 10 cm], [-5 cm, 5 cm])", "points with these coordinates; three lists for points in space"
+        "product([0 cm, 10 cm], [-5 cm, 5 cm])", "all points with these coordinates; three lists give points in space"
     ),
 )
 
 #: Dimensions that a factor or nuisance may be `about`, with their meaning. The first five are those of the paper.
 FACTOR_DIMENSIONS: dict[str, str] = {
-    "color": "the colors of objects, and which object has which",
-    "shape": "the shapes of objects, and which object has which",
+    "color": "the colours of objects, and which object has which colour",
+    "shape": "the shapes of objects, and which object has which shape",
     "size": "the sizes of objects and their ratios",
     "position": "where objects are, which way they face, and the side from which they come",
     "material": "the materials and surfaces of objects",
@@ -425,7 +423,7 @@ LEGIBILITY: dict[str, str] = {
 
 #: Continuous domains of nuisances, and of factors of a Latin hypercube.
 CONTINUOUS_DOMAINS = (
-    SyntaxForm("-5 deg .. 5 deg", "uniform over the interval; `uniform(-5 deg, 5 deg)` is the same"),
+    SyntaxForm("-5 deg .. 5 deg", "uniform over the interval; also written `uniform(-5 deg, 5 deg)`"),
     SyntaxForm("log_uniform(100 g, 10 kg)", "log-uniform over the interval"),
     SyntaxForm(
         "normal(0 deg, 2 deg)", "normal, with this mean and standard deviation, truncated at three standard deviations"
@@ -477,7 +475,11 @@ WORD_ALIASES = {
 }
 
 #: Domains for nuisances only.
-WEIGHTED_DOMAINS = (SyntaxForm("weighted([red, blue], [3, 1])", "these values, the first three times as often"),)
+WEIGHTED_DOMAINS = (
+    SyntaxForm(
+        "weighted([red, blue], [3, 1])", "these values with these weights: red is drawn three times as often as blue"
+    ),
+)
 
 #: Domains for factors only.
 CONDITIONAL_DOMAINS = (
@@ -494,21 +496,26 @@ class DesignForm(SyntaxForm):
 
 #: Designs: the combinations of factors.
 DESIGNS: dict[str, DesignForm] = {
-    "factorial": DesignForm("design factorial", "every combination of levels; the same if there is no `design`"),
+    "factorial": DesignForm("design factorial", "every combination of levels; the default"),
     "sample": DesignForm(
-        "design sample of 500", "500 combinations, the values of a factor equally often", counted=True
+        "design sample of 500",
+        "500 combinations, in which the values of each factor are equally frequent",
+        counted=True,
     ),
     "latin": DesignForm(
-        "design latin of 200", "a Latin hypercube: factors may be intervals, covered evenly", counted=True
+        "design latin of 200",
+        "a Latin hypercube of 200 combinations: factors may be intervals, which it covers evenly",
+        counted=True,
     ),
     "groups": DesignForm(
         "design groups of 120 { cross: x  turn: [y] }",
-        "120 control groups: in each, some factors are crossed; all others are drawn again for each group. A clause `balance` "
-        "keeps draws in which the answers of a question come equally often",
+        "120 control groups. Within a group, all factors of `cross` and one factor of `turn` vary; the others are drawn for each "
+        "group. A clause `balance` keeps draws in which the answers of a question are equally frequent",
         counted=True,
     ),
     "one_at_a_time": DesignForm(
-        "design one_at_a_time { speed: 1 m/s }", "a baseline, and each factor varied by itself"
+        "design one_at_a_time { speed: 1 m/s }",
+        "a baseline (here, with a `speed` of 1 m/s), and all instances that differ from it in one factor",
     ),
 }
 

@@ -36,65 +36,66 @@ _GLANCE = (
 #: All measures by name.
 BOUNDS: dict[str, Bound] = {
     "step": Bound(
-        "px", 12, "the longest path of a mover between two successive pictures of a camera",
+        "px", 12, "the longest path of a moving object between two successive pictures of a camera",
         f"{_ACUITY}; 12 px are 19 arc minutes",
     ),
     "step_in_widths": Bound(
-        "", 0.25, "the same, in widths of the mover along its path",
-        "a choice: pictures are compared by eye, and a smaller shift goes unnoticed within the outline of the mover",
+        "", 0.25, "the measure `step`, in widths of the moving object along its path",
+        "own choice: people compare pictures by eye, and may miss a smaller shift within the outline of the object",
     ),
     "path": Bound(
-        "px", 30, "the path of a mover over all shown pictures of a camera",
-        "a choice: two and a half steps show direction and speed",
+        "px", 30, "the path of a moving object over all shown pictures of a camera",
+        "own choice: two and a half times the bound of `step` shows direction and speed",
     ),
     "lead": Bound(
-        "px", 8, "the difference of the distances of two compared movers from their first places",
-        "the just noticeable difference of speeds is 5 % (McKee 1981): 8 px of 160",
+        "px", 8, "for two moving objects that are compared: the difference of their distances from their first places",
+        "the just noticeable difference of speeds is 5 % (McKee 1981), which are 8 px of 160 px",
     ),
     "intervals": Bound(
-        "", 0.9, "the difference of two compared durations, in intervals between pictures",
-        "pictures date an event to the interval between two of them; a tenth is allowed for the sampling of motion",
+        "", 0.9, "the difference of two durations that are compared, in intervals between pictures",
+        "pictures show the time of an event to within one interval; a tenth of it is allowed for sampling",
     ),
     "place": Bound(
-        "px", 8, "the distance of two places, when the answer depends on which of them it is",
+        "px", 8, "the distance between the two places that the question distinguishes",
         f"{_ACUITY}; 8 px are 13 arc minutes",
     ),
     "length": Bound(
-        "px", 8, "the difference of two compared lengths or sizes, both drawn at the place of the first object",
-        "the just noticeable difference of lengths is some per cent (Ono 1967): 8 px of 160 are 5 %",
+        "px", 8, "the difference of two lengths or sizes that are compared, both drawn at the first object's place",
+        "the just noticeable difference of lengths is a few per cent (Ono 1967); 8 px of 160 px are 5 %",
     ),
     "size": Bound(
         "px", 12, "the size of each object that the question names or counts: the mean of its width and height",
-        f"{_ACUITY}; 12 px are 19 arc minutes, nine times that",
+        f"{_ACUITY}; 12 px are 19 arc minutes, more than nine times as much",
     ),
     "number": Bound(
         "", 30, "the number of counted objects",
-        "a person counts about 3 things a second (Trick and Pylyshyn 1994): 30 in ten seconds", at_most=True,
+        "a person counts about 3 objects a second (Trick and Pylyshyn 1994), which are 30 in ten seconds", at_most=True,
     ),
     "color": Bound(
-        "ΔE00", 6, "the difference of two drawn colours, when the answer depends on which of them it is", _GLANCE
+        "ΔE00", 6, "the difference between the two colours, as drawn, that the question distinguishes", _GLANCE
     ),
     "color_dichromat": Bound(
-        "ΔE00", 8, "the difference of two drawn colours that name options, for protanopes and deuteranopes",
-        "simulation by Machado, Oliveira and Fernandes (2009); a third more, since colours are named, not compared",
+        "ΔE00", 8, "the difference, for protanopes and deuteranopes, of two colours as drawn that name options",
+        "simulation by Machado, Oliveira and Fernandes (2009); a third more than for `color`, since people name the "
+        "colours instead of comparing them",
     ),
-    "material": Bound("ΔE00", 6, "the difference of the mean colours of two compared materials", _GLANCE),
+    "material": Bound("ΔE00", 6, "the difference of the mean colours of two materials that are compared", _GLANCE),
     "texture": Bound(
-        "L*", 6, "the difference of two materials in spread or grain of lightness, where it exceeds that in colour",
-        "the same scale: 6 of lightness are a ΔE00 of 4 to 8",
+        "L*", 6, "the difference of two materials in spread or grain of lightness, if it exceeds that in colour",
+        "as for `material`: a difference of 6 in lightness is a ΔE00 of 4 to 8",
     ),
     "option_place": Bound(
-        "px", 8, "the distance by which an object is moved from one option picture to another",
+        "px", 8, "the distance between the places of an object in two option pictures",
         f"{_ACUITY}; 8 px are 13 arc minutes",
     ),
-    "option_color": Bound("ΔE00", 6, "the difference of a colour from one option picture to another", _GLANCE),
+    "option_color": Bound("ΔE00", 6, "the difference of the colours of an object in two option pictures", _GLANCE),
     "option_turn": Bound(
-        "deg", 30, "how far something is turned from one option picture to another",
+        "deg", 30, "the rotation of an object between two option pictures",
         "studies of mental rotation use steps of 20 degrees (Shepard and Metzler 1971)",
     ),
     "option_shape": Bound(
-        "", 0.5, "the share of its outline that differs from one option picture to another",
-        "a choice: half of the outline",
+        "", 0.5, "the share of an object's outline that differs between two option pictures",
+        "own choice: half of the outline",
     ),
 }  # fmt: skip
 
