@@ -6,10 +6,10 @@ import csv
 import hashlib
 import io
 import platform
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ import pyarrow as pa
 
 from wmspec import __version__
 from wmspec.core.diagnostics import WmsError
+from wmspec.core.memoize import LRU
 from wmspec.core.parquet_io import read_table
 from wmspec.core.places import FilePlace
 from wmspec.core.safe_io import read_bytes
@@ -102,13 +103,13 @@ def evaluate_clips(run: ClipRun, output: Path, progress: Progress) -> ClipResult
     with _source(run, questions) as source:
         prompt, prompt_hash = _prompts(run)
         model_version = source.version
-        references = lru_cache(OPEN_SETS)(_References(run.dataset, tracker).of)
+        references = _References(run.dataset, tracker)
         for question in by_set(questions):
             for sample in source.samples(question):
                 row = clip_results.common(question, sample, run.name, model_version, prompt, prompt_hash)
                 try:
                     digest = source.digest(question, sample)
-                    reference, floors = references(_SetKey(question))
+                    reference, floors = references.of(question)
                     about = question.id, sample, run.begins, run.masks, digest
                     fresh = partial(_measured, source, question, sample, reference)
                     one = kept.get(about, fresh) if digest else fresh()
@@ -160,13 +161,13 @@ def _write_strips(
     rows: list[Row],
     questions: dict[str, FilmQuestion],
     source: sources.Source,
-    references: Callable[[_SetKey], tuple[Reference, object]],
+    references: _References,
 ) -> None:
     """Write a picture of the median and the worst clip of each task beside the results."""
     made = []
     for which, row in strips.representative(rows):
         question = questions[row["id"]]
-        reference, _ = references(_SetKey(question))
+        reference, _ = references.of(question)
         clip, begins = source.clip(question, row["sample"], reference)
         frames = align(clip, reference, question.own, begins).frames
         made.append((strips.caption(which, row), frames, reference.futures[question.own]))
@@ -181,29 +182,19 @@ def strips_path(output: Path) -> Path:
     return output.with_suffix(".strips.png")
 
 
-class _SetKey:
-    """A question that equals the others of its closed set, whose options have the same order."""
-
-    def __init__(self, question: FilmQuestion) -> None:
-        self.question = question
-        self._key = question.films, question.context, question.answer_frame, question.objects
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _SetKey) and self._key == other._key
-
-    def __hash__(self) -> int:
-        return hash(self._key)
-
-
 class _References:
     """The films of closed sets, and the distances of the true futures of two engines."""
 
     def __init__(self, dataset: DatasetReader, tracker: Tracker | None) -> None:
         self._dataset, self._tracker = dataset, tracker
+        self._of_sets = LRU[Hashable, tuple[Reference, tuple[tuple[float, float] | None, ...]]](OPEN_SETS)
 
-    def of(self, key: _SetKey) -> tuple[Reference, tuple[tuple[float, float] | None, ...]]:
+    def of(self, question: FilmQuestion) -> tuple[Reference, tuple[tuple[float, float] | None, ...]]:
         """Return the films, and for each option the distances of its futures in two engines (None without films)."""
-        question = key.question
+        closed_set = question.films, question.context, question.answer_frame, question.objects
+        return self._of_sets.get(closed_set, lambda: self._read(question))
+
+    def _read(self, question: FilmQuestion) -> tuple[Reference, tuple[tuple[float, float] | None, ...]]:
         reference = reference_of(self._dataset, question, self._tracker)
         return reference, tuple(self._floor(question, option, reference) for option in range(len(question.films)))
 
