@@ -7,8 +7,9 @@ import json
 import re
 import tomllib
 from collections.abc import Collection, Mapping
+from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
@@ -18,22 +19,6 @@ from wmspec.core.safe_io import read_text
 
 Labels = Literal["letters", "numbers"]
 Part = Literal["pictures", "question", "option_words", "option_pictures", "instruction"]
-
-#: Permitted placeholders of each text.
-_PLACEHOLDERS = {
-    "picture": {"number"},
-    "picture_at": {"number", "time"},
-    "clip": {"pictures", "seconds", "times"},
-    "clip_film": {"begin", "end"},
-    "montage": {"pictures"},
-    "montage_options": {"pictures", "labels"},
-    "options_alone": {"labels"},
-    "option_words": {"label", "words"},
-    "option_picture": {"label"},
-    "letters": {"count"},
-    "numbers": {"count"},
-    "open": {"unit"},
-}
 
 
 class FrozenModel(BaseModel):
@@ -73,7 +58,7 @@ class Texts(FrozenModel):
     @model_validator(mode="after")
     def _placeholders(self) -> Texts:
         for name, text in self:
-            check_placeholders(text, _PLACEHOLDERS.get(name, ()), f"texts.{name}")
+            check_placeholders(text, _permitted_placeholders()[name], f"texts.{name}")
         return self
 
     def line(self, name: str, **values: object) -> str:
@@ -106,6 +91,13 @@ def check_placeholders(text: str, known: Collection[str], where: str) -> None:
     for word in re.findall(r"\{(\w*)\}", text):
         if word not in known:
             raise ValueError(f"`{{{word}}}` cannot stand in {where}; {suggestion(word, known)}".rstrip("; "))
+
+
+@cache
+def _permitted_placeholders() -> dict[str, list[str]]:
+    """Return the placeholders of each text: those of the default template, and the number of options for labels."""
+    known = {name: re.findall(r"\{(\w*)\}", text) for name, text in _read("default")["texts"].items()}
+    return known | {name: ["count"] for name in get_args(Labels)}
 
 
 def filled(text: str, values: Mapping[str, object]) -> str:
