@@ -52,7 +52,7 @@ def attest(
             consensus=reader.manifest["consensus"],
             rows=reader.rows_of,
             profile=check_profile(reader.manifest.get("profile", "")),
-            **render_settings(reader)._asdict(),
+            **render_settings(reader),
             workers=workers,
             progress=progress,
             tell=tell,

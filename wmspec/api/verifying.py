@@ -8,7 +8,7 @@ from dataclasses import replace
 from os import PathLike
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
-from typing import Any, NamedTuple
+from typing import Any
 
 from wmspec.api.agreement import collect_tasks, worker_settings
 from wmspec.api.loading import Tell, warn
@@ -30,7 +30,6 @@ from wmspec.dataset.verify.specs import spec_differences
 from wmspec.dataset.verify.verify import draw_sample, regenerate, strict
 from wmspec.lang.parse.files import BUNDLED
 from wmspec.runtime.engines.registry import quickest_renderer, require_look, select_backends, versions
-from wmspec.sim.scene.model import Look
 
 
 def verify(
@@ -149,7 +148,7 @@ def write_specs(dataset: DatasetReader, scratch: Path) -> list[Path]:
 
 def _plan(dataset: DatasetReader, tasks: list[Task]) -> Plan:
     """Return the plan of the dataset, from its specs and settings."""
-    manifest, settings = dataset.manifest, render_settings(dataset)
+    manifest = dataset.manifest
     indices = read_plan(dataset.folder).get("tasks", {})
     part: list[int] = manifest.get("part", [1, 1])
     planned = (
@@ -163,9 +162,6 @@ def _plan(dataset: DatasetReader, tasks: list[Task]) -> Plan:
         size=(manifest["size"][0], manifest["size"][1]),
         seed=manifest["seed"],
         consensus=manifest["consensus"],
-        look=settings.look,
-        samples=settings.samples,
-        renderer=settings.renderer,
         rows_of=dataset.rows_of,
         profile=manifest.get("profile", ""),
         part=(part[0], part[1]),
@@ -174,6 +170,7 @@ def _plan(dataset: DatasetReader, tasks: list[Task]) -> Plan:
         versions=manifest["versions"],
         film=dataset.film,
         split=Split.of(manifest.get("split")),
+        **render_settings(dataset),
     )
 
 
@@ -183,22 +180,15 @@ def _installed_versions(plan: Plan) -> dict[str, str]:
     return versions({*plan.engines, *drawers}, plan.look)
 
 
-class RenderSettings(NamedTuple):
-    """The render settings of a dataset."""
-
-    look: Look
-    samples: int | None
-    renderer: str
-
-
-def render_settings(dataset: DatasetReader) -> RenderSettings:
-    """Return the render settings of a dataset; the defaults if it has no plan file.
+def render_settings(dataset: DatasetReader) -> dict[str, Any]:
+    """Return the look, samples and renderer of a dataset; the defaults if it has no plan file.
 
     Raises WmsError if an engine is not known here.
     """
     plan = read_plan(dataset.folder)
     default = quickest_renderer(dataset.engines) if dataset.rows_of == "questions" and "renderer" not in plan else ""
-    return RenderSettings(plan.get("look", "parity"), plan.get("samples"), plan.get("renderer", default))
+    defaults = {"look": "parity", "samples": None, "renderer": default}
+    return {name: plan.get(name, value) for name, value in defaults.items()}
 
 
 def _indices(dataset: DatasetReader, task: Task, planned: dict[str, Any]) -> list[int]:
