@@ -48,8 +48,6 @@ class Checked:
 def check_files(paths: Iterable[Path]) -> Checked:
     """Check spec files and all specs in folders. Raises WmsError if one cannot be read."""
     checked = [_checked(path) for path in spec_files(paths)]
-    if len(checked) == 1:
-        return checked[0]
     report = Report()
     for each in checked:
         report.include(each.diagnostics)

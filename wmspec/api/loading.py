@@ -102,20 +102,7 @@ def diagnose(*paths: PathOrText, text: str | None = None) -> Diagnosis:
     file cannot be read.
     """
     files: list[Path | Source] = [*spec_files(map(Path, paths)), *([_text(text)] if text is not None else [])]
-    return merge_diagnoses([diagnose_file(file)[0] for file in files])
-
-
-def diagnose_file(file: Path | Source) -> tuple[Diagnosis, Program]:
-    """Return the diagnosis of one spec and its parsed program. Raises WmsError if the file cannot be read."""
-    report = Report()
-    program, tasks = _load(file, 0, report)
-    return _diagnosis(report, tasks, tried=True), program
-
-
-def merge_diagnoses(found: Sequence[Diagnosis]) -> Diagnosis:
-    """Return several diagnoses as one."""
-    if len(found) == 1:
-        return found[0]
+    found = [diagnose_file(file)[0] for file in files]
     report = Report()
     for each in found:
         report.include(each.diagnostics)
@@ -125,6 +112,13 @@ def merge_diagnoses(found: Sequence[Diagnosis]) -> Diagnosis:
         {name: design for each in found for name, design in each.designs.items()},
         frozenset[str]().union(*(each.mistaken for each in found)),
     )
+
+
+def diagnose_file(file: Path | Source) -> tuple[Diagnosis, Program]:
+    """Return the diagnosis of one spec and its parsed program. Raises WmsError if the file cannot be read."""
+    report = Report()
+    program, tasks = _load(file, 0, report)
+    return _diagnosis(report, tasks, tried=True), program
 
 
 class TextCheck:
