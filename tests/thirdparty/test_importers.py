@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pxr import Usd
+from pxr import Usd, UsdPhysics
 
 from tests.thirdparty.environments import python_with, run
 from wmspec.sim.scene.model import Body
@@ -27,7 +27,7 @@ IMPORTERS = {
 @pytest.mark.slow
 @pytest.mark.parametrize("name", IMPORTERS)
 def test_an_importer_sees_our_bodies(name: str, catalogue: dict[str, list[Path]], tmp_path: Path) -> None:
-    stages = [str(paths[1]) for paths in catalogue.values() if name == "newton" or not has_cones(paths[1])]
+    stages = [str(paths[1]) for paths in catalogue.values() if name == "newton" or mujoco_reads(paths[1])]
     assert stages
     printed = run(python_with(*IMPORTERS[name]), HERE / f"bodies_in_{name}.py", *stages, folder=tmp_path)
     found = json.loads(printed.splitlines()[-1])
@@ -35,10 +35,16 @@ def test_an_importer_sees_our_bodies(name: str, catalogue: dict[str, list[Path]]
     assert wrong == []
 
 
-def has_cones(path: Path) -> bool:
-    """MuJoCo has none, and its importer leaves them out."""
-    scene = read(Usd.Stage.Open(str(path)))
-    return any(isinstance(geom.shape, Cone) for body in scene.bodies for geom in body.geoms)
+def mujoco_reads(path: Path) -> bool:
+    """Whether MuJoCo's importer reads all shapes: it leaves out cones, and takes hollow meshes for their hulls."""
+    stage = Usd.Stage.Open(str(path))
+    hollow = any(mesh.GetApproximationAttr().Get() == UsdPhysics.Tokens.convexDecomposition for mesh in meshes(stage))
+    return not hollow and not any(isinstance(geom.shape, Cone) for body in read(stage).bodies for geom in body.geoms)
+
+
+def meshes(stage: Usd.Stage) -> list[UsdPhysics.MeshCollisionAPI]:
+    """The meshes that collide."""
+    return [UsdPhysics.MeshCollisionAPI(prim) for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.MeshCollisionAPI)]
 
 
 def differences(bodies: tuple[Body, ...], found: dict[str, Any]) -> Iterator[str]:
