@@ -13,7 +13,6 @@ from itertools import combinations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmspec.dataset.audit import combined, features, given, image_similarity, power, state
 from wmspec.dataset.audit.balance import answers_by
@@ -62,17 +61,14 @@ def probes(unit: Unit, units: Sequence[Unit] = ()) -> list[Probe]:
     if len(set(groups)) < MIN_GROUPS:
         return []
     lines = list(_probe_specs(cases))
-    every, left = (ProbedQuestions.of(unit.name, cases, groups, struck) for struck in _eliminated(cases))
+    none = [np.zeros(case.count, dtype=bool) for case in cases]
+    eliminated = (none, state.eliminated_options(cases))  # without pictures, and by any picture
+    every, left = (ProbedQuestions.of(unit.name, cases, groups, struck) for struck in eliminated)
     made = [(left if line.pictured else every).probe(line) for line in lines if not line.competes]
     for family in dict.fromkeys(line.family for line in lines if line.competes):
         rivals = [line for line in lines if line.competes and line.family == family]
         made += left.rivals(f"the best {_BEST[family]} ({{}})", _FEWER, rivals)
     return made + combined.probes(unit, cases, groups, max(case.required_moments for case in cases))
-
-
-def _eliminated(cases: Sequence[Case]) -> tuple[Sequence[NDArray[np.bool_]], Sequence[NDArray[np.bool_]]]:
-    """Return the options that are eliminated without pictures (none), and by any picture."""
-    return [np.zeros(c.count, dtype=bool) for c in cases], state.eliminated_options(cases)
 
 
 # ---------------------------------------------------------------- catalogue
@@ -199,13 +195,9 @@ def with_intervals(made: Sequence[Probe]) -> list[Probe]:
     beyond = {
         (probe.task, probe.sees): more
         for family in families.values()
-        for probe, more in zip(family, power.thresholds([_reach(p) for p in family]), strict=True)
+        for probe, more in zip(family, power.thresholds(family), strict=True)
     }
     return [_with_interval(probe, beyond.get((probe.task, probe.sees))) for probe in made]
-
-
-def _reach(probe: Probe) -> power.ProbePower:
-    return power.ProbePower(probe.chance, probe.deviation, probe.learned)
 
 
 def _with_interval(probe: Probe, beyond: float | None) -> Probe:
@@ -213,7 +205,7 @@ def _with_interval(probe: Probe, beyond: float | None) -> Probe:
     if beyond is None:  # not judged, or a single option remains
         return replace(probe, low=low, high=high, least=1.0 - probe.judged)
     luck = probe.accuracy - probe.chance <= beyond * probe.deviation
-    return replace(probe, low=low, high=high, least=power.smallest_detectable(_reach(probe), beyond), luck=luck)
+    return replace(probe, low=low, high=high, least=power.smallest_detectable(probe, beyond), luck=luck)
 
 
 def verdict(probe: Probe) -> Literal["fails", "unclear", "reported", "holds"]:
