@@ -113,7 +113,7 @@ class ServerModel:
         sent = self._parameters.values
         try:
             done = self._client.chat.completions.create(model=self._name, messages=messages, extra_body=sent | form)
-            return self._read(done)
+            return replace(read_response(done, self._hidden), **self._usage(done.usage))
         except openai.BadRequestError as error:
             if self._parameters.learn(sent, str(error)):
                 return self._try(messages, form)
@@ -135,10 +135,6 @@ class ServerModel:
         if _EXHAUSTED.search(message):
             raise FatalModelError(f"the quota is used up at {self._server.address}: {message}")
         return Reply(error=message)
-
-    def _read(self, done: Any) -> Reply:
-        """Return the reply in a response. Raises ValueError and others if it is no chat completion."""
-        return replace(read_response(done, self._hidden), **self._usage(done.usage))
 
     def _usage(self, usage: Any) -> dict[str, Any]:
         if usage is None:
