@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import os
 import re
@@ -13,6 +12,7 @@ from typing import Any
 from urllib.parse import quote, urlsplit
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.images import data_url
 from wmspec.eval.models.images import AS_THEY_ARE, ImageOptions
 from wmspec.eval.models.message import Parameters, read_response, response_format
 from wmspec.eval.models.model import FatalModelError, Reply, storable
@@ -211,12 +211,8 @@ def _messages(request: Request, images: ImageOptions) -> Any:
                 turn.append({"type": "text", "text": text})
             case Picture(png):
                 detail = {"detail": images.detail} if images.detail else {}
-                turn.append({"type": "image_url", "image_url": {"url": _data(*images.encode(png)), **detail}})
+                turn.append({"type": "image_url", "image_url": {"url": data_url(*images.encode(png)), **detail}})
             case Clip(mp4):
-                turn.append({"type": "video_url", "video_url": {"url": _data("video/mp4", mp4)}})
+                turn.append({"type": "video_url", "video_url": {"url": data_url("video/mp4", mp4)}})
     system = [{"role": "system", "content": request.system}] if request.system else []
     return [*system, {"role": "user", "content": turn}]
-
-
-def _data(kind: str, content: bytes) -> str:
-    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
