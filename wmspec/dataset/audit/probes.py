@@ -92,8 +92,9 @@ def _probe_specs(cases: Sequence[Case]) -> Iterator[ProbeSpec]:
             yield ProbeSpec(name, "rule", *judged, scores=scores, pictured=last)
     for views in _views(shown):
         yield from _picture_probes(cases, views)
-    if shown:
-        yield from _question_blind_probe(cases, tuple(range(shown)))
+    if shown and len({c.row["text"] for c in cases}) > 1:  # not judged, since the question may decide the answer
+        seen = _pixels(cases, tuple(range(shown)))
+        yield ProbeSpec("all pictures without the question", "pictures", False, _UNASKED, seen, pictured=True)
 
 
 def _views(shown: int) -> Iterator[tuple[int, ...]]:
@@ -128,16 +129,6 @@ def _picture_probes(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[P
     yield line("objects", _forest(state.question_states, cases, views, "questions"))
     if np.mean([state.named_objects(c)[c.row["answer"]] is not None for c in cases]) > 0.5:
         yield line("objects named by the options", _forest(state.named_object_states, cases, views))
-
-
-def _question_blind_probe(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[ProbeSpec]:
-    """Yield the probe with all pictures and options but no question.
-
-    It is not judged, since the question may decide the answer.
-    """
-    if len({c.row["text"] for c in cases}) > 1:
-        seen = _pixels(cases, views)
-        yield ProbeSpec("all pictures without the question", "pictures", False, _UNASKED, seen, pictured=True)
 
 
 def _blind(see: See, cases: Sequence[Case]) -> Look:

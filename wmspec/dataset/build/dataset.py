@@ -110,8 +110,7 @@ class Dataset:
 
         Raises: WmsError: it cannot be written. ValueError: a question of the shard is missing, foreign or duplicated.
         """
-        parts: dict[str, Any] = {"rows": rows, "rejected": rejected, "films": films}
-        self._records[shard.path] = write_shard(self.folder, self.plan, shard, **parts)
+        self._records[shard.path] = write_shard(self.folder, self.plan, shard, rows, rejected, films)
         checkpoint.discard(self.folder, shard)
 
     def finish(self) -> Summary:
