@@ -63,7 +63,6 @@ class ClipRun:
     place: str
     selection: Selection
     begins: Begins | None = None
-    model: str = ""
     masks: str = ""
 
     @cached_property
@@ -71,7 +70,7 @@ class ClipRun:
         """The name of the model: that in its `model.json`, or of the folder or baseline."""
         folder = Path(self.place)
         own = self.place if self.is_baseline else sources.described(folder, "name") or folder.resolve().name
-        return self.model or f"{PREFIX}{own}"
+        return f"{PREFIX}{own}"
 
     @property
     def is_baseline(self) -> bool:
