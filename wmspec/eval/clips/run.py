@@ -212,10 +212,8 @@ class _References:
 
 def _prompts(run: ClipRun) -> tuple[str, str]:
     """Return the name and the hash of the prompts that the model was given; the default if the folder has none."""
-    if run.is_baseline:
-        return "film", ""
     path = Path(run.place) / PROMPTS_FILE
-    if not path.is_file():
+    if run.is_baseline or not path.is_file():
         return "film", ""
     try:
         rows = list(csv.DictReader(read_bytes(path).decode("utf-8").splitlines()))

@@ -121,6 +121,7 @@ def _record(
     replies: GalleryReplies,
 ) -> Record:
     first = rows[0]
+    difference = first.get("difference")  # of the stimulus, as text and for sorting; None without one
     margins = [row["margin"] for row in rows if row["margin"] is not None]
     return {
         "id": f"{first['task']}/{first['index']}" + (f"/q{first['question']}" if first["question"] else ""),
@@ -128,8 +129,8 @@ def _record(
         "index": first["index"],
         "factors": _varied(first, "factor", units),
         "nuisances": _varied(first, "nuisance", units),
-        "difference": _difference(first),
-        "strength": _strength(first),
+        "difference": difference and f"{difference['name']}: {format_value(difference['value'], difference['unit'])}",
+        "strength": difference and {key: difference[key] for key in ("name", "value")},
         "margin": min(margins) if margins else None,
         "accuracy": _accuracy([reply for row in rows for reply in replies.of(row["id"])]),
         "answer": _answer(first),
@@ -143,18 +144,6 @@ def _record(
 
 def _varied(row: Row, sort: str, units: dict[str, str]) -> dict[str, str]:
     return {k.partition(".")[2]: format_value(v, units.get(k, "")) for k, v in row.items() if k.startswith(f"{sort}.")}
-
-
-def _difference(row: Row) -> str | None:
-    """Return the stimulus difference as text, where the row has one."""
-    difference = row.get("difference")
-    return f"{difference['name']}: {format_value(difference['value'], difference['unit'])}" if difference else None
-
-
-def _strength(row: Row) -> Record | None:
-    """Return the stimulus difference as a number, for sorting."""
-    difference = row.get("difference")
-    return {"name": difference["name"], "value": difference["value"]} if difference else None
 
 
 def _accuracy(replies: list[Record]) -> dict[str, float]:
