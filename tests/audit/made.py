@@ -14,7 +14,7 @@ import pytest
 from tests.dataset.made import pictures
 from wmspec.compile.design.design import Design
 from wmspec.core.diagnostics import Report
-from wmspec.core.rng import permuted
+from wmspec.core.rng import Permutation
 from wmspec.dataset.audit import power, probe_selection
 from wmspec.dataset.build.dataset import Dataset
 from wmspec.dataset.build.plan import Plan, Task
@@ -150,7 +150,7 @@ def race(favoured: float = 0.5, level: bool = False, telling: bool = False) -> A
 
 def asking_order(source: QuestionRow, count: int) -> float:
     """A share from 0 to 1, evenly spread over the design, as wmspec spreads the places of true options."""
-    return permuted(source.index, count, "place") / count
+    return Permutation(count, "place")(source.index) / count
 
 
 ROWS = {"upper": 0.3, "lower": 0.7}

@@ -25,6 +25,7 @@ from wmspec.dataset.audit.classify import (
     cross_validated_scores,
     nested_scores,
 )
+from wmspec.dataset.audit.model import Probe
 from wmspec.dataset.audit.probe_selection import CandidateProbes
 from wmspec.dataset.audit.statistics import clopper_pearson, dependence, detectable, goodness_of_fit, holm, independence
 
@@ -265,7 +266,7 @@ def test_shortcut_of_the_reported_size_is_found_in_four_of_five_draws(
 
     seen = blank()
     spread = power.deviation(cross_validated_scores(seen, probed), chance, probed.groups)
-    reach = power.ProbePower(1 / choices, spread, power.learned_gains(seen, probed, chance))
+    reach = _probe(1 / choices, spread, power.learned_gains(seen, probed, chance))
     size = power.smallest_detectable(reach, power.threshold(tests))
     assert 0.08 < size < 0.3
     found = [_alarm(*power.inject_shortcut(blank(), probed, size, random), tests) for _ in range(draws)]
@@ -330,7 +331,7 @@ def test_shortcut_of_the_reported_size_is_found_by_the_best_probe() -> None:
     looks = [lambda s=s: s for s in noise]
     rivals = CandidateProbes.of(looks, probed)
     spread = power.deviation(rivals.best(probed)[0], chance, probed.groups)
-    reach = power.ProbePower(0.25, spread, rivals.learned(looks, probed, chance))
+    reach = _probe(0.25, spread, rivals.learned(looks, probed, chance))
     size = power.smallest_detectable(reach, power.threshold(tests))
     assert 0.1 < size < 0.3
     found = 0
@@ -341,11 +342,15 @@ def test_shortcut_of_the_reported_size_is_found_by_the_best_probe() -> None:
     assert stats.binomtest(found, draws, 0.8, alternative="less").pvalue > 0.01, found
 
 
+def _probe(chance: float, deviation: float, learned: tuple[float, ...] | None) -> Probe:
+    return Probe("", "", "", 0, 0.0, chance, deviation, True, "", learned)
+
+
 def test_undetectable_shortcuts_count_as_missed() -> None:
     beyond = power.threshold(20)
 
     def least(learned: tuple[float, ...] | None) -> float:
-        return power.smallest_detectable(power.ProbePower(0.5, 0.1 / beyond, learned), beyond)
+        return power.smallest_detectable(_probe(0.5, 0.1 / beyond, learned), beyond)
 
     assert least((0.01, 0.03, 0.09)) == 1.0
     assert least((0.08, 0.12, 0.25)) == pytest.approx(0.15)
@@ -363,7 +368,7 @@ def test_undetectable_shortcuts_count_as_missed() -> None:
     )
 )
 def test_the_alarms_are_shared_out_and_those_that_find_least_get_more(probes: list[Any]) -> None:
-    reaches = [power.ProbePower(*probe) for probe in probes]
+    reaches = [_probe(*probe) for probe in probes]
     beyond = power.thresholds(reaches)
     assert sum(stats.norm.sf(beyond)) <= power.FALSE_ALARMS + 1e-9
     even = power.threshold(len(reaches))

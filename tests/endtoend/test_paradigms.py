@@ -9,7 +9,7 @@ import pytest
 import wmspec
 from tests.engines import ENGINES, installed
 from wmspec.api.checking import check_files
-from wmspec.dataset.audit.groups import MIN_GROUPS
+from wmspec.dataset.audit.duplicates import MIN_GROUPS
 from wmspec.lang.parse.files import library_folder
 
 ROOT = Path(__file__).parents[2]

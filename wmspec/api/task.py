@@ -148,7 +148,7 @@ class Task(Sequence["Instance"]):
     @property
     def paper(self) -> wm_abench.Column | None:
         """The task of WM-ABench (a column of its tables) that this task rebuilds, or None."""
-        return wm_abench.column(self.name)
+        return wm_abench.COLUMN_OF_TASK.get(self.name)
 
     def sample(self, count: int) -> tuple[Instance, ...]:
         """Return `count` different instances in a random order that depends on the seed; at most all."""

@@ -48,6 +48,9 @@ image_size_option = click.option(
     show_default=True,
     help="Longest side of a picture, in pixels; larger pictures are downscaled.",
 )
+shares_option = click.option(
+    "--shares", default="", metavar="SHARES", help="Splits in percent.  [default: train=80,validation=10,test=10]"
+)
 instance_timeout_option = click.option(
     "--timeout", type=click.FloatRange(1), default=300.0, show_default=True, help="Time limit per instance, in seconds."
 )
@@ -138,9 +141,6 @@ def time_limit(seconds: float) -> Iterator[None]:
 
 def split_options(command: F) -> F:
     """Add `--shares` and `--holdout` for splits by control groups."""
-    shares = click.option(
-        "--shares", default="", metavar="SHARES", help="Splits in percent.  [default: train=80,validation=10,test=10]"
-    )
     holdout = click.option(
         "--holdout",
         "holdouts",
@@ -148,7 +148,7 @@ def split_options(command: F) -> F:
         metavar="LEVELS",
         help="Levels that training never sees together, such as shape=cone,color=blue. Repeatable.",
     )
-    return shares(holdout(command))
+    return shares_option(holdout(command))
 
 
 def tell(text: str) -> None:

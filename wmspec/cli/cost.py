@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -28,7 +28,11 @@ def print_cost(plan: Plan, effort: PoolConfig, as_json: bool) -> None:
     with progress_bar(len(plan.tasks), "trying", "tasks") as progress:
         costs = estimate(plan, effort, progress)
     if as_json:
-        rows = [_row(c) | {"hours": c.hours(effort.workers), "bytes": c.bytes} for c in costs]
+        rows = [
+            {name: value for name, value in asdict(c).items() if name != "crash"}
+            | {"hours": c.hours(effort.workers), "bytes": c.bytes}
+            for c in costs
+        ]
         click.echo(json.dumps({"workers": effort.workers, "tasks": rows}, indent=2))
     else:
         _print(costs, effort.workers)
@@ -47,12 +51,6 @@ def _tally(costs: Sequence[Cost]) -> Tally:
     tried, failed = sum(c.tried for c in costs), sum(c.failed for c in costs)
     crash = next((c.crash for c in costs if c.crash is not None), None)
     return Tally("instance was tried", tried, "instances", tried, failed, crash.report() if crash else "")
-
-
-def _row(cost: Cost) -> dict[str, Any]:
-    row = asdict(cost)
-    del row["crash"]
-    return row
 
 
 def _print(costs: Sequence[Cost], workers: int) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import asdict
+
 import click
 
 from wmspec.cli.common import json_option
@@ -18,9 +21,6 @@ def doctor_command(ctx: click.Context, capabilities: bool, as_json: bool) -> Non
 
     Each engine executes and draws a falling cube. Exit code 0 if at least one engine does both, else 1.
     """
-    import json
-    from dataclasses import asdict
-
     from wmspec.runtime.doctor.doctor import examine, fit
 
     if capabilities:
@@ -43,8 +43,6 @@ def doctor_command(ctx: click.Context, capabilities: bool, as_json: bool) -> Non
 
 
 def _capabilities(as_json: bool) -> None:
-    import json
-
     from wmspec.runtime.engines.registry import info, names
     from wmspec.sim.scene.capability import APPROXIMATE, capability_table
 

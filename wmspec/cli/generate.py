@@ -19,6 +19,7 @@ from wmspec.cli.common import (
     parse_share,
     parse_size,
     seed_option,
+    shares_option,
     size_option,
     tell,
 )
@@ -69,9 +70,7 @@ if TYPE_CHECKING:
     type=click.Choice(["train", "validation", "test"]),
     help="Only this split of control groups; train and validation without the hold-outs of the specs.",
 )
-@click.option(
-    "--shares", default="", metavar="SHARES", help="Splits in percent.  [default: train=80,validation=10,test=10]"
-)
+@shares_option
 @click.option("--full", is_flag=True, help="All instances of every task, also beyond WM-ABench's count.")
 @dimension_option
 @size_option

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from functools import cache
 from pathlib import Path
 
 from wmspec.lang.parse.files import resolve_display_path
@@ -11,11 +10,7 @@ from wmspec.lang.parse.files import resolve_display_path
 
 def source_root() -> Path:
     """Return the root of the git repository of the working folder; the working folder if there is none."""
-    return _root_of(Path.cwd())
-
-
-@cache
-def _root_of(folder: Path) -> Path:
+    folder = Path.cwd()
     return next((place for place in (folder, *folder.parents) if (place / ".git").exists()), folder)
 
 

@@ -150,12 +150,8 @@ def _summary(episode: Episode) -> dict[str, Any]:
         "duration": float(episode.time[-1]),
         "bodies": bodies,
         "contacts": contacts,
-        **_notes(episode),
+        **({"notes": [note.record() for note in episode.notes]} if episode.notes else {}),
     }
-
-
-def _notes(episode: Episode) -> dict[str, Any]:
-    return {"notes": [note.record() for note in episode.notes]} if episode.notes else {}
 
 
 def _print(episode: Episode) -> None:

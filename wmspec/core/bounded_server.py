@@ -12,9 +12,6 @@ from typing import Any
 
 from wmspec.core.crash import tell
 
-#: The most connections at a time, and the longest time (s) that one is open without a long answer.
-MAX_CONNECTIONS, MAX_SECONDS = 256, 60.0
-
 _BUSY = (
     b"HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nRetry-After: 1\r\n"
     b"Content-Type: text/plain\r\nContent-Length: 4\r\n\r\nbusy"
@@ -24,13 +21,13 @@ _BUSY = (
 class BoundedServer(ThreadingHTTPServer):
     """Serves each connection in a thread, at most `max_connections`; closes those that are open longer than the limit.
 
-    Further connections receive status 503. `serve_forever` looks for late connections every half second. A handler that
-    sends for longer by design calls `keep_open`.
+    Further connections receive status 503. The limit of time is `max_seconds` (s); `serve_forever` looks for late
+    connections every half second. A handler that sends for longer by design calls `keep_open`.
     """
 
     daemon_threads = True
-    max_connections = MAX_CONNECTIONS
-    max_seconds = MAX_SECONDS
+    max_connections = 256
+    max_seconds = 60.0
 
     def __init__(self, address: tuple[str, int], handler: Any) -> None:
         self._opened: dict[socket.socket, float] = {}

@@ -24,7 +24,7 @@ def code_digest() -> str:
     for name in FOLDERS:
         _add(made, resource(name))
     for name in DISTRIBUTIONS:
-        made.update(f"{name} {_version(name)}\0".encode())
+        made.update(f"{name} {installed_version(name)}\0".encode())
     return made.hexdigest()
 
 
@@ -55,7 +55,8 @@ def _files(place: Path) -> Iterator[Path]:
             yield from _files(path)
 
 
-def _version(distribution: str) -> str:
+def installed_version(distribution: str) -> str:
+    """Return the version of a distribution; empty if it is not installed."""
     try:
         return metadata.version(distribution)
     except metadata.PackageNotFoundError:

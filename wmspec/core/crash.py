@@ -11,9 +11,10 @@ import sys
 import tempfile
 import traceback
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, metadata, requires, version
+from importlib.metadata import PackageNotFoundError, metadata, requires
 from pathlib import Path
 
+from wmspec.core.code_digest import installed_version
 from wmspec.core.diagnostics import escape_controls
 
 #: Exit code of a command after an unexpected error: EX_SOFTWARE of sysexits.h.
@@ -70,7 +71,7 @@ class Crash:
         """
         content = "\n\n".join([_environment(), self.traceback])
         name = f"error-{hashlib.sha256(content.encode()).hexdigest()[:12]}.txt"
-        for folder in (_cache, _temporary):
+        for folder in (_cache, lambda: Path(tempfile.mkdtemp(prefix="wmspec-"))):
             try:
                 path = folder() / name
                 path.write_text(content, encoding="utf-8", errors="backslashreplace")
@@ -129,10 +130,6 @@ def _cache() -> Path:
     return folder
 
 
-def _temporary() -> Path:
-    return Path(tempfile.mkdtemp(prefix="wmspec-"))
-
-
 def _environment() -> str:
     """Return the command line and the versions of Python, the system, wmspec and its requirements."""
     try:
@@ -142,13 +139,6 @@ def _environment() -> str:
     lines = [
         f"command: {shlex.join(sys.argv)}",
         f"Python {platform.python_version()} on {platform.platform()}",
-        *(f"{name} {found}" for name in ("wmspec", *needed) if (found := _version(name))),
+        *(f"{name} {found}" for name in ("wmspec", *needed) if (found := installed_version(name))),
     ]
     return "\n".join(dict.fromkeys(lines))
-
-
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return ""

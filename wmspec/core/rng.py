@@ -84,8 +84,3 @@ def _mixed(x: int) -> int:
     x = (x * 0x9E3779B97F4A7C15) & _MASK
     x = ((x ^ (x >> 30)) * 0xBF58476D1CE4E5B9) & _MASK
     return x ^ (x >> 29)
-
-
-def permuted(i: int, n: int, *key: object) -> int:
-    """Return the image of `i` under the permutation of 0..n-1 of a key."""
-    return Permutation(n, *key)(i)

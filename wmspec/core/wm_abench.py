@@ -79,12 +79,7 @@ COLUMN_OF_TASK = {
 COLUMNS = tuple(COLUMN_OF_TASK.values())
 
 
-def column(task: str) -> Column | None:
-    """Return the column that a task rebuilds, or None."""
-    return COLUMN_OF_TASK.get(task)
-
-
 def instance_count(task: str, questions: int) -> int | None:
     """Return the number of instances with `questions` each that gives the paper's number of cases, or None."""
-    found = column(task)
+    found = COLUMN_OF_TASK.get(task)
     return None if found is None else -(-found.cases // questions)

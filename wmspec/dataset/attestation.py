@@ -97,7 +97,7 @@ def _hashes(dataset: DatasetReader) -> Attestation:
     key = hashlib.scrypt(seed, salt=b"wmspec seal files", **SCRYPT_COST)
     return Attestation(
         seed=hashlib.scrypt(seed, salt=b"wmspec seal", **SCRYPT_COST).hex(),
-        specs={name: _digest(spec["text"]) for name, spec in manifest["specs"].items()},
+        specs={name: hashlib.sha256(spec["text"].encode()).hexdigest() for name, spec in manifest["specs"].items()},
         shards={path: shard["sha256"] for path, shard in manifest["shards"].items()},
         engines=tuple(manifest["engines"]),
         size=(manifest["size"][0], manifest["size"][1]),
@@ -128,7 +128,3 @@ def _changed_files(kind: str, there: Mapping[str, str], here: Mapping[str, str])
             yield f"the {kind} {name} is not in the attestation"
         elif there[name] != here[name]:
             yield f"the {kind} {name} is not what was sealed"
-
-
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()

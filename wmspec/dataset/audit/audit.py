@@ -11,11 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from wmspec.core.diagnostics import WmsError
-from wmspec.dataset.audit import balance, groups, metadata, probes
+from wmspec.dataset.audit import balance, duplicates, metadata, probes
 from wmspec.dataset.audit.cases import Unit, full_size_pictures, task_of, units
 from wmspec.dataset.audit.constant_answers import constant_answer_finding, what_if_finding
 from wmspec.dataset.audit.counts import check_files, check_rows, counts
-from wmspec.dataset.audit.duplicates import ReadFullSize, duplicate_findings, duplicates, mark_faint
 from wmspec.dataset.audit.given import companion_finding
 from wmspec.dataset.audit.image_similarity import QUANTILES, option_similarity, similarity_finding
 from wmspec.dataset.audit.legibility import legibility_finding, motion_finding
@@ -122,12 +121,12 @@ def _audit_task(dataset: DatasetReader, task: str, most: int, damaged: bool) -> 
     return gathered
 
 
-def _audit_unit(unit: Unit, parts: Sequence[Unit], pictures: ReadFullSize, gathered: _Results) -> None:
+def _audit_unit(unit: Unit, parts: Sequence[Unit], pictures: duplicates.ReadFullSize, gathered: _Results) -> None:
     """Run all checks of one of the questions of a task."""
-    pairs = mark_faint(unit, duplicates(unit), pictures)
-    gathered.findings += duplicate_findings(unit, pairs)
-    gathered.groups[unit.name] = groups.effective_groups(unit, pairs)
-    gathered.findings.append(groups.group_finding(unit, gathered.groups[unit.name]))
+    pairs = duplicates.mark_faint(unit, duplicates.duplicates(unit), pictures)
+    gathered.findings += duplicates.duplicate_findings(unit, pairs)
+    gathered.groups[unit.name] = duplicates.effective_groups(unit, pairs)
+    gathered.findings.append(duplicates.group_finding(unit, gathered.groups[unit.name]))
     alike = option_similarity(unit)
     gathered.findings.append(similarity_finding(unit, alike))
     gathered.likeness += [alike] if alike else []

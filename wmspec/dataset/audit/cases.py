@@ -139,11 +139,8 @@ def task_of(name: str) -> str:
 
 def _is_sampled(row: Row, engines: tuple[str, ...]) -> bool:
     """Whether a row gets thumbnails: the first engine, for comparing instances, and one other, for probes."""
-    return row["engine"] in (engines[0], engines[_turn(row["index"], len(engines))])
-
-
-def _turn(index: int, count: int) -> int:
-    return int.from_bytes(_key("turn", index)[:4], "big") % count
+    turn = int.from_bytes(_key("turn", row["index"])[:4], "big")
+    return row["engine"] in (engines[0], engines[turn % len(engines)])
 
 
 def _key(*parts: object) -> bytes:

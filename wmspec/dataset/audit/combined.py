@@ -19,6 +19,7 @@ from wmspec.dataset.audit.cases import Case, Unit
 from wmspec.dataset.audit.classify import Array, ProbeFeatures
 from wmspec.dataset.audit.duplicates import pixel_difference
 from wmspec.dataset.audit.given import ClosedSet, closed_set, given_in_words, varied_factors
+from wmspec.dataset.audit.image_similarity import from_others
 from wmspec.dataset.audit.model import Probe
 from wmspec.dataset.audit.probed import Look, ProbedQuestions, ProbeSpec
 from wmspec.dataset.build.rows import Row
@@ -75,7 +76,7 @@ def _is_hidden(unit: Unit, options: ClosedSet, known: str, cases: Sequence[Case]
 def _rules(cases: Sequence[Case]) -> Iterator[tuple[str, list[Array], bool]]:
     """Yield rules: the name, the score of every question's options, and whether the rule sees a context picture."""
     yield "the order of the options", [-np.arange(c.count, dtype=np.float64) for c in cases], False
-    yield "the difference from the other options", [_from_others(c) for c in cases], False
+    yield "the difference from the other options", [from_others(c) for c in cases], False
     for axis, name in (("across", "left or right"), ("down", "high or low")):
         yield f"the option with its objects {name}", [_mean_position(c, axis) for c in cases], False
     shown = len(cases[0].context_thumbnails)
@@ -84,11 +85,6 @@ def _rules(cases: Sequence[Case]) -> Iterator[tuple[str, list[Array], bool]]:
     if shown and state.has_object_states(cases):
         yield "the distance of the objects from the last picture", [-_steps(c) for c in cases], True
         yield "the turn of the objects from the last picture", [-_turns(c) for c in cases], True
-
-
-def _from_others(case: Case) -> Array:
-    options = case.option_thumbnails
-    return np.array([sum(pixel_difference(a, b) for b in options) for a in options])
 
 
 def _likeness(case: Case, view: int) -> Array:

@@ -44,9 +44,8 @@ def check_rows(dataset: DatasetReader, counts: Counts, units: list[Unit]) -> Ite
     """Check that a task's rows match the counts of the manifest, each with one true option."""
     rows = [case for unit in units for case in unit.cases]
     there = Counter(c.row["engine"] if dataset.rows_of == "engines" else QUESTIONS for c in rows)
-    wrong = [
-        f"{there[name]:,} rows, {n:,} in the manifest" for name, n in _rows(dataset, counts.task) if there[name] != n
-    ]
+    recorded = dataset.manifest["tasks"][counts.task]["rows"]
+    wrong = [f"{there[name]:,} rows, {n:,} in the manifest" for name, n in recorded.items() if there[name] != n]
     twice = [name for name, n in Counter(c.row["id"] for c in rows).items() if n > 1]
     odd = [c.row["id"] for c in rows if not _one_truth(c)]
     wrong += [f"{len(twice):,} rows have the id of another, such as {twice[0]}"] if twice else []
@@ -54,10 +53,6 @@ def check_rows(dataset: DatasetReader, counts: Counts, units: list[Unit]) -> Ite
     if wrong:
         yield Finding("counts", counts.task, "fails", "; ".join(wrong))
     yield _rejection_finding(counts)
-
-
-def _rows(dataset: DatasetReader, task: str) -> Iterator[tuple[str, int]]:
-    yield from dataset.manifest["tasks"][task]["rows"].items()
 
 
 def _one_truth(case: Case) -> bool:

@@ -1,4 +1,7 @@
-"""Duplicates: repeated questions, and questions that look equal but have contrary answers."""
+"""Duplicates: repeated questions, and questions that look equal but have contrary answers.
+
+Without those of other groups, the control groups that are left are independent: the effective sample size.
+"""
 
 from __future__ import annotations
 
@@ -27,6 +30,8 @@ PAIRS_IN_MEMORY = 16
 MAX_COARSE_GAP = 4.0
 #: Maximum number of examples in a finding.
 MAX_EXAMPLES = 3
+#: Minimum number of groups for conclusions about the task as a whole.
+MIN_GROUPS = 30
 
 
 @dataclass(frozen=True)
@@ -95,6 +100,24 @@ def _count(pairs: Sequence[Pair]) -> str:
 
 def _examples(pairs: Sequence[Pair]) -> str:
     return ", ".join(f"{p.first} and {p.second}" for p in pairs[:MAX_EXAMPLES])
+
+
+def effective_groups(unit: Unit, pairs: Sequence[Pair]) -> int:
+    """Return the number of control groups with at least one question that no earlier group has, exactly or visually."""
+    block = {case.row["id"]: case.row["block"] for case in unit.cases}
+    again = {max(p.first, p.second) for p in pairs if block[p.first] != block[p.second]}
+    return len({b for name, b in block.items() if name not in again})
+
+
+def group_finding(unit: Unit, count: int) -> Finding:
+    """Return whether there are enough groups for conclusions about the task rather than about a few scenes."""
+    again = unit.draws - count
+    what = f"{len(unit.per_instance):,} instances of {count:,} independent groups" + (
+        f", {again:,} are duplicates" if again else ""
+    )
+    if count >= MIN_GROUPS:
+        return Finding("groups", unit.name, "holds", what)
+    return Finding("groups", unit.name, "unclear", f"{what}; {MIN_GROUPS} are needed for conclusions about the task")
 
 
 # ---------------------------------------------------------------- exact

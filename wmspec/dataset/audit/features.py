@@ -72,13 +72,10 @@ def texts(cases: Sequence[Case]) -> Array:
     option = positions(cases) if cases[0].has_picture_options else _words_of(cases)
     question_words = _bag([_words(c.row["text"]) for c in cases])
     question_words = question_words[:, question_words.std(0) > 0]  # drop words that every question has
-    each = np.split(_with_products(option, np.repeat(question_words, [c.count for c in cases], axis=0)), _ends(cases))
+    counts = [c.count for c in cases]
+    crossed = _with_products(option, np.repeat(question_words, counts, axis=0))
+    each = np.split(crossed, np.cumsum(counts)[:-1])
     return principal_components(np.concatenate([of_one - of_one.mean(0) for of_one in each]), MAX_TEXT_COMPONENTS)
-
-
-def _ends(cases: Sequence[Case]) -> list[int]:
-    """Return the cumulative number of options after each question but the last."""
-    return [int(end) for end in np.cumsum([c.count for c in cases])[:-1]]
 
 
 # ---------------------------------------------------------------- context pictures

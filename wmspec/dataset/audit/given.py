@@ -121,15 +121,11 @@ def companion_finding(units: Sequence[Unit], unit: Unit) -> Finding | None:
         f"`{name}` by {' and '.join(questions)}" for name, questions in companions.items() if questions
     ]
     absent = [f"`{name}`" for name, questions in companions.items() if not questions]
-    known = f"the options vary {_listed([f'`{name}`' for name in varied])}"
+    known = f"the options vary {' and '.join(f'`{name}`' for name in varied)}"
     if absent:
-        what = f"{known}, and no companion question concerns {_listed(absent)}"
+        what = f"{known}, and no companion question concerns {' and '.join(absent)}"
         return Finding("companions", unit.name, "fails", what)
     return Finding("companions", unit.name, "holds", f"{known}; given: {', '.join(where)}")
-
-
-def _listed(names: Sequence[str]) -> str:
-    return " and ".join(names)
 
 
 def _answers(unit: Unit) -> dict[int, object]:

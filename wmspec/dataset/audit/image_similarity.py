@@ -52,7 +52,7 @@ def rules(cases: Sequence[Case]) -> dict[str, NDArray[np.float64]]:
     Similarity to the last picture shown, prominence (the number of pixels that differ from the other options), and the
     size of the file.
     """
-    apart = np.concatenate([_from_others(case) for case in cases])
+    apart = np.concatenate([from_others(case) for case in cases])
     scored = {"the option that differs most from the others": apart, "the option that differs least": -apart}
     sizes = np.concatenate([np.array(case.option_sizes, dtype=np.float64) for case in cases])
     scored |= {"the option with the largest file": sizes, "the option with the smallest file": -sizes}
@@ -63,7 +63,7 @@ def rules(cases: Sequence[Case]) -> dict[str, NDArray[np.float64]]:
     return scored
 
 
-def _from_others(case: Case) -> NDArray[np.float64]:
+def from_others(case: Case) -> NDArray[np.float64]:
     """Return the mean difference of each option from the others."""
     options = case.option_thumbnails
     return np.array([sum(pixel_difference(a, b) for b in options) / max(1, len(options) - 1) for a in options])

@@ -7,7 +7,7 @@ from typing import Any
 from wmspec.dataset.audit import balance, figures
 from wmspec.dataset.audit.balance import MIN_STRENGTH, SIGNIFICANCE
 from wmspec.dataset.audit.classify import FOLDS, FOREST_TREES
-from wmspec.dataset.audit.groups import MIN_GROUPS
+from wmspec.dataset.audit.duplicates import MIN_GROUPS
 from wmspec.dataset.audit.model import Audit, Probe, Summary, Verdict
 from wmspec.dataset.audit.power import FALSE_ALARMS, POWER
 from wmspec.dataset.audit.probes import COMBINED_SLACK, MAX_MISSED_SHORTCUT, SLACK

@@ -8,12 +8,13 @@ into the features, and the gain in accuracy is recorded.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from statistics import NormalDist
 
 import numpy as np
 
 from wmspec.dataset.audit.classify import SEED, Array, ProbeDataset, ProbeFeatures, cross_validated_scores
+from wmspec.dataset.audit.model import Probe
 
 #: Probability of a false alarm by any probe of a task without a shortcut.
 FALSE_ALARMS = 0.05
@@ -47,27 +48,15 @@ def deviation(right: Array, chance: Array, groups: Sequence[str]) -> float:
     return FOLD_INFLATION * max(alone, clustered)
 
 
-@dataclass(frozen=True)
-class ProbePower:
-    """Properties of a probe that do not depend on its result: `chance`, and the `deviation` of its accuracy.
-
-    `learned` is the gain above chance from a shortcut of each of the `SHORTCUT_SIZES`, with a power of 0.8. It is None
-    if nothing can be learned.
-    """
-
-    chance: float
-    deviation: float
-    learned: Sequence[float] | None
-
-    def gained(self, size: float) -> float:
-        """Return the gain above chance from a shortcut of this size, with a power of 0.8, in deviations."""
-        if self.learned is not None:
-            got = float(np.interp(size, [0.0, *SHORTCUT_SIZES], np.maximum.accumulate([0.0, *self.learned])))
-        else:
-            share = min(self.chance + size, 1.0)
-            wider = np.sqrt(share * (1 - share) / max(self.chance * (1 - self.chance), 1e-12))
-            got = size - NormalDist().inv_cdf(POWER) * self.deviation * float(wider)
-        return got / self.deviation
+def _gained(probe: Probe, size: float) -> float:
+    """Return a probe's gain above chance from a shortcut of this size, with a power of 0.8, in deviations."""
+    if probe.learned is not None:
+        got = float(np.interp(size, [0.0, *SHORTCUT_SIZES], np.maximum.accumulate([0.0, *probe.learned])))
+    else:  # nothing can be learned
+        share = min(probe.chance + size, 1.0)
+        wider = np.sqrt(share * (1 - share) / max(probe.chance * (1 - probe.chance), 1e-12))
+        got = size - NormalDist().inv_cdf(POWER) * probe.deviation * float(wider)
+    return got / probe.deviation
 
 
 def threshold(tests: int, alarms: float = FALSE_ALARMS) -> float:
@@ -75,17 +64,17 @@ def threshold(tests: int, alarms: float = FALSE_ALARMS) -> float:
     return NormalDist().inv_cdf(1 - alarms / max(1, tests))
 
 
-def thresholds(reaches: Sequence[ProbePower]) -> list[float]:
+def thresholds(probes: Sequence[Probe]) -> list[float]:
     """Return the thresholds of a task's probes. Half of the alarms are shared evenly, half go to the weakest probes.
 
     The second half is distributed so that all probes detect the same smallest possible shortcut (weights by power,
     Roeder & Wasserman 2009). If none of `SHORTCUT_SIZES` is detectable, all alarms are shared evenly.
     """
     for size in np.arange(0.01, SHORTCUT_SIZES[-1] + 0.001, 0.01):
-        needed = [reach.gained(float(size)) for reach in reaches]
+        needed = [_gained(probe, float(size)) for probe in probes]
         if sum(1 - NormalDist().cdf(beyond) for beyond in needed) <= FALSE_ALARMS / 2:
-            return [min(beyond, threshold(len(reaches), FALSE_ALARMS / 2)) for beyond in needed]
-    return [threshold(len(reaches))] * len(reaches)
+            return [min(beyond, threshold(len(probes), FALSE_ALARMS / 2)) for beyond in needed]
+    return [threshold(len(probes))] * len(probes)
 
 
 def learned_gains(seen: ProbeFeatures, data: ProbeDataset, chance: Array) -> tuple[float, ...]:
@@ -112,14 +101,14 @@ def gain_quantile(gained: Sequence[Sequence[float]]) -> tuple[float, ...]:
     return tuple(float(mean) for mean in means - (NormalDist().inv_cdf(POWER) + times**-0.5) * spread)
 
 
-def smallest_detectable(reach: ProbePower, beyond: float) -> float:
+def smallest_detectable(probe: Probe, beyond: float) -> float:
     """Return the smallest shortcut detected with a power of 0.8; 1 if none of the sizes.
 
     A result is significant more than `beyond` deviations above chance.
     """
-    sizes = np.arange(0.0, (1.0 if reach.learned is None else SHORTCUT_SIZES[-1]) + 1e-9, 0.002)
-    found = [size for size in sizes if reach.gained(float(size)) >= beyond - 1e-9]
-    return max(float(found[0]), beyond * reach.deviation) if found else 1.0
+    sizes = np.arange(0.0, (1.0 if probe.learned is None else SHORTCUT_SIZES[-1]) + 1e-9, 0.002)
+    found = [size for size in sizes if _gained(probe, float(size)) >= beyond - 1e-9]
+    return max(float(found[0]), beyond * probe.deviation) if found else 1.0
 
 
 def inject_shortcut(

@@ -13,7 +13,6 @@ from itertools import combinations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wmspec.dataset.audit import combined, features, given, image_similarity, power, state
 from wmspec.dataset.audit.balance import answers_by
@@ -62,17 +61,14 @@ def probes(unit: Unit, units: Sequence[Unit] = ()) -> list[Probe]:
     if len(set(groups)) < MIN_GROUPS:
         return []
     lines = list(_probe_specs(cases))
-    every, left = (ProbedQuestions.of(unit.name, cases, groups, struck) for struck in _eliminated(cases))
+    none = [np.zeros(case.count, dtype=bool) for case in cases]
+    eliminated = (none, state.eliminated_options(cases))  # without pictures, and by any picture
+    every, left = (ProbedQuestions.of(unit.name, cases, groups, struck) for struck in eliminated)
     made = [(left if line.pictured else every).probe(line) for line in lines if not line.competes]
     for family in dict.fromkeys(line.family for line in lines if line.competes):
         rivals = [line for line in lines if line.competes and line.family == family]
         made += left.rivals(f"the best {_BEST[family]} ({{}})", _FEWER, rivals)
     return made + combined.probes(unit, cases, groups, max(case.required_moments for case in cases))
-
-
-def _eliminated(cases: Sequence[Case]) -> tuple[Sequence[NDArray[np.bool_]], Sequence[NDArray[np.bool_]]]:
-    """Return the options that are eliminated without pictures (none), and by any picture."""
-    return [np.zeros(c.count, dtype=bool) for c in cases], state.eliminated_options(cases)
 
 
 # ---------------------------------------------------------------- catalogue
@@ -96,8 +92,9 @@ def _probe_specs(cases: Sequence[Case]) -> Iterator[ProbeSpec]:
             yield ProbeSpec(name, "rule", *judged, scores=scores, pictured=last)
     for views in _views(shown):
         yield from _picture_probes(cases, views)
-    if shown:
-        yield from _question_blind_probe(cases, tuple(range(shown)))
+    if shown and len({c.row["text"] for c in cases}) > 1:  # not judged, since the question may decide the answer
+        seen = _pixels(cases, tuple(range(shown)))
+        yield ProbeSpec("all pictures without the question", "pictures", False, _UNASKED, seen, pictured=True)
 
 
 def _views(shown: int) -> Iterator[tuple[int, ...]]:
@@ -132,16 +129,6 @@ def _picture_probes(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[P
     yield line("objects", _forest(state.question_states, cases, views, "questions"))
     if np.mean([state.named_objects(c)[c.row["answer"]] is not None for c in cases]) > 0.5:
         yield line("objects named by the options", _forest(state.named_object_states, cases, views))
-
-
-def _question_blind_probe(cases: Sequence[Case], views: tuple[int, ...]) -> Iterator[ProbeSpec]:
-    """Yield the probe with all pictures and options but no question.
-
-    It is not judged, since the question may decide the answer.
-    """
-    if len({c.row["text"] for c in cases}) > 1:
-        seen = _pixels(cases, views)
-        yield ProbeSpec("all pictures without the question", "pictures", False, _UNASKED, seen, pictured=True)
 
 
 def _blind(see: See, cases: Sequence[Case]) -> Look:
@@ -199,13 +186,9 @@ def with_intervals(made: Sequence[Probe]) -> list[Probe]:
     beyond = {
         (probe.task, probe.sees): more
         for family in families.values()
-        for probe, more in zip(family, power.thresholds([_reach(p) for p in family]), strict=True)
+        for probe, more in zip(family, power.thresholds(family), strict=True)
     }
     return [_with_interval(probe, beyond.get((probe.task, probe.sees))) for probe in made]
-
-
-def _reach(probe: Probe) -> power.ProbePower:
-    return power.ProbePower(probe.chance, probe.deviation, probe.learned)
 
 
 def _with_interval(probe: Probe, beyond: float | None) -> Probe:
@@ -213,7 +196,7 @@ def _with_interval(probe: Probe, beyond: float | None) -> Probe:
     if beyond is None:  # not judged, or a single option remains
         return replace(probe, low=low, high=high, least=1.0 - probe.judged)
     luck = probe.accuracy - probe.chance <= beyond * probe.deviation
-    return replace(probe, low=low, high=high, least=power.smallest_detectable(_reach(probe), beyond), luck=luck)
+    return replace(probe, low=low, high=high, least=power.smallest_detectable(probe, beyond), luck=luck)
 
 
 def verdict(probe: Probe) -> Literal["fails", "unclear", "reported", "holds"]:

@@ -48,15 +48,15 @@ def has_object_states(cases: Sequence[Case]) -> bool:
     return all(case.row.get("context_objects") or case.row.get("option_objects") for case in cases)
 
 
-def question_states(cases: Sequence[Case], views: Sequence[int], about: bool = True) -> Array:
+def question_states(cases: Sequence[Case], views: Sequence[int]) -> Array:
     """Return the objects of the pictures `views` and their motion between pictures, one row a question.
 
-    Ordered by name. If `about`, objects of the question come first, and those mentioned most often before others.
+    Objects of the question come first, and those mentioned most often before others; then they are ordered by name.
     """
     rows = []
     for case in cases:
         pictures = objects_by_picture(case, "context_objects")
-        names = _named(pictures, about, case.row["text"])
+        names = _named(pictures, case.row["text"])
         seen = [[_numbers(pictures[view].get(name)) for name in names] for view in views]
         steps = [_step(a, b) for here, there in pairwise(seen) for a, b in zip(here, there, strict=True)]
         rows.append(np.concatenate([*(numbers for here in seen for numbers in here), *steps]))
@@ -69,7 +69,7 @@ def option_states(cases: Sequence[Case], views: Sequence[int]) -> Array:
     rows = []
     for case in cases:
         shown, offered = objects_by_picture(case, "context_objects"), objects_by_picture(case, "option_objects")
-        names = _named([*shown, *offered], True)
+        names = _named([*shown, *offered])
         for objects in offered:
             here = [_numbers(objects.get(name)) for name in names]
             gaps = [h - _numbers(shown[v].get(name)) for v in views for h, name in zip(here, names, strict=True)]
@@ -144,13 +144,13 @@ def _present_words(case: Case) -> set[str]:
     return {w for seen in case.row.get("context_objects") or () for w in (seen["name"], *seen["look"].split())}
 
 
-def _named(pictures: Sequence[Objects], about: bool, text: str = "") -> list[str]:
+def _named(pictures: Sequence[Objects], text: str = "") -> list[str]:
     """Return the names of the objects in order, at most MOST_OBJECTS."""
     said = text.lower().replace("?", " ").replace(",", " ").replace(".", " ").split()
     sort_keys: dict[str, tuple[bool, int]] = {}
     for picture in pictures:
         for name, seen in picture.items():
-            sort_keys[name] = not (about and seen["asked"]), -sum(said.count(word) for word in seen["look"].split())
+            sort_keys[name] = not seen["asked"], -sum(said.count(word) for word in seen["look"].split())
     return sorted(sort_keys, key=lambda name: (*sort_keys[name], name))[:MAX_OBJECTS]
 
 

@@ -232,7 +232,8 @@ def _task(task: Task, count: TaskSummary) -> str:
     if spec.factors:
         rows = [[f.name, "nuisance" if f.nuisance else "factor", _domain(f)] for f in spec.factors]
         parts.append(_table(["name", "", "values"], rows))
-    facts = [("Licence of the spec", spec.license), ("Source", spec.source), ("Rejected", _reasons(count.rejected))]
+    rejected = ", ".join(f"{n} {reason}" for reason, n in count.rejected.items())
+    facts = [("Licence of the spec", spec.license), ("Source", spec.source), ("Rejected", rejected)]
     parts += [f"{name}: {words}" for name, words in facts if words]
     return "\n\n".join(p.strip() for p in parts if p.strip())
 
@@ -268,10 +269,6 @@ def _rejected(plan: Plan, total: Summary) -> str:
     counts = _table(["reason", "questions", "share", "meaning"], rows)
     each = " (each engine counted)" if plan.rows_of == "engines" and len(plan.engines) > 1 else ""
     return f"## Rejected\n\nOf {total_questions:,} questions{each}:\n\n{counts}"
-
-
-def _reasons(rejected: dict[str, int]) -> str:
-    return ", ".join(f"{n} {reason}" for reason, n in rejected.items())
 
 
 def _columns(plan: Plan) -> str:

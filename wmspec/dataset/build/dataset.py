@@ -110,8 +110,7 @@ class Dataset:
 
         Raises: WmsError: it cannot be written. ValueError: a question of the shard is missing, foreign or duplicated.
         """
-        parts: dict[str, Any] = {"rows": rows, "rejected": rejected, "films": films}
-        self._records[shard.path] = write_shard(self.folder, self.plan, shard, **parts)
+        self._records[shard.path] = write_shard(self.folder, self.plan, shard, rows, rejected, films)
         checkpoint.discard(self.folder, shard)
 
     def finish(self) -> Summary:
@@ -122,14 +121,11 @@ class Dataset:
         left = self.pending()
         if left:
             raise WmsError(f"{len(left)} shards of {self.folder} are still to be made; run the same command again")
-        for name, content in derived_files(self.folder, self.plan, self._records, self._published()):
-            self._put(name, content)
+        published = publication_date(self.folder) or _build_date()  # on which it was first completed
+        for name, content in derived_files(self.folder, self.plan, self._records, published):
+            files.write(self.folder, name, content)
         self._finished = True
         return summary(self.plan, self._records)
-
-    def _published(self) -> str:
-        """Return the date (YYYY-MM-DD) on which the dataset was first completed, or that of SOURCE_DATE_EPOCH."""
-        return publication_date(self.folder) or _build_date()
 
     # ------------------------------------------------------------ creation
 
@@ -150,7 +146,7 @@ class Dataset:
                 )
             self._clear()
         if there != here or not (self.folder / files.PLAN).exists():
-            self._put(files.PLAN, files.compact_json(here))
+            files.write(self.folder, files.PLAN, files.compact_json(here))
         if others := unlisted_files(self.folder, {shard.path for shard in self.plan.shards()}):
             raise WmsError(
                 f"{self.folder / others[0]} is not part of the dataset but would be loaded with it; "
@@ -227,9 +223,6 @@ class Dataset:
         (self.folder / record_path(shard)).unlink(missing_ok=True)
         count = f"{len(again)} instance{'s' if len(again) > 1 else ''}"
         self.notices.append(f"{shard.task.spec.name}: {count} that crashed or took too long are tried again")
-
-    def _put(self, name: str, content: bytes) -> None:
-        files.write(self.folder, name, content)
 
 
 def _build_date() -> str:

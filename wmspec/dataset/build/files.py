@@ -109,6 +109,11 @@ def digest(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
+def is_intact(path: Path, sha256: str) -> bool:
+    """Whether a file is there and has this SHA-256."""
+    return path.is_file() and digest(path) == sha256
+
+
 def lock(path: Path) -> int:
     """Lock a file until the returned descriptor is closed or the process ends.
 

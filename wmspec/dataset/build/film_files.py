@@ -14,7 +14,7 @@ FILM = re.compile(r"films/(\w[\w.-]{0,99})/\d{1,18}_\w{1,40}/\d{1,18}(?:\.ids)?\
 
 def damaged_film(folder: Path, films: Mapping[str, str]) -> str:
     """Return the first film that is missing or does not have its SHA-256, or ''."""
-    return next((path for path in films if not _is_intact(folder / path, films[path])), "")
+    return next((path for path, sha in films.items() if not files.is_intact(folder / path, sha)), "")
 
 
 def unlisted_films(folder: Path, known: Collection[str]) -> list[str]:
@@ -31,7 +31,3 @@ def clear_films(folder: Path) -> None:
     for place in sorted((folder / files.FILMS).glob("**/"), reverse=True):
         if not any(place.iterdir()):
             place.rmdir()
-
-
-def _is_intact(path: Path, sha256: str) -> bool:
-    return path.is_file() and files.digest(path) == sha256

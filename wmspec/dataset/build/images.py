@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import io
 from hashlib import blake2b
 from typing import Any
@@ -39,6 +40,11 @@ def _encode(pixels: NDArray[np.uint8] | NDArray[np.uint16], form: str, **options
     out = io.BytesIO()
     Image.fromarray(pixels).save(out, form, **options)
     return out.getvalue()
+
+
+def data_url(kind: str, content: bytes) -> str:
+    """Return a URL that holds the content of a picture or film of a MIME type."""
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 
 def image_format(content: object) -> str:

@@ -173,15 +173,11 @@ class DatasetReader:
         try:
             for group in range(file.num_row_groups):
                 for number, row in _group(file, group, selected, only):
-                    self._check(path, number, row, task)
+                    if fault := row_fault(row, task, self.engines) or pictures_fault(row, PICTURES):
+                        raise WmsError(f"row {number + 1}: {fault}", FilePlace(str(self.folder / path)), REPAIR_HINT)
                     yield row
         except (OSError, pa.ArrowException, ValueError) as error:
             raise _unreadable(self.folder / path, error) from None
-
-    def _check(self, path: str, number: int, row: Row, task: str) -> None:
-        """Raise WmsError, with file and row, if a row is invalid."""
-        if fault := row_fault(row, task, self.engines) or pictures_fault(row, PICTURES):
-            raise WmsError(f"row {number + 1}: {fault}", FilePlace(str(self.folder / path)), REPAIR_HINT)
 
 
 def unlisted_files(folder: Path, known: Collection[str]) -> list[str]:

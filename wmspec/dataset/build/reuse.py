@@ -85,8 +85,7 @@ def _files(folder: Path, plan: Plan) -> Iterator[ShardFile]:
         if (
             record
             and record.fingerprint == there.fingerprint
-            and path.is_file()
-            and files.digest(path) == record.sha256
+            and files.is_intact(path, record.sha256)
             and not damaged_film(folder, record.films)
         ):
             yield ShardFile(folder, shard, record)

@@ -9,7 +9,6 @@ from dataclasses import asdict, dataclass, field
 from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import pyarrow as pa
@@ -42,10 +41,9 @@ def write_shard(
     folder: Path,
     plan: Plan,
     shard: Shard,
-    *,
     rows: Iterable[Row],
     rejected: Iterable[Rejected],
-    films: Mapping[str, str] = MappingProxyType({}),
+    films: Mapping[str, str],
 ) -> Record:
     """Write a shard's file, then its record, so that incomplete shards stay invisible.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -174,28 +173,24 @@ def _side(row: Row) -> int:
 # ---------------------------------------------------------------- captions
 
 
-@dataclass(frozen=True)
-class _Heading:
-    """The captions of a row: camera and time for context pictures; kind, name and change for options."""
-
-    context: tuple[str, ...]
-    options: tuple[tuple[str, str, str], ...]
+#: The captions of a row: camera and time for context pictures; kind, name and change for options.
+_Heading = tuple[tuple[str, ...], tuple[tuple[str, str, str], ...]]
 
 
 def _heading(row: Row) -> _Heading:
     looks = zip(row["context_time"], row["context_camera"], strict=True)
     context = tuple(f"{time:.3g} s, {camera}" for time, camera in looks)
     if not row["option_image"]:
-        return _Heading(context, ())
+        return context, ()
     changes = [change or "" for change in row["option_change"]]
-    return _Heading(context, tuple(zip(row["option_kind"], row["option_name"], changes, strict=True)))
+    return context, tuple(zip(row["option_kind"], row["option_name"], changes, strict=True))
 
 
 def _headings(heading: _Heading, side: int) -> Picture:
-    wide = side + 2 * ROOM
-    shown = [typeset.paragraph(words, SMALL, wide, centred=True) for words in heading.context]
+    (context, changes), wide = heading, side + 2 * ROOM
+    shown = [typeset.paragraph(words, SMALL, wide, centred=True) for words in context]
     left = _captioned("what is shown", typeset.hstack(shown, GAP))
-    options = [_option(LETTERS[i], option, wide) for i, option in enumerate(heading.options)]
+    options = [_option(LETTERS[i], option, wide) for i, option in enumerate(changes)]
     prompt = "which picture is true?" if options else "which is true?"
     right = _captioned(prompt, typeset.hstack(options or [typeset.blank(WORDS, 1)], GAP))
     return typeset.hstack([typeset.blank(ENGINE, 1), left, typeset.blank(PARTING, 1), right], GAP)

@@ -114,9 +114,10 @@ def make_instances(job: Job, task: str, indices: tuple[int, ...]) -> BatchResult
         answers = _group(job, design, block)
     else:
         answers = {index: _answers(job, design, index) for index in indices}
-    filming = (
-        GroupFilms(design, _pairs(job), job.film, _film_renderer(job), job.rows_of == "questions") if job.film else None
-    )
+    filming = None
+    if job.film:
+        renderer = job.renderer or quickest_renderer(job.engines)  # that of the pictures, if it draws them all
+        filming = GroupFilms(design, _pairs(job), job.film, renderer, job.rows_of == "questions")
     films: dict[str, bytes] = {}
     outcomes = tuple(_outcome(answers[index], job.rows_of, filming, films) for index in indices)
     after = _cache_counters(job)
@@ -175,11 +176,6 @@ def _film_set(row: QuestionRow, filming: GroupFilms | None) -> FilmSet | None:
 
 def _unfilmed(row: QuestionRow, why: Reject) -> Rejected:
     return Rejected(row.task, row.index, row.question, row.engine, why.reason, why.detail, row.label)
-
-
-def _film_renderer(job: Job) -> str:
-    """Return the engine that draws films: that of the pictures, or the quickest if each engine draws its own."""
-    return job.renderer or quickest_renderer(job.engines)
 
 
 @lru_cache(maxsize=4)

@@ -111,7 +111,7 @@ class GroupFilms:
         for index, path, film in zip(members, paths, films, strict=True):
             made.files[path] = film.content
             made.files[film_path(row.task, row.block, row.engine, index, ".ids.mkv")] = film.ids
-        for engine in self._other_engines(row):
+        for engine in (name for name in self._pairs if self._others and name != row.engine):
             self._add_futures(design, row, engine, members, made)
         return made
 
@@ -152,9 +152,6 @@ class GroupFilms:
             run = _continued(run, times.times[-1], pair)
             self._films[key] = draw_film(run, answer.camera, times, self._settings.rate, pair, self._full)
         return self._films[key]
-
-    def _other_engines(self, row: QuestionRow) -> list[str]:
-        return [engine for engine in self._pairs if engine != row.engine] if self._others else []
 
     def _add_futures(self, design: Design, row: QuestionRow, engine: str, members: list[int], made: FilmSet) -> None:
         """Add the futures of another engine, if it executes all members."""

@@ -149,7 +149,8 @@ def _check_shard(
         there, expected = dataset.shard_schema(shard.path), schema(shard.task.spec, plan.film is not None)
         if not _equal_columns(there, expected):
             found.differences.append(Difference(shard.path, "", "has other columns, units or metadata than its spec"))
-        rows = list(dataset.shard_rows(shard.path, _columns(there.names)))
+        columns = [name for name in there.names if name in COLUMNS or name.startswith(PREFIXES)]
+        rows = list(dataset.shard_rows(shard.path, columns))
         digest = files.digest(dataset.folder / shard.path)
     per_engine, rejected = plan.rows_of == "engines", list[Rejected]()
     planned = list(_planned(plan, shard))
@@ -203,7 +204,3 @@ def _equal_columns(there: pa.Schema, expected: pa.Schema) -> bool:
     """Whether two schemas have the same columns, types and metadata; Parquet names the items of lists its own way."""
     metadata = [[schema.metadata, *(field.metadata for field in schema)] for schema in (there, expected)]
     return bool(there.equals(expected)) and metadata[0] == metadata[1]
-
-
-def _columns(names: Sequence[str]) -> list[str]:
-    return [name for name in names if name in COLUMNS or name.startswith(PREFIXES)]

@@ -68,10 +68,9 @@ class Decision:
 def decide(measured: Measurement, rate: int) -> Decision:
     """Return the decision on a measured clip; `rate` is that of the films (Hz)."""
     plain = _at_tempo(measured, 1.0, 0.0, rate)
-    best = plain
     if "distance" in plain.why or "end" in plain.why:
-        best = _best_tempo(measured, rate) or plain
-    return best
+        return _best_tempo(measured, rate) or plain
+    return plain
 
 
 def _best_tempo(measured: Measurement, rate: int) -> Decision | None:
@@ -89,16 +88,12 @@ def _warped(measured: Measurement, tempo: float, delay: float, rate: int) -> Arr
     """Return the distances to all futures at one tempo and delay."""
     points, kept = _clip_points(measured, tempo, delay, rate)
     distances = np.full(len(measured.futures), np.inf)
-    for o in _options(measured):
+    for o in range(len(measured.futures)):
         future = _futures(measured, o, tempo, delay, rate)
         # A clip that ends before an object comes out, or goes in, does not show it.
         if (np.isnan(future[:, -1, 0, 0]) == np.isnan(measured.futures[o, :, -1, 0, 0])).all():
             distances[o] = film_distance(points[o], future[:, kept], measured.widths)
     return distances
-
-
-def _options(measured: Measurement) -> range:
-    return range(len(measured.futures))
 
 
 def _clip_points(measured: Measurement, tempo: float, delay: float, rate: int) -> tuple[Array, slice]:
@@ -124,12 +119,13 @@ def _futures(measured: Measurement, option: int, tempo: float, delay: float, rat
 def _at_tempo(measured: Measurement, tempo: float, delay: float, rate: int) -> Decision:
     """Return the decision at one tempo and delay."""
     points, kept = _clip_points(measured, tempo, delay, rate)
-    whole = [_futures(measured, o, tempo, delay, rate) for o in _options(measured)]
+    options = range(len(measured.futures))
+    whole = [_futures(measured, o, tempo, delay, rate) for o in options]
     futures = [future[:, kept] for future in whole]
     widths = measured.widths
     distances = np.array([film_distance(*pair, widths) for pair in zip(points, futures, strict=True)])
     nearest = int(np.argmin(distances))
-    rivals = [o for o in _options(measured) if o != nearest]
+    rivals = [o for o in options if o != nearest]
     rival = min(min(film_distance(futures[nearest], futures[o], widths), measured.apart[0, nearest, o]) for o in rivals)
     ends = min(min(end_distance(futures[nearest], futures[o], widths), measured.apart[1, nearest, o]) for o in rivals)
     ratio = float(distances[nearest]) / max(rival, 1e-9)

@@ -44,10 +44,7 @@ def fit_size(frames: Frames, picture: NDArray[np.uint8]) -> Fitted:
     if frames.shape[1:] == picture.shape:
         return Fitted(frames, np.ones(picture.shape[:2], bool), "stretch")
     choices = _fits(frames.shape[2], frames.shape[1], picture.shape[1], picture.shape[0])
-    names = list(choices)
-    best = names[0]
-    if len(names) > 1:
-        best = max(names, key=lambda name: _likeness(*choices[name](frames[0]), picture))
+    best = max(choices, key=lambda name: _likeness(*choices[name](frames[0]), picture))
     fitted = [choices[best](frame) for frame in frames]
     return Fitted(np.stack([frame for frame, _ in fitted]), fitted[0][1], best)
 

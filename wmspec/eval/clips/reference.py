@@ -182,7 +182,8 @@ class Reference:
 
         See `Segmenter.masks`.
         """
-        found, differs = self.segmenter.masks(frames, valid, self.background, self.places(option), self.expected)
+        places, distances = self.places(option), lambda: self._distances
+        found, differs = self.segmenter.masks(frames, valid, self.background, places, distances)
         if self.tracker is not None:
             film = self.films[option]
             last = film.context - 1
@@ -198,12 +199,9 @@ class Reference:
         """
         return tuple(found[min(option, len(found) - 1)] for option, found in enumerate(self._found))
 
-    def expected(self) -> tuple[NDArray[np.uint8], ...]:
-        """Return how far each object is from each pixel (objects, n, h, w) in each future."""
-        return self._distances
-
     @cached_property
     def _distances(self) -> tuple[NDArray[np.uint8], ...]:
+        """How far each object is from each pixel (objects, n, h, w) in each future."""
         return tuple(np.stack([distances_from(ids == body) for body in self.objects]) for ids in self._ids)
 
     @cached_property

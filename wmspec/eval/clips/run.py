@@ -63,7 +63,6 @@ class ClipRun:
     place: str
     selection: Selection
     begins: Begins | None = None
-    model: str = ""
     masks: str = ""
 
     @cached_property
@@ -71,7 +70,7 @@ class ClipRun:
         """The name of the model: that in its `model.json`, or of the folder or baseline."""
         folder = Path(self.place)
         own = self.place if self.is_baseline else sources.described(folder, "name") or folder.resolve().name
-        return self.model or f"{PREFIX}{own}"
+        return f"{PREFIX}{own}"
 
     @property
     def is_baseline(self) -> bool:
@@ -213,10 +212,8 @@ class _References:
 
 def _prompts(run: ClipRun) -> tuple[str, str]:
     """Return the name and the hash of the prompts that the model was given; the default if the folder has none."""
-    if run.is_baseline:
-        return "film", ""
     path = Path(run.place) / PROMPTS_FILE
-    if not path.is_file():
+    if run.is_baseline or not path.is_file():
         return "film", ""
     try:
         rows = list(csv.DictReader(read_bytes(path).decode("utf-8").splitlines()))

@@ -64,16 +64,13 @@ class FunctionSurprises:
             count = question.answer_frame + 1
             films = [read_frames(self._dataset.folder, path, count=count) for path in question.films]
             texts = [others.get(option, question).text for option in range(len(films))]
-            self._known = {question.films: self._matrix(films, texts, question)}
+            split, rate = question.context, question.rate
+            rows = [
+                [self._values(shown[:split], film[split:], rate, text).mean() for film in films]
+                for shown, text in zip(films, texts, strict=True)
+            ]
+            self._known = {question.films: np.array(rows)}
         return self._known[question.films]
-
-    def _matrix(self, films: list[Frames], texts: list[str], question: FilmQuestion) -> Array:
-        split = question.context
-        rows = [
-            [self._values(shown[:split], film[split:], question.rate, text).mean() for film in films]
-            for shown, text in zip(films, texts, strict=True)
-        ]
-        return np.array(rows)
 
     def after(self, question: FilmQuestion, split: int) -> Array:
         """Return the surprises (n) of a film after its first `split` frames, or one for all."""

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import base64
 import hashlib
 import io
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from wmspec.core.safe_io import make_folders
 from wmspec.dataset.build.files import with_remedies
-from wmspec.dataset.build.images import decode_image, image_format
+from wmspec.dataset.build.images import data_url, decode_image, image_format
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.webpage import json_for_script, webpage
 from wmspec.eval.gallery.records import NO_REPLIES, GalleryReplies, Record, about, records
@@ -32,15 +32,12 @@ def page(dataset: DatasetReader, per_task: int, path: Path, replies: GalleryRepl
     def inside(content: bytes) -> str:
         out = io.BytesIO()
         decode_image(content).save(out, "WEBP", quality=WEBP_QUALITY, method=4)
-        return f"data:image/webp;base64,{base64.b64encode(out.getvalue()).decode()}"
-
-    def film_inside(content: bytes) -> str:
-        return f"data:video/mp4;base64,{base64.b64encode(content).decode()}"
+        return data_url("image/webp", out.getvalue())
 
     dataset.intact()
     with with_remedies(path):
         make_folders(path.parent)
-        questions = list(records(dataset, per_task, inside, replies, film_inside))
+        questions = list(records(dataset, per_task, inside, replies, partial(data_url, "video/mp4")))
         path.write_text(html(about(dataset, replies) | {"questions": questions}), encoding="utf-8")
     return len(questions)
 

@@ -30,15 +30,9 @@ class GalleryReplies:
 
     def of(self, id: str) -> list[dict[str, Any]]:
         """Return the replies to a question, in the page's format."""
+        shown = ("model", "parsed", "right", "status")
         return [
-            {
-                "model": row["model"],
-                "parsed": row["parsed"],
-                "right": row["right"],
-                "status": row["status"],
-                "text": row["text"][:MAX_TEXT_LENGTH],
-            }
-            for row in self.by_id.get(id, ())
+            {key: row[key] for key in shown} | {"text": row["text"][:MAX_TEXT_LENGTH]} for row in self.by_id.get(id, ())
         ]
 
 
@@ -61,8 +55,8 @@ Record = dict[str, Any]
 Store = Callable[[bytes], str]
 
 
-#: Maximum number of rejected instances listed.
-MAX_REJECTED = 2_000
+#: Maximum number of rejected instances listed, and what is listed of each.
+MAX_REJECTED, REJECTION = 2_000, ("task", "index", "question", "engine", "reason", "detail")
 
 
 def about(dataset: DatasetReader, replies: GalleryReplies = NO_REPLIES) -> Record:
@@ -72,18 +66,12 @@ def about(dataset: DatasetReader, replies: GalleryReplies = NO_REPLIES) -> Recor
     return {
         "fingerprint": str(manifest.get("fingerprint", ""))[:16],
         "models": list(replies.models),
-        "rejected": [
-            [r["task"], r["index"], r["question"], r["engine"], r["reason"], r["detail"]]
-            for r in rejected[:MAX_REJECTED]
-        ],
+        "rejected": [[each[key] for key in REJECTION] for each in rejected[:MAX_REJECTED]],
         "rejections": len(rejected),
         "name": dataset.folder.resolve().name,
         "engines": list(dataset.engines),
         "runs_of": list(dataset.engines) if dataset.rows_of == "engines" else [],
-        "rows": manifest["rows"],
-        "seed": manifest["seed"],
-        "size": manifest["size"],
-        "versions": manifest["versions"],
+        **{key: manifest[key] for key in ("rows", "seed", "size", "versions")},
         "tasks": {
             name: {
                 "title": task["title"] or name,
@@ -133,6 +121,7 @@ def _record(
     replies: GalleryReplies,
 ) -> Record:
     first = rows[0]
+    difference = first.get("difference")  # of the stimulus, as text and for sorting; None without one
     margins = [row["margin"] for row in rows if row["margin"] is not None]
     return {
         "id": f"{first['task']}/{first['index']}" + (f"/q{first['question']}" if first["question"] else ""),
@@ -140,8 +129,8 @@ def _record(
         "index": first["index"],
         "factors": _varied(first, "factor", units),
         "nuisances": _varied(first, "nuisance", units),
-        "difference": _difference(first),
-        "strength": _strength(first),
+        "difference": difference and f"{difference['name']}: {format_value(difference['value'], difference['unit'])}",
+        "strength": difference and {key: difference[key] for key in ("name", "value")},
         "margin": min(margins) if margins else None,
         "accuracy": _accuracy([reply for row in rows for reply in replies.of(row["id"])]),
         "answer": _answer(first),
@@ -155,18 +144,6 @@ def _record(
 
 def _varied(row: Row, sort: str, units: dict[str, str]) -> dict[str, str]:
     return {k.partition(".")[2]: format_value(v, units.get(k, "")) for k, v in row.items() if k.startswith(f"{sort}.")}
-
-
-def _difference(row: Row) -> str | None:
-    """Return the stimulus difference as text, where the row has one."""
-    difference = row.get("difference")
-    return f"{difference['name']}: {format_value(difference['value'], difference['unit'])}" if difference else None
-
-
-def _strength(row: Row) -> Record | None:
-    """Return the stimulus difference as a number, for sorting."""
-    difference = row.get("difference")
-    return {"name": difference["name"], "value": difference["value"]} if difference else None
 
 
 def _accuracy(replies: list[Record]) -> dict[str, float]:
@@ -196,9 +173,7 @@ def _run(row: Row, put: Store, replies: GalleryReplies) -> Record:
     """Return one engine's version of a question."""
     looks = zip(row["context"], row["context_camera"], row["context_time"], strict=True)
     return {
-        "engine": row["engine"],
-        "renderer": row["renderer"],
-        "text": row["text"],
+        **{key: row[key] for key in ("engine", "renderer", "text")},
         "context": [{"src": put(p["bytes"]), "camera": c, "time": f"{t:.3g} s"} for p, c, t in looks],
         "options": _options(row, put),
         "true": row["answer"],

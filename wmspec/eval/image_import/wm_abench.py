@@ -25,22 +25,17 @@ from wmspec.eval.replies import LETTERS
 
 REQUIRED = ("source", "prompt", "answer")
 WORD_OPTIONS, IMAGE_OPTIONS = ("choices_str_letter", "choices"), "image_choices"
-#: Dimension of a task by a word of its name; the first that occurs counts.
-_DIMENSIONS = (
-    ("compos", "prediction.compositionality"), ("transit", "prediction.transitivity"),
-    ("mechan", "prediction.mechanistic"), ("collide", "prediction.mechanistic"),
-    ("collision", "prediction.mechanistic"),
-    ("slide", "prediction.mechanistic"), ("drop", "prediction.mechanistic"), ("lift", "prediction.mechanistic"),
-    ("push", "prediction.mechanistic"), ("navigat", "prediction.mechanistic"), ("nav", "prediction.mechanistic"),
-    ("relation", "perception.space"), ("occupan", "perception.space"), ("vacan", "perception.space"),
-    ("position", "perception.space"), ("spatial", "perception.space"), ("tempor", "perception.time"),
-    ("duration", "perception.time"), ("extension", "perception.time"), ("color", "perception.vision"),
-    ("colour", "perception.vision"), ("shape", "perception.vision"), ("material", "perception.vision"),
-    ("vision", "perception.vision"), ("motion", "perception.motion"), ("speed", "perception.motion"),
-    ("direction", "perception.motion"), ("trajector", "perception.motion"), ("identif", "perception.motion"),
-    ("quantit", "perception.quantity"), ("count", "perception.quantity"), ("discrete", "perception.quantity"),
-    ("continuous", "perception.quantity"), ("relative", "perception.quantity"),
-)  # fmt: skip
+#: Words in the names of tasks by their dimension; the first that occurs counts.
+_DIMENSIONS = {
+    "prediction.compositionality": ("compos",),
+    "prediction.transitivity": ("transit",),
+    "prediction.mechanistic": ("mechan", "collide", "collision", "slide", "drop", "lift", "push", "nav"),
+    "perception.space": ("relation", "occupan", "vacan", "position", "spatial"),
+    "perception.time": ("tempor", "duration", "extension"),
+    "perception.vision": ("color", "colour", "shape", "material", "vision"),
+    "perception.motion": ("motion", "speed", "direction", "trajector", "identif"),
+    "perception.quantity": ("quantit", "count", "discrete", "continuous", "relative"),
+}
 _LABEL = re.compile(r"^\s*[(\[]?([A-Z]|\d{1,2})[)\].:]\s+")
 
 
@@ -115,7 +110,7 @@ def _task_name(path: Path, folder: Path) -> str:
 
 
 def _dimension(task: str) -> str:
-    return next((dimension for word, dimension in _DIMENSIONS if word in task), "other")
+    return next((name for name, words in _DIMENSIONS.items() if any(word in task for word in words)), "other")
 
 
 def read_file(source: Source, path: Path, pictures: Pictures, first: int) -> Iterator[Entry]:

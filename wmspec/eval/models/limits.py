@@ -6,7 +6,6 @@ import threading
 import time
 from dataclasses import dataclass, field
 
-from wmspec.core.diagnostics import WmsError
 from wmspec.eval.models.model import FatalModelError, Reply
 
 #: Maximum number of consecutive errors before the run stops.
@@ -80,10 +79,6 @@ class RateLimiter:
     a_minute: float | None
     _next: float = 0.0
     _turn: threading.Lock = field(default_factory=threading.Lock)
-
-    def __post_init__(self) -> None:
-        if self.a_minute is not None and self.a_minute <= 0:
-            raise WmsError("--rate: expected requests a minute, more than 0")
 
     def wait(self) -> None:
         """Block until the next request may be sent."""

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from wmspec import __version__
+from wmspec.core.code_digest import installed_version
 from wmspec.core.diagnostics import WmsError
 from wmspec.dataset.build import files
 from wmspec.dataset.build.reader import DatasetReader
@@ -217,6 +218,7 @@ def _about(run: Run, settings_record: dict[str, Any], rows: list[results.Row], m
     counted = results.counts(rows)
     manifest = run.dataset.manifest
     template = run.settings.prompt.model_dump(mode="json")
+    installed = {name: v for name in ("openai", "transformers", "torch") if (v := installed_version(name))}
     return {
         "format": 1,
         "asked": settings_record,
@@ -225,7 +227,7 @@ def _about(run: Run, settings_record: dict[str, Any], rows: list[results.Row], m
         "samples": run.samples,
         "dataset": {key: manifest[key] for key in ("rows", "engines", "seed", "size", "consensus", "versions")},
         "model_versions": sorted({row["model_version"] for row in rows if row["model_version"]}),
-        "versions": {"wmspec": __version__, "python": platform.python_version()} | _installed_versions(),
+        "versions": {"wmspec": __version__, "python": platform.python_version()} | installed,
         "parser": replies.PARSER_VERSION,
         "replies": counted.replies,
         "right": counted.right,
@@ -233,15 +235,3 @@ def _about(run: Run, settings_record: dict[str, Any], rows: list[results.Row], m
         "missing": missing,
         "questions": hashlib.sha256("\n".join(row["id"] for row in rows).encode()).hexdigest()[:12],
     }
-
-
-def _installed_versions() -> dict[str, str]:
-    from importlib.metadata import PackageNotFoundError, version
-
-    versions = {}
-    for name in ("openai", "transformers", "torch"):
-        try:
-            versions[name] = version(name)
-        except PackageNotFoundError:
-            continue
-    return versions

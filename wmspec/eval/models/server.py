@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import os
 import re
@@ -13,6 +12,7 @@ from typing import Any
 from urllib.parse import quote, urlsplit
 
 from wmspec.core.diagnostics import WmsError
+from wmspec.dataset.build.images import data_url
 from wmspec.eval.models.images import AS_THEY_ARE, ImageOptions
 from wmspec.eval.models.message import Parameters, read_response, response_format
 from wmspec.eval.models.model import FatalModelError, Reply, storable
@@ -113,7 +113,7 @@ class ServerModel:
         sent = self._parameters.values
         try:
             done = self._client.chat.completions.create(model=self._name, messages=messages, extra_body=sent | form)
-            return self._read(done)
+            return replace(read_response(done, self._hidden), **self._usage(done.usage))
         except openai.BadRequestError as error:
             if self._parameters.learn(sent, str(error)):
                 return self._try(messages, form)
@@ -135,10 +135,6 @@ class ServerModel:
         if _EXHAUSTED.search(message):
             raise FatalModelError(f"the quota is used up at {self._server.address}: {message}")
         return Reply(error=message)
-
-    def _read(self, done: Any) -> Reply:
-        """Return the reply in a response. Raises ValueError and others if it is no chat completion."""
-        return replace(read_response(done, self._hidden), **self._usage(done.usage))
 
     def _usage(self, usage: Any) -> dict[str, Any]:
         if usage is None:
@@ -215,12 +211,8 @@ def _messages(request: Request, images: ImageOptions) -> Any:
                 turn.append({"type": "text", "text": text})
             case Picture(png):
                 detail = {"detail": images.detail} if images.detail else {}
-                turn.append({"type": "image_url", "image_url": {"url": _data(*images.encode(png)), **detail}})
+                turn.append({"type": "image_url", "image_url": {"url": data_url(*images.encode(png)), **detail}})
             case Clip(mp4):
-                turn.append({"type": "video_url", "video_url": {"url": _data("video/mp4", mp4)}})
+                turn.append({"type": "video_url", "video_url": {"url": data_url("video/mp4", mp4)}})
     system = [{"role": "system", "content": request.system}] if request.system else []
     return [*system, {"role": "user", "content": turn}]
-
-
-def _data(kind: str, content: bytes) -> str:
-    return f"data:{kind};base64,{base64.b64encode(content).decode()}"

@@ -12,6 +12,7 @@ from wmspec.dataset.build.files import pretty_json, with_remedies
 from wmspec.dataset.build.webpage import webpage
 from wmspec.eval.publish import receipt
 from wmspec.eval.publish.secret import Secret
+from wmspec.eval.report.frames import format_percent
 
 Receipt = dict[str, Any]
 
@@ -63,7 +64,7 @@ def _page(found: dict[Path, Receipt], title: str) -> str:
         questions=receipts[0]["questions"],
         count=receipts[0]["count"],
         tables=[_table(kind, found) for kind in kinds],
-        percent=_percent,
+        percent=format_percent,
     )
 
 
@@ -99,7 +100,3 @@ def _row(name: str, content: Receipt, scores: dict[str, Any], dimensions: list[s
         "lost": sum(lost.values()) / max(1, content["count"]),
         "causes": ", ".join(f"{n:,} {key}" for key, n in sorted(lost.items())),
     }
-
-
-def _percent(share: float | None) -> str:
-    return "–" if share is None else f"{100 * share:.1f}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from typing import Any
 
@@ -71,74 +71,70 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
 def wide_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
     """Return tables as in a paper, by name, each with its caption; numbers are formatted in percent."""
     made = {t.kind: (f"Accuracy (%) in tasks of {t.kind}.", accuracy_table(t)) for t in report.tables}
-    made |= _film_tables(report)
-    if report.pairs:
-        made["pairs"] = (
-            "Pair accuracy (%): of two instances that differ in one factor and in their answers, both are right.",
-            _pivot(((p.task, p.system, format_percent(p.both.value)) for p in report.pairs), report.systems),
-        )
-    if report.whole_groups:
-        made["whole_groups"] = (
-            "Accuracy (%) on whole groups of possible and impossible episodes: all members are right.",
-            _pivot(((g.task, g.system, format_percent(g.whole.value)) for g in report.whole_groups), report.systems),
-        )
-    if report.detections:
-        rows = (
-            (f"{d.task} {d.question}", d.system, f"{d.sensitivity.value:.2f} ({d.criterion.value:+.2f})")
-            for d in report.detections
-            if d.difference is None
-        )
-        made["detections"] = (
-            'd′ in same/different questions, in brackets the criterion (positive: a bias to "same").',
-            _pivot(rows, report.systems),
-        )
-    if report.seen:
-        cells = (
-            (f"{s.task or 'all'}: {part}", s.system, format_percent(value.value))
-            for s in report.seen
-            for part, value in (("seen", s.seen), ("unseen", s.unseen))
-        )
-        made["seen"] = (
-            "Accuracy (%) on questions without and with levels that training never saw together.",
-            _pivot(cells, report.systems),
-        )
-    if report.preferences:
-        rows = (
-            (f"{p.task}: {p.dimension} {p.level}", p.system, _points_with_interval(p.bias)) for p in report.preferences
-        )
-        made["preferences"] = (
-            "Chosen when the system errs: share of errors that choose it, minus share in which it is true (points).",
-            _pivot(rows, report.systems),
-        )
-    if report.filtered:
-        rows = ((f"{f.task}, perceived by {f.by}", f.system, _signed_points(f.gain.value)) for f in report.filtered)
-        made["filtered"] = (
-            "Gain Δ (points) in prediction where the episode was perceived rightly.",
-            _pivot(rows, report.systems),
-        )
-    if report.missed:
-        rows = ((f"{m.task}, {m.missed} missed", m.system, _signed_points(m.gain.value)) for m in report.missed)
-        made["missed"] = (
-            "Gain Δ (points) in prediction where a companion question was answered wrongly.",
-            _pivot(rows, report.systems),
-        )
-    if report.entanglement:
-        cells = (
-            (f"{e.task}: {e.factor}{'*' if e.probed else ''}", e.system, _entangled(e)) for e in report.entanglement
-        )
-        made["entanglement"] = (
-            "s-RE (%), 95 % intervals, and in brackets the null band. *: answers depend on the factor.",
-            _pivot(cells, report.systems),
-        )
-    thresholds = [(f"{c.task}: {c.quantity}", c.system, _threshold(c.threshold, c.low, c.high)) for c in report.curves]
-    if any(cell for *_, cell in thresholds):
-        made["thresholds"] = ("Thresholds, with 95 % intervals.", _pivot(thresholds, report.systems))
+    if report.films:
+        caption = "Clips of video models: what they show. Errors are in object widths."
+        made["films"] = (caption, film_table(report))
+    for name, caption, cells in _crossed(report):
+        if any(text for *_, text in cells):
+            made[name] = (caption, _pivot(cells, report.systems))
     return made
 
 
-def _film_tables(report: Report) -> dict[str, tuple[str, pd.DataFrame]]:
-    caption = "Clips of video models: what they show. Errors are in object widths."
-    return {"films": (caption, film_table(report))} if report.films else {}
+def _crossed(report: Report) -> Iterator[tuple[str, str, list[tuple[str, str, str]]]]:
+    """Yield the name and caption of each table with a column for each system, and its cells: row, system, text."""
+    yield (
+        "pairs",
+        "Pair accuracy (%): of two instances that differ in one factor and in their answers, both are right.",
+        [(p.task, p.system, format_percent(p.both.value)) for p in report.pairs],
+    )
+    yield (
+        "whole_groups",
+        "Accuracy (%) on whole groups of possible and impossible episodes: all members are right.",
+        [(g.task, g.system, format_percent(g.whole.value)) for g in report.whole_groups],
+    )
+    yield (
+        "detections",
+        'd′ in same/different questions, in brackets the criterion (positive: a bias to "same").',
+        [
+            (f"{d.task} {d.question}", d.system, f"{d.sensitivity.value:.2f} ({d.criterion.value:+.2f})")
+            for d in report.detections
+            if d.difference is None
+        ],
+    )
+    yield (
+        "seen",
+        "Accuracy (%) on questions without and with levels that training never saw together.",
+        [
+            (f"{s.task or 'all'}: {part}", s.system, format_percent(value.value))
+            for s in report.seen
+            for part, value in (("seen", s.seen), ("unseen", s.unseen))
+        ],
+    )
+    yield (
+        "preferences",
+        "Chosen when the system errs: share of errors that choose it, minus share in which it is true (points).",
+        [(f"{p.task}: {p.dimension} {p.level}", p.system, _points_with_interval(p.bias)) for p in report.preferences],
+    )
+    yield (
+        "filtered",
+        "Gain Δ (points) in prediction where the episode was perceived rightly.",
+        [(f"{f.task}, perceived by {f.by}", f.system, _signed_points(f.gain.value)) for f in report.filtered],
+    )
+    yield (
+        "missed",
+        "Gain Δ (points) in prediction where a companion question was answered wrongly.",
+        [(f"{m.task}, {m.missed} missed", m.system, _signed_points(m.gain.value)) for m in report.missed],
+    )
+    yield (
+        "entanglement",
+        "s-RE (%), 95 % intervals, and in brackets the null band. *: answers depend on the factor.",
+        [(f"{e.task}: {e.factor}{'*' if e.probed else ''}", e.system, _entangled(e)) for e in report.entanglement],
+    )
+    yield (
+        "thresholds",
+        "Thresholds, with 95 % intervals.",
+        [(f"{c.task}: {c.quantity}", c.system, _threshold(c.threshold, c.low, c.high)) for c in report.curves],
+    )
 
 
 #: The rows of the table of clips: name, field, and whether it is a share.

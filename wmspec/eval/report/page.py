@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import base64
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
 import pandas as pd
 
+from wmspec.dataset.build.images import data_url
 from wmspec.dataset.build.webpage import webpage
 from wmspec.eval.report.figures.style import SvgFigure
 from wmspec.eval.report.frames import format_percent
@@ -58,19 +58,15 @@ def page(
         lost=lost_answers(report),
         titles=TITLES,
         figures=figures,
-        strips={name: f"data:image/png;base64,{base64.b64encode(png).decode()}" for name, png in strips.items()},
+        strips={name: data_url("image/png", png) for name, png in strips.items()},
         accounts_shown=sorted(report.accounts, key=lambda a: order.index(a.system)),
         tables_of=TABLES_OF,
         wide=wide,
         least_systems=MIN_SYSTEMS,
         percent=format_percent,
-        picture=_picture,
+        picture=lambda svg: data_url("image/svg+xml", svg.encode()),
         shade=_shade,
     )
-
-
-def _picture(svg: str) -> str:
-    return f"data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}"
 
 
 def _shade(estimate: Estimate, chance: Estimate | None) -> str:

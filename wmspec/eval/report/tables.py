@@ -29,7 +29,7 @@ class Column:
     def of(cls, task: str, dimension: str) -> Column:
         """Return the column of a task by its name and its dimension, such as `perception.space.relation`."""
         parts = [*dimension.split("."), "", ""]
-        there = wm_abench.column(task)
+        there = wm_abench.COLUMN_OF_TASK.get(task)
         return cls(task, parts[1] or parts[0], there.letters if there else parts[2], there.environment if there else "")
 
 
@@ -118,7 +118,7 @@ def _table(replies: Replies, kind: str, chosen: pd.Series[bool]) -> Table:
 
 def _sort_key(column: Column) -> tuple[int, str, str, str]:
     """Sort key of a column: the paper's order, then other columns by dimension."""
-    there = wm_abench.column(column.task)
+    there = wm_abench.COLUMN_OF_TASK.get(column.task)
     known = {"space": 0, "time": 1, "vision": 2, "motion": 3, "quantity": 4}
     known |= {"mechanistic": 0, "transitivity": 1, "compositionality": 2}
     within = f"{wm_abench.COLUMNS.index(there):03}" if there else f"~{column.letters}"

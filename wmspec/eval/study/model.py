@@ -65,8 +65,7 @@ class Item(FrozenModel):
 
     def is_right(self, text: str, permutation: int) -> bool:
         """Whether a letter is that of the true option."""
-        order = self.order(permutation)
-        return self.answer is not None and text in LETTERS and order.index(self.answer) == LETTERS.index(text)
+        return self.answer is not None and LETTERS[self.order(permutation).index(self.answer)] == text
 
     def question(self) -> Question:
         """Return the question for results, without pictures."""

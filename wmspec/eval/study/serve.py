@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import errno
 import ipaddress
 import json
-import os
 import re
 import sqlite3
 from dataclasses import asdict
@@ -63,7 +61,7 @@ class StudyServer(BoundedServer):
         """Return a picture or film of the page. Raises OSError if it is unreadable, or a link that leads elsewhere."""
         file = self.files[path]
         if not is_within(self.folder, file):
-            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(file))
+            raise FileNotFoundError(file)
         return read_bytes(file, FILE_BYTES)
 
     def server_close(self) -> None:

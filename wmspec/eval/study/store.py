@@ -172,20 +172,11 @@ class AnswerStore:
                 answers.setdefault(session, []).append(Answer(step=step, text=text, seconds=seconds, away=away))
             rows = self._file.execute(
                 "select session, rater, slot, code, study_id, session_id from visit order by rowid"
-            ).fetchall()
-        return [
-            Visit(
-                session=s,
-                rater=r,
-                slot=slot,
-                code=code,
-                study_id=study_id,
-                session_id=session_id,
-                study=self._study.fingerprint,
-                answers=tuple(answers.get(s, ())),
             )
-            for s, r, slot, code, study_id, session_id in rows
-        ]
+            names = [name for name, *_ in rows.description]
+            visits = [dict(zip(names, row, strict=True)) for row in rows]
+        study = self._study.fingerprint
+        return [Visit(**visit, study=study, answers=tuple(answers.get(visit["session"], ()))) for visit in visits]
 
     def _slot(self, session: str) -> int | None:
         row = self._file.execute("select slot from visit where session = ?", [session]).fetchone()

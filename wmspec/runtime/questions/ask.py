@@ -10,7 +10,7 @@ from wmspec.compile.design.about import referenced_objects
 from wmspec.compile.design.design import Design, Instance
 from wmspec.compile.design.what_ifs import imagines
 from wmspec.core.diagnostics import GraphicsError, WmsError
-from wmspec.core.rng import Permutation, bits, permuted
+from wmspec.core.rng import Permutation, bits
 from wmspec.lang.check.expressions.measured import CHANGE, PREDICTED, is_measured, moments
 from wmspec.lang.check.ir.evaluate import evaluate
 from wmspec.lang.check.ir.ir import Channel, Level, TaskSpec
@@ -137,7 +137,7 @@ def answer_slot(design: Design, instance: Instance, q: int) -> AnswerSlot:
     if design.spec.questions[q].orbit:
         return closed_slot(design, instance, q)
     turn, place, many = design.sample_part(instance.index)
-    position = turn * many + permuted(place, many, design.seed, design.spec.name, q, turn, "position")
+    position = turn * many + Permutation(many, design.seed, design.spec.name, q, turn, "position")(place)
     return ShuffledSlot(position, (design.seed, design.spec.name, instance.index, "order"))
 
 
