@@ -38,10 +38,14 @@ WHOLE = "1/1"
 FIGURES = ("instances", "questions", "size")
 HEAD = """# The whole catalogue in three engines
 
-`python -m benchmarks.catalogue FOLDER` generates every instance of a spec in MuJoCo, PyBullet and SAPIEN, keeps the
-questions that have one answer in all of them, and verifies the dataset. `rejected` counts questions by
-[reason](../questions.md#gates). Processor time is the sum over all processes of `wmspec generate`; the machine also ran
-other programs. A spec may have changed since the date of its row.
+This page shows what the shipped specs give if three engines must agree: how many questions are kept, why others are
+rejected, and what this costs. `python -m benchmarks.catalogue FOLDER` writes it. It generates every instance of each
+spec in MuJoCo, PyBullet and SAPIEN, keeps the questions that have the same answer in all three, and verifies the
+dataset. A spec file has one to three tasks, and an instance may have several questions.
+
+Each number of rejected questions has the name of the [gate](../questions.md#gates) that rejected them. Processor time
+is that of all processes of `wmspec generate`; the machine also ran other programs. A spec may have changed since the
+date of its row, and other pages have figures of other dates.
 
 """
 
@@ -163,11 +167,12 @@ def page(pieces: list[Piece], count: int) -> str:
     size, hours = sum(piece.size for piece in pieces) / 1e9, sum(piece.seconds for piece in pieces) / 3600
     specs = [list(group) for _, group in groupby(pieces, key=lambda piece: piece.spec)]
     whole = sum(sum(piece.share for piece in spec) == 1 for spec in specs)
-    done = f"{whole} of {count} specs, {instances:,} instances, {questions:,} questions, {rejected:,} rejected"
+    done = f"{whole} of {count} specs, {instances:,} instances, {questions:,} questions kept, {rejected:,} rejected"
+    heads = "| spec | tasks | instances | questions kept | questions rejected | size (MB) "
     lines = [
         f"{done}, {size:.1f} GB, {hours:.1f} hours of processor time, with {', '.join(sorted(versions))}.",
         "",
-        "| spec | tasks | instances | questions | rejected | size (MB) | processor time per instance | date |",
+        f"{heads}| processor time per instance | date |",
         "|---|---:|---:|---:|---|---:|---:|---|",
         *map(row, specs),
     ]

@@ -227,6 +227,41 @@ def _evaluate_biased(
 
 # ---------------------------------------------------------------- page
 
+#: What the page measures.
+INTRODUCTION = """\
+wmspec decides by [rules](../guides/video_models.md#how-a-clip-is-scored) which future the clip of a video model
+shows, or that it shows none. This page measures how often the rules are right. The benchmark takes clips whose future
+is known, damages them, and scores them like clips of a model. *Damaged futures* still show their future. *Clips
+without a future* are damaged so much that they show none. Names with `@` are
+[baselines](../guides/video_models.md#4-score-and-report).
+
+The columns *right*, *wrong* and *none* give the share of clips for which the rules choose the true future, another
+future, or none. *None* is the correct outcome for clips without a future, and for `@frozen`, `@blend` and `@swap`.
+"""
+#: What the models with known answers are.
+SIMULATED_MODELS = """\
+Two simulated models have known weaknesses, which `wmspec evaluate` should show. The futures of a closed set result
+from the levels of two factors, a state (such as a mass) and an action. The first model ignores the state: it makes
+the same clip for two questions that differ only in the state, so it can be right in half of its answers. Answers that
+are neither right nor wrong are *none*. The second is a [latent model](../guides/video_models.md#latent-models). A
+wrong future surprises it more than the true one, but each future has a constant bias that exceeds this difference.
+`raw` scores should suffer from the bias, and `centred` scores should not.
+"""
+#: What each damage is.
+KINDS_OF_DAMAGE = """\
+Each cell has the number of clips that are right, the number that are wrong and the number without a choice (right /
+wrong / none). The rows from *undamaged* to *jitter* are damaged futures, those from *frozen* to *other scene* are
+clips without a future.
+
+- *h264 at 38* is strong compression. *Other rate* has 1.25 times as many frames per second; *slower* and *faster*
+  change the tempo by the factor 1.15.
+- In *drift* the camera moves and zooms. In *shrinks*, *deforms* and *jitter*, the objects lose size, change their
+  proportions or shake.
+- *Frozen* repeats the first frame. *Mixture* is the mean of two futures. In *vanishes* the objects disappear
+  half-way, in *morph* they fade into the background. *Other scene* shows the future upside down, shifted and in
+  inverted colours.
+"""
+
 
 def page(tasks: list[TaskScores], models: list[Evaluated], note: str) -> str:
     """Return the page of results."""
@@ -241,15 +276,13 @@ def page(tasks: list[TaskScores], models: list[Evaluated], note: str) -> str:
     lines = [
         "# Scoring films",
         "",
+        INTRODUCTION,
+        *([note, ""] if note else []),
         (
-            "Made by `python -m benchmarks.films DATASET --page docs/benchmarks/films.md` with wmspec "
-            f"{__version__}, version {RULES_VERSION} of the rules and Python {platform.python_version()}."
+            "`python -m benchmarks.films DATASET --page docs/benchmarks/films.md` wrote this page with wmspec "
+            f"{__version__}, version {RULES_VERSION} of the rules and"
         ),
-        "",
-        "The benchmark damages clips of known futures and scores them as clips of a model. The columns *right*,",
-        "*wrong* and *none* give the share of clips for which the rules choose the true future, another one, and none.",
-        *([note] if note else []),
-        "Names with `@` are [baselines](../guides/video_models.md#4-score-and-report).",
+        f"Python {platform.python_version()}.",
         "",
         "| kind of clip | clips | right | wrong | none |",
         "|---|---|---|---|---|",
@@ -257,19 +290,22 @@ def page(tasks: list[TaskScores], models: list[Evaluated], note: str) -> str:
         _line("clips without a future", [one for one in scored if one.damage in SPOILS]),
         *(_line(f"`{name}`", [one for one in scored if one.damage == name]) for name in (f"@{b}" for b in BASELINES)),
         "",
+        "In the next table, *right*, *wrong* and *none* are shares of the number of clips to their left.",
+        "",
         (
-            "| seed of the dataset | damaged futures | of these right | of these wrong "
-            "| clips without a future | of these none | clips of `@engine` | of these right |"
+            "| seed of the dataset | damaged futures | right | wrong "
+            "| clips without a future | none | clips of `@engine` | right |"
         ),
         "|---|---|---|---|---|---|---|---|",
         *(_of_seed(seed, [task for task in tasks if task.seed == seed]) for seed in sorted({t.seed for t in tasks})),
         "",
         (
-            f"`evaluate` takes {seconds:.2f} processor seconds for a clip of {frames:.0f} frames, including the "
-            "decoding of the clip and of the films of its closed set: "
-            f"{1000 * seconds / 60:.1f} minutes for 1,000 clips."
+            f"`wmspec evaluate` takes {seconds:.2f} s of processor time for a clip of {frames:.0f} frames, or "
+            f"{1000 * seconds / 60:.1f} minutes for 1,000 clips. This includes the decoding"
         ),
+        "of the clip and of the films of its closed set.",
         "",
+        SIMULATED_MODELS,
         "| model with known answers | answers | right | wrong answers |",
         "|---|---|---|---|",
         (
@@ -284,14 +320,14 @@ def page(tasks: list[TaskScores], models: list[Evaluated], note: str) -> str:
         "",
         "## Damage",
         "",
-        "Each cell has the numbers of clips that are right, wrong and none (right / wrong / none).",
-        "",
+        KINDS_OF_DAMAGE,
         "| damage or baseline | " + " | ".join(f"`{name}`" for name in names) + " |",
         "|---" * (len(names) + 1) + "|",
     ]
     for damage in (*KEEPS, *SPOILS, *(f"@{b}" for b in BASELINES)):
         cells = [_cell([s for t in tasks if t.task == name for s in t.scored if s.damage == damage]) for name in names]
-        lines.append(f"| {f'`{damage}`' if damage[0] == '@' else damage} | " + " | ".join(cells) + " |")
+        shown = f"`{damage}`" if damage[0] == "@" else "undamaged" if damage == "none" else damage
+        lines.append(f"| {shown} | " + " | ".join(cells) + " |")
     lines.append(
         "| number of closed sets | " + " | ".join(str(sum(t.sets for t in tasks if t.task == n)) for n in names) + " |"
     )

@@ -21,6 +21,15 @@ from wmspec.runtime.compare.verbalize import dispute
 
 PAGE = Path(__file__).parent.parent / "docs/benchmarks/agreement.md"
 MARK = "<!-- measured -->\n"
+#: What the columns of the table mean.
+COLUMNS = """\
+A cell such as `400/400` counts questions. The second number is the number of questions that are compared in a
+pair of engines. The first is the number of those to which both engines give the same answer. The first columns
+of pairs count kept questions only; those with *before gates* count all questions. The last two columns combine
+all pairs. *Within tolerance* is the rounded share of episodes, counterfactuals included, in which no body is
+out of [tolerance](../crosscheck.md#tolerances). The *largest gap* is the largest distance, in any episode,
+between the positions of a body in two engines at the same time.
+"""
 
 Record = dict[str, Any]
 
@@ -37,14 +46,12 @@ def measured(records: Sequence[Record], engine: str | None = None) -> Iterator[s
     instances = [instance for record in records for instance in record["instances"]]
     good, total = total_of(lines, "before_gates")
     yield f"{len(rows)} tasks, {len(instances):,} instances, seed {records[0]['seed']}, with {engines}."
-    yield "Before any gate, both engines of a pair have the same answer in"
-    yield f"{good:,} of {total:,} cases ({good / total:.2%}).\n"
+    yield f"In {good:,} of {total:,} comparisons of a question in two engines ({good / total:.2%}), both engines have"
+    yield "the same answer before any gate.\n"
+    yield COLUMNS
     pairs = [" ".join(line["engines"]) for line in next(iter(rows.values()))]
     heads = ("task", *pairs, *(f"{pair}, before gates" for pair in pairs), "within tolerance", "largest gap")
     yield from table(heads, (row(*r) for r in rows.items()))
-    yield "The columns of pairs count equal answers: first among kept questions, then among all questions before any"
-    yield "gate. The last two columns are about all pairs together: the share of episodes, counterfactuals included, in"
-    yield "which no body is out of tolerance, and the largest distance between positions of a body in two engines.\n"
     yield from disagreements(instances)
 
 

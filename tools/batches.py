@@ -75,10 +75,11 @@ def main() -> None:
     versions = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
     where = given.device or "the default device"
     distance = "largest distance from execution one by one"
-    heads = ("worlds", "processor time per instance", "elapsed time per instance", distance)
+    heads = ("worlds in a batch", "processor time per instance", "elapsed time per instance", distance)
     rows = list(measured(scenes, given.worlds, given.device))
+    when = datetime.now(UTC).date()
     lines = [
-        f"\n`{given.spec.stem}`, the first {given.seconds:g} s, on {where}, {datetime.now(UTC).date()}, {versions}:\n",
+        f"\nThe first {given.seconds:g} s of instances of `{given.spec.stem}`, on {where}, {when}, {versions}:\n",
         *table(heads, rows),
     ]
     text = PAGE.read_text(encoding="utf-8")

@@ -19,10 +19,16 @@ PAGE = Path(__file__).parent.parent / "docs/benchmarks/conformance.md"
 
 TEXT = """# Conformance: scores
 
-Generated on {date} by `{command}`: usdphysics-conformance {version}, {engines}.
+This page shows how exactly physics engines execute the cases of [Conformance](../conformance.md), whose exact answers
+are known. A row is a quantity that is measured in a case. The columns with names of engines hold the measured values.
+A value is bold if it differs from the exact answer by more than the tolerance. A dash means that there is no value:
+the engine did not execute the case, or its motion has no event of this kind. The last row counts the quantities:
+first all of them, then those within tolerance, for each engine.
 
-The columns of engines hold their results. Bold results are out of tolerance. A dash means that the engine did not
-execute the case. [Conformance](../conformance.md) describes the cases.
+`newton` is Newton as an engine of wmspec, with the contacts of MuJoCo. `newton_alone` is Newton without wmspec, run
+by the adapter in the README of the folder `conformance`.
+
+The page was generated on {date} by `{command}`, with usdphysics-conformance {version}, {engines}.
 
 {card}"""
 

@@ -28,8 +28,10 @@ _BULLET, _GYM, _ROBOTS = "pybullet_data", "gymnasium/envs/mujoco/assets", "gymna
 _DATA = "cmeel.prefix/share/example-robot-data/robots"
 _GENESIS = "genesis/assets"
 
-_ONE_KILOGRAM = "PyBullet gives links without `inertial` 1 kg, wmspec those with shapes the mass of their density"
-_CONTINUOUS = "no centre moves; PyBullet limits a `continuous` joint that has a `limit`"
+_ONE_KILOGRAM = (
+    "PyBullet gives each link without `inertial` a mass of 1 kg; wmspec computes its mass from its shapes and density"
+)
+_CONTINUOUS = "nothing moves; PyBullet applies the `limit` of a `continuous` joint, and wmspec does not"
 
 FILES = (
     # arms

@@ -98,7 +98,10 @@ def design() -> Iterator[str]:
 def entities() -> Iterator[str]:
     """Yield the tables of objects, actions, functions, words and codes."""
     yield "### Properties\n"
-    yield "Limits are in SI units. The default — is no value, or the one that the last column states.\n"
+    yield (
+        "Limits are in SI units, so those of angles are in radians. A property with the default — has no value, "
+        "unless the last column states a default.\n"
+    )
     for kind, properties in PROPERTIES.items():
         yield f"Properties of {'the world' if kind == 'world' else f'{article(kind)} {kind}'}:\n"
         yield from table(
@@ -112,36 +115,51 @@ def entities() -> Iterator[str]:
     yield "Every engine executes all kinds of joints. [The stage](../stage.md) describes them in detail.\n"
     yield from table(("joint", "meaning", "coordinate", "properties of this kind only"), joints())
     yield "### Verbs\n"
-    yield "Limits are in SI units.\n"
+    yield (
+        "Limits are in SI units, so those of angles are in radians. An argument with the default — may be absent. "
+        "An action whose verb ends in `for TIME` needs a duration.\n"
+    )
     for name, verb in VERBS.items():
         yield from described(name, verb)
     yield "### Robots\n"
-    yield "wmspec plans the motion of a robot when it compiles the stage: see [robots](../robots.md).\n"
+    yield (
+        "wmspec plans the motion of a robot when it compiles the stage: see [robots](../robots.md). Limits are in SI "
+        "units, so those of angles are in radians.\n"
+    )
     for verbs in {id(each): each for each in ROBOTS.values()}.values():
         models = [model for model, can in ROBOTS.items() if can is verbs]
         yield " or ".join(f"{'an' if model[0] in 'aeiou' else 'a'} `{model}`" for model in models).capitalize() + ":\n"
         calls = (
-            (f"`{call(name, verb)}`", ", ".join(arguments(verb)) or "—", verb.meaning) for name, verb in verbs.items()
+            (f"`{call(name, verb)}`", verb.meaning, "<br>".join(arguments(verb)) or "—") for name, verb in verbs.items()
         )
-        yield from table(("verb", "arguments (default)", "meaning"), calls)
+        yield from table(("verb", "meaning", "arguments"), calls)
     yield "### Functions\n"
     for measured in (False, True):
         lines = (
             "These functions measure the executed episode. They are allowed in `answer`, `ensure`, `margin` and "
-            "`difference`. The window lasts from the first observation to the last, or `from` a time `to` a time. "
+            "`difference`. The *window* lasts from the first observed picture to the last. A *span* lasts `from` "
+            "a time `to` a time. *At the end* means at the end of the episode, and *at a time* means at the time `at`. "
             "[Measures](../questions.md#measures) defines each function:"
             if measured
-            else "These functions are allowed in every expression:"
+            else "A plain number has no unit. Arguments with a name, such as `seen_from: camera or object`, are "
+            "optional. A function with the argument `tie` returns `neither` if another object comes close to the "
+            "chosen one: with `tie: 1.1`, if their values differ by a factor below 1.1; with `tie: 0.1 s`, if their "
+            "times differ by less than 0.1 s.\n\nThese functions are allowed in every expression:"
         )
         yield f"{lines}\n"
         chosen = ((n, f) for n, f in FUNCTIONS.items() if bool(f.measured) == measured)
         rows = ((f"`{signature(n, f)}`", str(f.result), f.meaning) for n, f in chosen)
         yield from table(("function", "result", "meaning"), rows)
     yield "### Settings\n"
-    yield "A task has each at most once: " + ", ".join(f"`{name}` ({kind})" for name, kind in SETTINGS.items()) + ".\n"
+    kinds = ", ".join(f"`{name}` ({kind})" for name, kind in SETTINGS.items())
+    yield f"A task has each of these settings at most once: {kinds}.\n"
+    yield "`repeat` is the number of times that the design occurs, and `horizon` the length of an episode.\n"
     yield "### Tolerances\n"
     limits = ((f"`{name}`", str(slot.types[0]), slot.meaning) for name, slot in TOLERANCES.items())
-    yield "The largest differences between engines that count as agreement, as in `tolerance event 30 ms`:\n"
+    yield (
+        "A tolerance is the largest difference between engines that counts as agreement. A task sets one with a line "
+        "such as `tolerance event 30 ms`. [Crosscheck](../crosscheck.md#tolerances) has the defaults.\n"
+    )
     yield from table(("tolerance", "value", "applies to"), limits)
     yield "### Materials\n"
     yield (
@@ -154,7 +172,7 @@ def entities() -> Iterator[str]:
     )
     yield from table(("material", "look", "color", "roughness", "metallic"), looks)
     yield "### Words\n"
-    yield "Values of these types are words:\n"
+    yield "A value of one of these types is one of the words behind it:\n"
     for vocabulary, words in (WORDS | {"kind of joint": JOINTS}).items():
         yield f"- **{vocabulary}**: {', '.join(f'`{word}`' for word in words)}"
     yield "\n### Units\n"
@@ -167,19 +185,23 @@ def entities() -> Iterator[str]:
         "Examples of quantities: " + ", ".join(f"{dimension} `{text}`" for dimension, text in EXAMPLES.items()) + ".\n"
     )
     yield "### Codes\n"
-    yield "`wmspec explain CODE` explains a code, with an example.\n"
+    yield "Every error and warning of `wmspec check` has a code. `wmspec explain CODE` explains it, with an example.\n"
     yield from table(("code", "meaning"), ((f"`{code}`", meaning) for code, meaning in CODES.items()))
 
 
 def measures() -> Iterator[str]:
     """Yield the measures of legibility with their bounds and sources."""
     yield "### Measures\n"
-    yield "[Questions](../questions.md#legibility) explains how wmspec measures these, and when they apply.\n"
+    yield (
+        "These measures state how well a person can see what decides the answer to a question. wmspec rejects a "
+        "question that violates a bound. [Questions](../questions.md#legibility) explains how wmspec measures, and "
+        "which measures apply.\n"
+    )
     side = REFERENCE_SIDE
     yield (
-        f"`px` are pixels of a picture of {side} x {side}; lengths in other pictures are scaled to it. The bounds "
-        "assume that a picture fills 10 degrees of the visual field, such as 10 cm at a distance of 57 cm. So a pixel "
-        f"is {600 / side:.1f} arc minutes.\n"
+        f"`px` are pixels of a picture of {side} x {side}; wmspec scales lengths in pictures of other sizes to that. "
+        "The bounds assume that a picture fills 10 degrees of the visual field, such as 10 cm at a distance of 57 cm. "
+        f"So a pixel is {600 / side:.1f} arc minutes wide.\n"
     )
     limits = (
         (f"`{name}`", f"at {'most' if b.at_most else 'least'} {b.value:g} {b.unit}".strip(), b.meaning, b.source)
@@ -195,6 +217,8 @@ def schemas() -> Iterator[str]:
         prim = layer.GetPrimAtPath(f"/{kind}")
         yield f"### {kind}\n"
         yield f"{prim.GetInfo('documentation')}\n"
+        if kind == "WmsAction":
+            yield "A property whose meaning begins with *Of a* and a verb belongs to actions with this verb only.\n"
         documented = {one.name: one.GetInfo("documentation") for one in prim.properties}
         verbs = documented.get("wms:verb", "").splitlines()
         rows = ((f"`{one.name}`", _type(one), _code(documented[one.name])) for one in prim.properties)
@@ -202,7 +226,7 @@ def schemas() -> Iterator[str]:
         if verbs:
             yield "### Verbs of a WmsAction\n"
             yield "`wms:verb` (token) is one of:\n"
-            yield from table(("verb", "bodies", "effect"), map(_verb, verbs))
+            yield from table(("verb", "accepted bodies", "effect"), map(_verb, verbs))
 
 
 def _verb(line: str) -> tuple[str, ...]:
@@ -251,8 +275,9 @@ def call(name: str, verb: Verb) -> str:
 def arguments(verb: Verb) -> Iterator[str]:
     """Yield the arguments of a verb, one line each."""
     for name, slot in verb.arguments.items():
-        _, takes, left_out, _ = row(name, slot)
-        yield f"`{name}`: {takes}" + (f" ({left_out})" if slot.default is not None else "")
+        _, takes, left_out, meaning = row(name, slot)
+        values = f"{takes}; default {left_out}" if slot.default is not None else takes
+        yield f"`{name}`: " + (takes if meaning == f"the {values}" else f"{meaning} ({values})")
 
 
 def row(name: str, slot: PropertySpec, default: str = "") -> tuple[str, ...]:

@@ -86,26 +86,33 @@ def page(replies: list[Labelled]) -> str:
     first = [_first_reading(path) for path in sorted(CORPUS.glob("*.tsv"))]
     return f"""# Reading replies
 
-Made by `python tools/replies.py`, with version {PARSER_VERSION} of the rules (`wmspec/eval/replies`). Each reply in
-`tests/data/replies` was written for this purpose. Its label, given by hand, is the option that a careful reader finds
-in it, or none.
+A model answers in free text, and wmspec finds the chosen option in this text by rules (`wmspec/eval/replies`). This
+page measures how often the rules, version {PARSER_VERSION}, read a reply wrongly. `python tools/replies.py` writes it.
+
+The test replies in `tests/data/replies` were written for this measurement. Each has a label that was given by hand:
+the option that a careful reader finds in the reply, or none if it contains no answer.
 
 A *false read* is a reply in which the rules find an answer that is not its label. An *unread* reply has an answer that
-the rules do not find. Rates of false reads are shares of all replies; rates of unread replies are shares of the replies
-that have an answer.
+the rules do not find. The percentages of false reads are shares of all replies. The percentages of unread replies are
+shares of the replies that have an answer.
 
-| language, or kind of options | replies | with an answer | false reads | unread |
+| language, or kind of options | replies | replies with an answer | false reads | unread replies |
 |---|---|---|---|---|
 {_line("**all**", replies)}
 {chr(10).join(lines)}
 
-The rules were fitted to these files. All files but the first were written later than the first rules. The first reading
-of such a file, before the rules were fitted to it too, estimates the rates for other replies. All but one of the false
-reads below are of replies without an answer, which are frequent here and rare in practice.
+These rates are too good for new replies, because the rules were changed until they read these replies well. The next
+table is a fairer estimate. Each of its files was written when the rules already existed. The rules first read it as
+they then were, and the table counts the mistakes of this reading. Only then were the rules improved with this file.
+All but one of the false reads in the table are of replies without an answer. Such replies are frequent in these files
+and rare in practice.
 
-| file | replies | with an answer | false reads, first reading | unread, first reading |
+| file | replies | replies with an answer | false reads at this reading | unread replies at this reading |
 |---|---|---|---|---|
 {chr(10).join(row for row in first if row)}
+
+The table omits two files. `first.tsv` was written together with the rules. The 12 replies of `fifth.tsv` are only about
+tasks in which *right* is a direction; at first, the rules had 3 false reads and no unread reply in it.
 """
 
 

@@ -169,7 +169,8 @@ def page(folder: Path) -> str:
     summary = (
         f"Of the {n['listed']} listed stages, {n['all']} were run; {n['rigid']} of those have only rigid bodies. "
         f"Of these {n['rigid']}, {n['two']} run in at least two engines ({share:.0f} %) and {n['three']} in all three. "
-        f"In {n['agree']}, no body ends more than {1e3 * AGREE:g} mm apart."
+        f"In {n['agree']} of them, the final positions of every body in these engines are less than {1e3 * AGREE:g} mm "
+        "apart."
     )
     before, start, rest = PAGE.read_text().partition(START)
     return (

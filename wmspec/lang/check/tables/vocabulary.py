@@ -196,7 +196,7 @@ _FORM: dict[str, PropertySpec] = {
     "shape": PropertySpec((SHAPE,), "form of the object or part", "cube"),
     "size": PropertySpec(
         (A_LENGTH, POINT3, POINT2),
-        "edge length of a cube; diameter of a round shape, which is also its height; three lengths of a box or wedge; two of a plane",
+        "edge length of a cube; diameter of a round shape, and also its height; a box or wedge has three lengths, a plane two",
         "10 cm",
         above=0,
     ),
@@ -233,17 +233,19 @@ _MESH: dict[str, PropertySpec] = {
     ),
     "scale": PropertySpec(
         (A_NUMBER, TRIPLE),
-        "scale of the mesh: one number, or one for each axis; a negative number mirrors it",
+        "scale of the mesh: one number, or one number for each axis; a negative number mirrors the mesh",
         "1",
         nonzero=True,
     ),
     "units": PropertySpec(
         (UNITS,), "unit of the mesh's lengths; default: metres, or the unit that a COLLADA file states", optional=True
     ),
-    "up": PropertySpec((UP,), "axis of the mesh that points up; default: y for glb and gltf, else z", optional=True),
+    "up": PropertySpec(
+        (UP,), "axis of the mesh that points up; default: y for files glb and gltf, z for others", optional=True
+    ),
     "collision": PropertySpec(
         (COLLISION,),
-        "collision shape of a mesh: its convex hull, convex pieces, its upright bounding box, its bounding sphere, or, if it is fixed, its surface",
+        "collision shape of a mesh: its convex hull (`hull`), convex `pieces`, its upright bounding box (`bounds`), its bounding sphere (`ball`), or, only of a fixed object, its `surface`",
         "hull",
     ),
 }
@@ -258,8 +260,8 @@ PROPERTIES: dict[str, dict[str, PropertySpec]] = {
         **_FORM,
         **_MESH,
         "file": PropertySpec((TEXT,), "file beside the spec that replaces the shape: a mesh (obj, stl, ply, off, glb, gltf, dae, or `thing.usda#/PRIM`) or an asset (urdf, xml, usd)", optional=True),
-        "strict": PropertySpec((TRUTH,), "whether it is an error if content of an asset file cannot be read exactly", optional=True),
-        "inertia": PropertySpec((INERTIA_SOURCE,), "`file` keeps the inertias in an asset file, even those that no body of that mass and size can have", optional=True),
+        "strict": PropertySpec((TRUTH,), "whether content of an asset file that cannot be read exactly is an error", optional=True),
+        "inertia": PropertySpec((INERTIA_SOURCE,), "`file` keeps the moments of inertia in an asset file, even if no body of that mass and size can have them", optional=True),
         "mass": PropertySpec((Quantity(MASS),), "mass; replaces `density`", optional=True, above=0),
         "density": PropertySpec((Quantity(DENSITY),), "mass per volume", "600 kg/m^3", above=0),
         "centre": PropertySpec((POINT3,), "centre of mass, relative to the object's middle; default: that of its shape", optional=True),
@@ -274,7 +276,7 @@ PROPERTIES: dict[str, dict[str, PropertySpec]] = {
         "surface_velocity": PropertySpec((Vector(SPEED, 3),), "of a fixed object that acts as a conveyor belt: velocity of its surface, in its own axes", optional=True),
         "passes": PropertySpec((List(OBJECT),), "objects with which it does not collide", optional=True),
         "on": PropertySpec((OBJECT,), "object on which it rests; `on: table at (x, y)` gives the place, relative to the middle of the table", optional=True),
-        "inside": PropertySpec((OBJECT,), "object in which it rests, on the lowest part of that object below its place", optional=True),
+        "inside": PropertySpec((OBJECT,), "object in which it rests: on that object's lowest part below the place `at`", optional=True),
         "at": PropertySpec((POINT2, POINT3, PLACE), "place of its middle: (x, y) on its support or on the ground, or (x, y, z)", "(0 m, 0 m)"),
         "scatter": PropertySpec((POINT2,), "side lengths of the rectangle around `at` in which its place is drawn at random", optional=True, least=0),
         "gap": PropertySpec((A_LENGTH,), "smallest distance from other scattered objects on the same support", "1 cm", least=0),
@@ -291,10 +293,10 @@ PROPERTIES: dict[str, dict[str, PropertySpec]] = {
         **_MESH,
         "at": PropertySpec((POINT3,), "place of its middle, relative to the middle of the bottom of the object", "(0 m, 0 m, 0 m)"),
         **_TURN,
-        "friction": PropertySpec((A_NUMBER,), "own value, instead of the object's", optional=True, least=0, most=5),
-        "restitution": PropertySpec((A_NUMBER,), "own value, instead of the object's", optional=True, least=0, most=1),
-        "solid": PropertySpec((TRUTH,), "whether it collides; if not, it has no mass", optional=True),
-        "drawn": PropertySpec((TRUTH,), "whether it is visible", optional=True),
+        "friction": PropertySpec((A_NUMBER,), "value of this part; default: the value of the object", optional=True, least=0, most=5),
+        "restitution": PropertySpec((A_NUMBER,), "value of this part; default: the value of the object", optional=True, least=0, most=1),
+        "solid": PropertySpec((TRUTH,), "whether it collides; if not, it has no mass; default: `true`", optional=True),
+        "drawn": PropertySpec((TRUTH,), "whether it is visible; default: `true`", optional=True),
     },
     "camera": {
         "at": PropertySpec((POINT3,), "position of the camera"),
@@ -322,11 +324,11 @@ PROPERTIES: dict[str, dict[str, PropertySpec]] = {
         "high": PropertySpec((AN_ANGLE, A_LENGTH), "upper limit", optional=True),
         "start": PropertySpec((AN_ANGLE, A_LENGTH), "of an asset's joint: its coordinate at the start", optional=True),
         "target": PropertySpec((AN_ANGLE, A_LENGTH), "target of its drive", optional=True),
-        "stiffness": PropertySpec((A_NUMBER,), "stiffness of its drive, SI units per radian or metre", "0", least=0),
-        "damping": PropertySpec((A_NUMBER,), "damping of its drive, SI units", "0", least=0),
-        "pace": PropertySpec((A_NUMBER,), "target speed of its drive, to which `damping` applies, SI units", optional=True),
-        "strength": PropertySpec((A_NUMBER,), "largest force or torque of its drive, SI units; default: no limit", optional=True, above=0),
-        "armature": PropertySpec((A_NUMBER,), "inertia added to the joint's coordinate, as by the rotor of a motor, kg m^2 or kg", optional=True, least=0),
+        "stiffness": PropertySpec((A_NUMBER,), "stiffness of its drive, N m/rad (hinge) or N/m (slider)", "0", least=0),
+        "damping": PropertySpec((A_NUMBER,), "damping of its drive, N m s/rad (hinge) or N s/m (slider)", "0", least=0),
+        "pace": PropertySpec((A_NUMBER,), "target speed of its drive, rad/s (hinge) or m/s (slider): `damping` acts on the difference from this speed", optional=True),
+        "strength": PropertySpec((A_NUMBER,), "largest torque (N m) or force (N) of its drive; default: no limit", optional=True, above=0),
+        "armature": PropertySpec((A_NUMBER,), "inertia that is added to the joint's coordinate, as by the rotor of a motor, kg m^2 (hinge) or kg (slider)", optional=True, least=0),
         "touching": PropertySpec((TRUTH,), "whether the two joined objects collide with each other; default: they do not", optional=True),
         "present": PropertySpec((TRUTH,), "whether it exists in the instance; if so, the objects that it joins must exist too", "true"),
     },
@@ -336,7 +338,7 @@ PROPERTIES: dict[str, dict[str, PropertySpec]] = {
         "yaw": PropertySpec((AN_ANGLE,), "direction that it faces, anticlockwise from +x", "0 deg"),
         "color": PropertySpec((COLOR,), "colour", "white"),
         "model": PropertySpec((TEXT,), "of an arm: a file written by `wmspec import-arm`", optional=True),
-        "roads": PropertySpec((List(OBJECT),), "of a car: the objects that are its roads; they cross each other", optional=True),
+        "roads": PropertySpec((List(OBJECT),), "of a car: the objects that are its roads, which may cross each other", optional=True),
         "lane": PropertySpec((A_LENGTH,), "of a car: width of the lanes of its roads", "3.5 m", above=0),
         "keeps": PropertySpec((DIRECTION,), "of a car: the side of the road on which it drives", "right", among=("left", "right")),
     },
@@ -356,7 +358,7 @@ TOLERANCES: dict[str, PropertySpec] = {
     "rest": PropertySpec((A_LENGTH,), "offset of a body that has not moved yet", least=0),
     "drift": PropertySpec((Quantity(SPEED),), "offset of a body for each second of its motion", least=0),
     "impact": PropertySpec(
-        (A_NUMBER,), "offset for each second of motion after an impact, as a share of the impact speed", least=0
+        (A_NUMBER,), "offset for each second of motion after an impact, divided by the speed of the impact", least=0
     ),
     "event": PropertySpec((A_TIME,), "time of the first touch of two bodies", least=0),
     "angle": PropertySpec((AN_ANGLE,), "orientation of a body", least=0),
@@ -374,11 +376,12 @@ class SyntaxForm:
 #: Domains of factors: separate, equally weighted values. Nuisances may use them too.
 FACTOR_DOMAINS = (
     SyntaxForm("[red, blue]", "these values: words, objects, points, texts or truth values"),
-    SyntaxForm("[0.5, 1, 2] m/s", "quantities of one unit"),
+    SyntaxForm("[0.5, 1, 2] m/s", "these quantities, in one unit"),
     SyntaxForm("10 cm .. 20 cm by 5 cm", "values in steps of 5 cm from 10 cm, at most 20 cm"),
     SyntaxForm("0 .. 1 in 5", "five equally spaced values, including both ends"),
     SyntaxForm(
-        "product([0 cm, 10 cm], [-5 cm, 5 cm])", "all points with these coordinates; three lists give points in space"
+        "product([0 cm, 10 cm], [-5 cm, 5 cm])",
+        "all points (x, y) with an x of the first list and a y of the second; three lists give points in space",
     ),
 )
 
@@ -423,10 +426,11 @@ LEGIBILITY: dict[str, str] = {
 
 #: Continuous domains of nuisances, and of factors of a Latin hypercube.
 CONTINUOUS_DOMAINS = (
-    SyntaxForm("-5 deg .. 5 deg", "uniform over the interval; also written `uniform(-5 deg, 5 deg)`"),
-    SyntaxForm("log_uniform(100 g, 10 kg)", "log-uniform over the interval"),
+    SyntaxForm("-5 deg .. 5 deg", "uniformly distributed over the interval; also written `uniform(-5 deg, 5 deg)`"),
+    SyntaxForm("log_uniform(100 g, 10 kg)", "distributed over the interval so that the logarithm is uniform"),
     SyntaxForm(
-        "normal(0 deg, 2 deg)", "normal, with this mean and standard deviation, truncated at three standard deviations"
+        "normal(0 deg, 2 deg)",
+        "normally distributed with this mean and standard deviation, truncated at three standard deviations",
     ),
 )
 
@@ -477,13 +481,16 @@ WORD_ALIASES = {
 #: Domains for nuisances only.
 WEIGHTED_DOMAINS = (
     SyntaxForm(
-        "weighted([red, blue], [3, 1])", "these values with these weights: red is drawn three times as often as blue"
+        "weighted([red, blue], [3, 1])",
+        "these values with these weights: here, red is drawn three times as often as blue",
     ),
 )
 
 #: Domains for factors only.
 CONDITIONAL_DOMAINS = (
-    SyntaxForm("if shape == cube then [red, blue] else [green]", "values that depend on another factor"),
+    SyntaxForm(
+        "if shape == cube then [red, blue] else [green]", "one of two lists of values, depending on another factor"
+    ),
 )
 
 
@@ -499,18 +506,19 @@ DESIGNS: dict[str, DesignForm] = {
     "factorial": DesignForm("design factorial", "every combination of levels; the default"),
     "sample": DesignForm(
         "design sample of 500",
-        "500 combinations, in which the values of each factor are equally frequent",
+        "500 random combinations, in which the values of each factor are equally frequent",
         counted=True,
     ),
     "latin": DesignForm(
         "design latin of 200",
-        "a Latin hypercube of 200 combinations: factors may be intervals, which it covers evenly",
+        "a Latin hypercube of 200 combinations. A factor may also be an interval; the combinations cover it evenly",
         counted=True,
     ),
     "groups": DesignForm(
         "design groups of 120 { cross: x  turn: [y] }",
-        "120 control groups. Within a group, all factors of `cross` and one factor of `turn` vary; the others are drawn for each "
-        "group. A clause `balance` keeps draws in which the answers of a question are equally frequent",
+        "120 control groups. Within a group, all factors of `cross` vary, and so does one factor of `turn`. All other "
+        "factors have one value in each group, which is drawn at random. With a clause `balance`, wmspec keeps those draws in "
+        "which the answers of a question are equally frequent",
         counted=True,
     ),
     "one_at_a_time": DesignForm(

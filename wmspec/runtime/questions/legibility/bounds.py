@@ -29,8 +29,8 @@ class Bound:
 
 _ACUITY = "acuity of 20/40 resolves 2 arc minutes (ISO 8596)"
 _GLANCE = (
-    "1 is just noticeable side by side (Sharma, Wu and Dalal 2005); above 5 an observer sees two different colours "
-    "(Mokrzycki and Tatol 2011)"
+    "a difference of 1 is just noticeable side by side (Sharma, Wu and Dalal 2005); above 5, an observer sees two "
+    "different colours (Mokrzycki and Tatol 2011)"
 )
 
 #: All measures by name.
@@ -49,11 +49,11 @@ BOUNDS: dict[str, Bound] = {
     ),
     "lead": Bound(
         "px", 8, "for two moving objects that are compared: the difference of their distances from their first places",
-        "the just noticeable difference of speeds is 5 % (McKee 1981), which are 8 px of 160 px",
+        "people just notice a difference of speeds of 5 % (McKee 1981); over a path of 160 px, these are 8 px",
     ),
     "intervals": Bound(
         "", 0.9, "the difference of two durations that are compared, in intervals between pictures",
-        "pictures show the time of an event to within one interval; a tenth of it is allowed for sampling",
+        "pictures show the time of an event to within one interval; the bound is a tenth lower to allow for sampling",
     ),
     "place": Bound(
         "px", 8, "the distance between the two places that the question distinguishes",
@@ -61,27 +61,30 @@ BOUNDS: dict[str, Bound] = {
     ),
     "length": Bound(
         "px", 8, "the difference of two lengths or sizes that are compared, both drawn at the first object's place",
-        "the just noticeable difference of lengths is a few per cent (Ono 1967); 8 px of 160 px are 5 %",
+        "people just notice a difference of lengths of a few per cent (Ono 1967); for a length of 160 px, 8 px are 5 %",
     ),
     "size": Bound(
         "px", 12, "the size of each object that the question names or counts: the mean of its width and height",
-        f"{_ACUITY}; 12 px are 19 arc minutes, more than nine times as much",
+        f"{_ACUITY}; 12 px are 19 arc minutes, over nine times as much",
     ),
     "number": Bound(
         "", 30, "the number of counted objects",
-        "a person counts about 3 objects a second (Trick and Pylyshyn 1994), which are 30 in ten seconds", at_most=True,
+        "a person counts about 3 objects a second (Trick and Pylyshyn 1994), so 30 objects take ten seconds",
+        at_most=True,
     ),
     "color": Bound(
         "ΔE00", 6, "the difference between the two colours, as drawn, that the question distinguishes", _GLANCE
     ),
     "color_dichromat": Bound(
-        "ΔE00", 8, "the difference, for protanopes and deuteranopes, of two colours as drawn that name options",
-        "simulation by Machado, Oliveira and Fernandes (2009); a third more than for `color`, since people name the "
-        "colours instead of comparing them",
+        "ΔE00", 8, "for options that are named by colours: the difference of the two colours, as drawn, for protanopes "
+        "and deuteranopes",
+        "the simulation of Machado, Oliveira and Fernandes (2009); the bound is a third higher than for `color`, since "
+        "people name the colours instead of comparing them",
     ),
     "material": Bound("ΔE00", 6, "the difference of the mean colours of two materials that are compared", _GLANCE),
     "texture": Bound(
-        "L*", 6, "the difference of two materials in spread or grain of lightness, if it exceeds that in colour",
+        "L*", 6, "the difference of two materials in the spread or the grain of their lightness; it "
+        "replaces `material` if it is larger",
         "as for `material`: a difference of 6 in lightness is a ΔE00 of 4 to 8",
     ),
     "option_place": Bound(
@@ -95,7 +98,7 @@ BOUNDS: dict[str, Bound] = {
     ),
     "option_shape": Bound(
         "", 0.5, "the share of an object's outline that differs between two option pictures",
-        "own choice: half of the outline",
+        "own choice: half of the outline must differ",
     ),
 }  # fmt: skip
 
