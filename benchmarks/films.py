@@ -232,7 +232,7 @@ INTRODUCTION = """\
 wmspec decides by [rules](../guides/video_models.md#how-a-clip-is-scored) which future the clip of a video model
 shows, or that it shows none. This page measures how often the rules are right. The benchmark takes clips whose future
 is known, damages them, and scores them like clips of a model. *Damaged futures* still show their future. *Clips
-without a future* are damaged so much that they show none. Names with `@` are
+without a future* are damaged until they show none. Names with `@` are
 [baselines](../guides/video_models.md#4-score-and-report).
 
 The columns *right*, *wrong* and *none* give the share of clips for which the rules choose the true future, another
