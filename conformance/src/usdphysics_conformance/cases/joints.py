@@ -97,7 +97,7 @@ def _double() -> Iterator[Case]:
             LANDAU,
         ),
         Criterion(
-            "largest change of the energy, relative to that of a fall by 0.5 m",
+            "largest change of the energy, as a share of the energy of a fall by 0.5 m",
             0.0,
             1.0,
             "%",
@@ -228,7 +228,7 @@ def _drives() -> Iterator[Case]:
         ),
         3.0,
         Criterion(
-            "final angle of a hinge whose drive has units per degree",
+            "final angle of a hinge; stiffness and damping of its drive are per degree",
             40.0,
             0.2,
             "deg",

@@ -81,7 +81,7 @@ def _mimics() -> Iterator[Case]:
             MECHANICS,
         ),
         Criterion(
-            "largest error of the opposite displacements of both weights",
+            "largest sum of the displacements of both weights, which should be opposite",
             0.0,
             0.5,
             "mm",
