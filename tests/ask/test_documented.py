@@ -33,7 +33,7 @@ PAGE = " ".join((Path(__file__).parents[2] / "docs/questions.md").read_text().sp
         f"{picture_balance.MIN_DIFFERENT_SHARE * 256**2:.0f} of 256 × 256 pixels show another",
         f"equally near (to {pictures.DISTANCE_TOLERANCE * 1e6:g} micrometre)",
         f"nudges once by {robustness.DEFAULT_NUDGE * 1000:g} mm",
-        f"{gate.MIN_VISIBLE_SHARE * 256**2:.0f} of 256 × 256 pixels and a contrast of {gate.MIN_CONTRAST:g}",
+        f"{gate.MIN_VISIBLE_SHARE * 256**2:.0f} of 256 × 256 pixels and a `contrast` of at least {gate.MIN_CONTRAST:g}",
         f"at most {gate.MAX_HIDDEN * 100:.0f} % of this part hidden",
     ],
 )

@@ -49,7 +49,7 @@ def test_the_first_dataset_of_the_readme(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_the_commands_in_the_table_exist() -> None:
-    table = README.partition("| | command | guide |")[2].partition("\n\n")[0]
+    table = README.partition("| task | command | guide |")[2].partition("\n\n")[0]
     named = {name for row in table.splitlines() for name in re.findall(r"`(\w+)`", row)}
     assert len(named) > 15
     assert named <= set(COMMANDS)
