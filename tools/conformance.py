@@ -22,11 +22,11 @@ TEXT = """# Conformance: scores
 This page shows how exactly physics engines execute the cases of [Conformance](../conformance.md), whose exact answers
 are known. A row is a quantity that is measured in a case. The columns with names of engines hold the measured values.
 A value is bold if it differs from the exact answer by more than the tolerance. A dash means that there is no value:
-the engine did not execute the case, or an event that the quantity needs, such as a touch, did not occur. The last row counts the quantities:
-first all of them, then those within tolerance, for each engine.
+the engine did not execute the case, or an event that the quantity needs, such as a touch, did not occur. The last row
+counts the quantities: first all of them, then those within tolerance, for each engine.
 
-`newton` is Newton as an engine of wmspec, whose solver calls MuJoCo on the processor. `newton_alone` is Newton without wmspec, run
-by the adapter in the README of the folder `conformance`.
+`newton` is Newton as an engine of wmspec, whose solver calls MuJoCo on the processor. `newton_alone` is Newton
+without wmspec, run by the adapter in the README of the folder `conformance`.
 
 The page was generated on {date} by `{command}`, with usdphysics-conformance {version}, {engines}.
 
