@@ -266,8 +266,8 @@ def test_shortcut_of_the_reported_size_is_found_in_four_of_five_draws(
 
     seen = blank()
     spread = power.deviation(cross_validated_scores(seen, probed), chance, probed.groups)
-    reach = _probe(1 / choices, spread, power.learned_gains(seen, probed, chance))
-    size = power.smallest_detectable(reach, power.threshold(tests))
+    probe = _probe(1 / choices, spread, power.learned_gains(seen, probed, chance))
+    size = power.smallest_detectable(probe, power.threshold(tests))
     assert 0.08 < size < 0.3
     found = [_alarm(*power.inject_shortcut(blank(), probed, size, random), tests) for _ in range(draws)]
     false = [_alarm(blank(), _questions(400, choices, 4, seed)[0], 1) for seed in range(draws)]
@@ -331,8 +331,8 @@ def test_shortcut_of_the_reported_size_is_found_by_the_best_probe() -> None:
     looks = [lambda s=s: s for s in noise]
     rivals = CandidateProbes.of(looks, probed)
     spread = power.deviation(rivals.best(probed)[0], chance, probed.groups)
-    reach = _probe(0.25, spread, rivals.learned(looks, probed, chance))
-    size = power.smallest_detectable(reach, power.threshold(tests))
+    probe = _probe(0.25, spread, rivals.learned(looks, probed, chance))
+    size = power.smallest_detectable(probe, power.threshold(tests))
     assert 0.1 < size < 0.3
     found = 0
     for _ in range(draws):
@@ -368,12 +368,12 @@ def test_undetectable_shortcuts_count_as_missed() -> None:
     )
 )
 def test_the_alarms_are_shared_out_and_those_that_find_least_get_more(probes: list[Any]) -> None:
-    reaches = [_probe(*probe) for probe in probes]
-    beyond = power.thresholds(reaches)
+    made = [_probe(*probe) for probe in probes]
+    beyond = power.thresholds(made)
     assert sum(stats.norm.sf(beyond)) <= power.FALSE_ALARMS + 1e-9
-    even = power.threshold(len(reaches))
-    worst = max(power.smallest_detectable(reach, even) for reach in reaches)
-    halved = power.threshold(len(reaches), power.FALSE_ALARMS / 2)
+    even = power.threshold(len(made))
+    worst = max(power.smallest_detectable(probe, even) for probe in made)
+    halved = power.threshold(len(made), power.FALSE_ALARMS / 2)
     assert all(mine <= max(halved, even) + 1e-9 for mine in beyond)
-    if worst == 1.0 and max(power.smallest_detectable(r, b) for r, b in zip(reaches, beyond, strict=True)) < 1.0:
+    if worst == 1.0 and max(power.smallest_detectable(r, b) for r, b in zip(made, beyond, strict=True)) < 1.0:
         assert min(beyond) < even, "the one that found nothing was given some of the others' alarms"

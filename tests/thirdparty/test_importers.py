@@ -38,13 +38,9 @@ def test_an_importer_sees_our_bodies(name: str, catalogue: dict[str, list[Path]]
 def mujoco_reads(path: Path) -> bool:
     """Whether MuJoCo's importer reads all shapes: it leaves out cones, and takes hollow meshes for their hulls."""
     stage = Usd.Stage.Open(str(path))
-    hollow = any(mesh.GetApproximationAttr().Get() == UsdPhysics.Tokens.convexDecomposition for mesh in meshes(stage))
+    meshes = [UsdPhysics.MeshCollisionAPI(p) for p in stage.Traverse() if p.HasAPI(UsdPhysics.MeshCollisionAPI)]
+    hollow = any(mesh.GetApproximationAttr().Get() == UsdPhysics.Tokens.convexDecomposition for mesh in meshes)
     return not hollow and not any(isinstance(geom.shape, Cone) for body in read(stage).bodies for geom in body.geoms)
-
-
-def meshes(stage: Usd.Stage) -> list[UsdPhysics.MeshCollisionAPI]:
-    """The meshes that collide."""
-    return [UsdPhysics.MeshCollisionAPI(prim) for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.MeshCollisionAPI)]
 
 
 def differences(bodies: tuple[Body, ...], found: dict[str, Any]) -> Iterator[str]:

@@ -21,7 +21,7 @@ _BUSY = (
 class BoundedServer(ThreadingHTTPServer):
     """Serves each connection in a thread, at most `max_connections`; closes those that are open longer than the limit.
 
-    Further connections receive status 503. The limit of time is `max_seconds` (s); `serve_forever` looks for late
+    Further connections receive status 503. The time limit is `max_seconds` (s); `serve_forever` looks for late
     connections every half second. A handler that sends for longer by design calls `keep_open`.
     """
 

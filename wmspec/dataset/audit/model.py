@@ -58,7 +58,7 @@ class Probe:
     of guessing, `deviation` the standard deviation of the accuracy under guessing. (`low`, `high`) is the 95 % interval
     of the accuracy. A judged probe is `luck` if it is not significantly above chance. `least` is the smallest shortcut,
     in accuracy above chance, detectable with a power of 0.8. `learned` is the accuracy gained on injected shortcuts,
-    None if nothing can be learned. A probe that is not `judged` sees information that is meant to give the answer.
+    None if nothing can be learned. A probe is not `judged` if its input is supposed to determine the answer.
     """
 
     task: str
