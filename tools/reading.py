@@ -26,7 +26,8 @@ from wmspec.dataset.build.images import decode_image
 from wmspec.dataset.build.reader import DatasetReader
 from wmspec.dataset.build.typeset import Picture, Style
 
-COLUMNS = ("sheet", "task", "question", "tier", "options", "answer", "id")
+#: Give sheets of one `group` to different readers, because its questions may reveal each other's answers.
+COLUMNS = ("sheet", "task", "question", "tier", "options", "answer", "id", "group")
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 TEXT, LETTER = Style(20), Style(22, bold=True)
 GAP, ACROSS = 8, 4
@@ -99,7 +100,8 @@ def draw(dataset: Path, sheets: Path, key: Path, per_tier: int, seed: int) -> No
             _sheet_of_row(row).save(sheets / name)
             question = row["question_name"] or row["question"]
             right = LETTERS[row["answer"]]
-            table.writerow([name, row["task"], question, row["tier"], len(row["option_kind"]), right, row["id"]])
+            count = len(row["option_kind"])
+            table.writerow([name, row["task"], question, row["tier"], count, right, row["id"], row["block"]])
 
 
 def score(key: Path, answers: Sequence[Path]) -> Iterator[str]:
