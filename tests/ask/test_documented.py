@@ -25,7 +25,7 @@ PAGE = " ".join((Path(__file__).parents[2] / "docs/questions.md").read_text().sp
         f"during the last {observed.REST_TIME:g} s",
         f"differ by a factor below {outcome.DIAGONAL_RATIO:g}",
         f"within {trajectory.MIN_DEVIATION * 1000:g} mm or {trajectory.MIN_DEVIATION_SHARE * 100:g} % of its extent",
-        f"the smaller share more than {trajectory.MAX_COUNTERTURN:.0%}".replace("%", " %"),
+        f"more than {trajectory.MAX_COUNTERTURN:.0%} of its turning".replace("%", " %"),
         f"more than {math.degrees(trajectory.MIN_CIRCLE):.0f} degrees",
         f"sharper than {math.degrees(trajectory.SHARP_CORNER):.0f} degrees",
         f"it turns by more than {math.degrees(trajectory.MIN_ARC):.0f}",
