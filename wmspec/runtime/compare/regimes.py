@@ -102,7 +102,7 @@ def _rows(scene: Scene, trace: Trace, apart: float) -> Iterator[str]:
             if meets and min(_bounce(bodies, hit), _bounce(bodies, other)) >= ELASTIC_RESTITUTION:
                 (middle,) = shared
                 first, third = (c.first if c.second == middle else c.second for c in (hit, other))
-                yield f"`{first}` and `{middle}` meet at {hit.start:.3g} s, when `{middle}` touches `{third}`"
+                yield f"`{first}` and `{middle}` meet at {hit.start:.3g} s, while `{middle}` already touches `{third}`"
 
 
 def _bounce(bodies: dict[str, Body], contact: Contact) -> float:
