@@ -71,7 +71,7 @@ def test_answers_that_depend_on_engine_faults_are_marked() -> None:
     row, roll = unreliable_answers(found)
     assert (row.answers, roll.answers) == (Share(1, 1), Share(1, 1))
     assert "`a` and `b` meet" in row.where
-    assert "`b` touches `c`" in row.where
+    assert "`b` already touches `c`" in row.where
     assert "`can` rolls" in roll.where
     assert not unreliable_answers(checked((HERE / "race.wms").read_text()))
 
