@@ -92,17 +92,17 @@ def _probe_specs(cases: Sequence[Case]) -> Iterator[ProbeSpec]:
             last = "last picture" in name
             judged = (fewer, _FEWER if fewer else _ENOUGH) if last else blind
             yield ProbeSpec(name, "rule", *judged, scores=scores, pictured=last)
-    for views in _views(shown):
+    for views in view_sets(shown):
         yield from _picture_probes(cases, views)
     if shown and len({c.row["text"] for c in cases}) > 1:  # not judged, since the question may decide the answer
         seen = _pixels(cases, tuple(range(shown)))
         yield ProbeSpec("all pictures without the question", "pictures", False, _UNASKED, seen, pictured=True)
 
 
-def _views(shown: int) -> Iterator[tuple[int, ...]]:
-    """Yield each picture, and each pair of pictures unless that is all of them; of many pictures, pairs of some.
+def view_sets(shown: int) -> Iterator[tuple[int, ...]]:
+    """Yield each picture, and each pair of at most `MAX_PAIRED_PICTURES` pictures, unless a pair is all of them.
 
-    Neighbours in a long series show almost the same, and the time of the audit grows with the number of pairs.
+    Neighbours in a long series are similar, and the time of the audit grows with the number of pairs.
     """
     yield from combinations(range(shown), 1)
     if shown > 2:
