@@ -35,7 +35,7 @@ help:
 setup:
 	@PYTHON='$(PYTHON)' tools/setup.sh
 
-browser:
+browser: setup
 	@tools/setup.sh --browser
 
 inspect: build/inspect/bin/inspect

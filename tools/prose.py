@@ -59,21 +59,21 @@ class Rules:
 def findings(path: Path, text: str, rules: Rules) -> Iterator[Finding]:
     """Yield every finding in a file: all prose of Markdown and notebooks, words and identifiers of Python, comments."""
     lines = text.splitlines()
-    for first, words in _spans(path, text):
+    nodes = list(ast.walk(ast.parse(text))) if path.suffix == ".py" else []
+    for first, words in _spans(path, text, nodes):
         for pattern, remedy in rules.prose:
             for match in pattern.finditer(words):
                 line = first + words.count("\n", 0, match.start())
                 if not rules.permits(path, lines[min(line, len(lines)) - 1]):
                     yield Finding(path, line, " ".join(match[0].split()), remedy)
-    if path.suffix == ".py":
-        yield from _names(path, text, rules)
+    yield from _names(path, nodes, rules)
 
 
-def _spans(path: Path, text: str) -> Iterator[tuple[int, str]]:
+def _spans(path: Path, text: str, nodes: list[ast.AST]) -> Iterator[tuple[int, str]]:
     """The words of a file, with the lines on which they begin."""
     match path.suffix:
         case ".py":
-            return _python(text)
+            return _python(text, nodes)
         case ".md":
             return _markdown(text)
         case ".ipynb":
@@ -103,19 +103,19 @@ def _markdown(text: str) -> Iterator[tuple[int, str]]:
     yield 1, CODE.sub(lambda m: re.sub(r"[^\n]", " ", m[0]), text)
 
 
-def _python(text: str) -> Iterator[tuple[int, str]]:
+def _python(text: str, nodes: list[ast.AST]) -> Iterator[tuple[int, str]]:
     """Comments and strings with the lines on which they begin."""
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type == tokenize.COMMENT:
             yield token.start[0], re.sub(r"`[^`\n]*`", "", token.string)
-    for node in ast.walk(ast.parse(text)):
+    for node in nodes:
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and " " in node.value:
             yield node.lineno, CODE.sub(lambda m: re.sub(r"[^\n]", " ", m[0]), node.value)
 
 
-def _names(path: Path, text: str, rules: Rules) -> Iterator[Finding]:
+def _names(path: Path, nodes: list[ast.AST], rules: Rules) -> Iterator[Finding]:
     """Names that are defined: functions, classes, arguments, variables, fields."""
-    for node in ast.walk(ast.parse(text)):
+    for node in nodes:
         match node:
             case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) | ast.ClassDef(name=name):
                 yield from _name(path, node.lineno, name, rules)

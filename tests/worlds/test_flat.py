@@ -14,7 +14,7 @@ from wmspec.runtime.engines.registry import default
 ROOMS = {
     "living room": (-2.75, -2.25, ["living_cupboard", "living_clock", "living_sofa", "living_television"]),
     "bedroom": (-2.75, 2.25, ["bedroom_chair", "bedroom_teddy", "bedroom_bed", "bedroom_clock"]),
-    "kitchen": (2.75, -2.25, ["kitchen_dining_table", "larder", "kitchen_clock", "kitchen_window"]),
+    "kitchen": (2.75, -2.25, ["kitchen_dining_table", "kitchen_television", "kitchen_clock", "kitchen_window"]),
     "study": (2.75, 2.25, ["cartons", "study_monitor", "study_teddy", "study_clock"]),
 }
 #: How far the tasks move the walker from the middle (m) and turn it (deg), to either side.
