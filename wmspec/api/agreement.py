@@ -172,10 +172,10 @@ def crosscheck(
         seed: random seed of tasks given by path, 0 by default; a loaded task has its own.
         tolerance: settings such as "drift=1cm/s" that override the tolerances of a task.
         strict: whether trajectories must be within tolerance for an instance to pass.
-        changed_since: a git revision; only tasks whose files have changed since its common ancestor are executed.
+        changed_since: a git revision; only tasks whose files have changed since HEAD branched from it are executed.
         baseline: known disagreements, or the file that holds them.
         fail_under: percentage of instances that must pass.
-        max_time: time (s) after which no group of instances begins. Groups of all tasks then alternate from the start.
+        max_time: time (s) after which no group of instances begins. If it is set, groups of all tasks alternate.
         cache: whether results are kept in the user's cache; or another folder for them.
         workers: number of processes (default: one per core; 0: this process), or a function that returns `Workers`.
         timeout: time limit per instance, in seconds.

@@ -185,10 +185,10 @@ def environment(
 
     Args:
         task: a task, or the path of a spec of one task.
-        difficulty: the range of ranks to keep; `difference` ranks questions from 0 (easiest) to 1 (hardest).
+        difficulty: the range of ranks to keep, from 0 (easiest) to 1 (hardest); the spec's `difference` ranks.
         levels: only these levels of factors, by factor (SI; named levels by their names).
         split: only instances of "train", "validation" or "test", the first two without the hold-outs of the spec.
-        shares: of the splits in percent, such as "train=80,validation=10,test=10".
+        shares: percent of each split, such as "train=80,validation=10,test=10".
         engine: the engine that executes and draws; by default the first that is installed.
         prompt: the prompt, such as "default" or "numbers", or a file.
         seed: the first random seed of a task given by path.

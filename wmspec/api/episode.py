@@ -41,7 +41,7 @@ class Track:
 
     `position` (T, 3) m and `orientation` (T, 4), quaternions (w, x, y, z), describe the body's frame. `linear_velocity`
     (T, 3) m/s and `angular_velocity` (T, 3) rad/s are those of the centre of mass, in world axes. `center` (T, 3) m is
-    the centre of the bounding box, which measures use; for a simple shape it is the origin of the frame.
+    the centre of the bounding box, used by measures; for a simple shape it is the origin of the frame.
     """
 
     position: NDArray[np.float64]
@@ -181,7 +181,7 @@ class Episode:
         overlay: bool = False,
         **options: Unpack[RenderOptions],
     ) -> Path:
-        """Write the episode as a .gif, or with the extra `video` as an .mp4, with `rate` frames per second.
+        """Write the episode as .gif, or as .mp4 (needs the extra `video`), at `rate` frames per second.
 
         Raises WmsError if it cannot be written.
         """

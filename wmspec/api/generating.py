@@ -55,7 +55,7 @@ class DatasetOptions(TypedDict, total=False):
     films; `film_size`: their width and height (pixels); `film_for`: the least time (s) that they continue after the
     context. `licence`: SPDX identifier of the data licence, by default that of the specs, and CC-BY-4.0 for specs of
     wmspec. `split`: only the instances of "train", "validation" or "test"; the first two without the hold-outs of the
-    specs. `shares`: of the splits in percent, such as "train=80,validation=10,test=10".
+    specs. `shares`: percent of each split, such as "train=80,validation=10,test=10".
     """
 
     per_task: int | None

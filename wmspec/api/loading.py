@@ -98,8 +98,8 @@ class Diagnosis:
 def diagnose(*paths: PathOrText, text: str | None = None) -> Diagnosis:
     """Check specs, their designs, and a sample of their scenes, without executing them. `text` is the text of a spec.
 
-    Libraries and files are searched next to a spec file, and for a `text` in the working folder. Raises WmsError if a
-    file cannot be read.
+    Libraries and files are looked up next to a spec file; those of a `text`, in the working folder.
+    Raises WmsError if a file cannot be read.
     """
     files: list[Path | Source] = [*spec_files(map(Path, paths)), *([_text(text)] if text is not None else [])]
     found = [diagnose_file(file)[0] for file in files]

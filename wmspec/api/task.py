@@ -45,7 +45,7 @@ class Factor:
 
     @classmethod
     def of(cls, declared: DeclaredFactor, about: str) -> Factor:
-        """Return the factor of a declaration and its dimension."""
+        """Return a declaration as a factor with this dimension."""
         match declared.domain:
             case Choices(values=values):
                 return cls(declared.name, declared.unit, declared.nuisance, values, None, about)
@@ -132,7 +132,7 @@ class Task(Sequence["Instance"]):
     def sample_sizes(self) -> dict[str, int]:
         """The number of independent groups for every factor and nuisance.
 
-        For a factor that is crossed in groups, the number of groups that cross it; otherwise all groups.
+        For a factor that varies within groups, the number of these groups; otherwise that of all groups.
         """
         return self.design.sample_sizes
 
@@ -236,7 +236,7 @@ class Instance:
     def redrawn(self, times: int) -> Instance:
         """Return the instance with group-level draws re-sampled; `times` selects the re-sample, 0 the original.
 
-        Datasets with balanced answers contain some of these; the column `redrawn` has the number. Raises WmsError if
+        Datasets with balanced answers contain some of these; their column `redrawn` has `times`. Raises WmsError if
         the design draws nothing per group.
         """
         try:
@@ -270,7 +270,7 @@ class Instance:
         return write_stages(self.task.design, self.drawn, folder)
 
     def native(self, engine: str) -> dict[str, str]:
-        """Return the episode in the engine's native format, file name -> text, usable without wmspec."""
+        """Return the scene in the engine's native format, file name -> text, usable without wmspec."""
         from wmspec.runtime.engines.registry import backend
         from wmspec.sim.usd import read
 

@@ -141,7 +141,7 @@ def _excerpt(place: Place, paint: Paint) -> Iterator[str]:
 
 
 class WmsError(Exception):
-    """Input is invalid, or the machine lacks a capability; has one diagnostic, or several (`WmsError.of`).
+    """Invalid input, or a capability that the machine lacks: one diagnostic, or several (`WmsError.of`).
 
     The command line prints it and exits with code 2. Pickling preserves it.
     """
@@ -173,7 +173,7 @@ class WmsError(Exception):
 
     @property
     def portable(self) -> str:
-        """The text of `str(error)` with names of files without folders, to store in a dataset."""
+        """The text of `str(error)`, with folders cut from file names, to store in a dataset."""
         return "\n".join(diagnostic.portable for diagnostic in self.diagnostics)
 
     def render(self, paint: Paint = unpainted) -> str:
