@@ -284,8 +284,8 @@ def row(name: str, slot: PropertySpec, default: str = "") -> tuple[str, ...]:
     """Return a property or argument as a table row."""
     kinds = either([str(kind) for kind in slot.types])
     left_out = f"`{slot.default}`" if slot.default is not None else "—" if slot.optional else "required"
-    left_out = default or left_out
-    return f"`{name}`", kinds + bounds(slot), left_out, slot.meaning
+    meaning = re.sub(r"; default: [^.;]*", "", slot.meaning) if default else slot.meaning
+    return f"`{name}`", kinds + bounds(slot), default or left_out, meaning
 
 
 def bounds(slot: PropertySpec) -> str:
