@@ -99,7 +99,7 @@ def entities() -> Iterator[str]:
     """Yield the tables of objects, actions, functions, words and codes."""
     yield "### Properties\n"
     yield (
-        "Limits are in SI units, so those of angles are in radians. A property with the default — has no value, "
+        'Limits are in SI units, so those of angles are in radians. The default "—" means: no value, '
         "unless the last column states a default.\n"
     )
     for kind, properties in PROPERTIES.items():
@@ -113,10 +113,10 @@ def entities() -> Iterator[str]:
         )
     yield "### Joints\n"
     yield "Every engine executes all kinds of joints. [The stage](../stage.md) describes them in detail.\n"
-    yield from table(("joint", "meaning", "coordinate", "properties of this kind only"), joints())
+    yield from table(("joint", "meaning", "coordinate", "properties that not all kinds have"), joints())
     yield "### Verbs\n"
     yield (
-        "Limits are in SI units, so those of angles are in radians. An argument with the default — may be absent. "
+        'Limits are in SI units, so those of angles are in radians. An argument with the default "—" may be absent. '
         "An action whose verb ends in `for TIME` needs a duration.\n"
     )
     for name, verb in VERBS.items():

@@ -57,7 +57,7 @@ MATERIALS: dict[str, Material] = {
     "planks": Material("boards of a floor", (0.76, 0.55, 0.36), 0.50, image="planks.png", texels=440),
     "carpet": Material("tufts of wool", (0.62, 0.55, 0.50), 0.95, image="carpet.png", texels=900),
     "leather": Material("pebbled leather", (0.42, 0.24, 0.14), 0.50, image="leather.png", texels=1600),
-    "paper": Material("card, or pages from the side", (0.93, 0.91, 0.86), 0.90, image="paper.png", texels=3200),
+    "paper": Material("card, or edges of stacked pages", (0.93, 0.91, 0.86), 0.90, image="paper.png", texels=3200),
     "weave": Material("wicker", (0.72, 0.54, 0.33), 0.80, image="weave.png", texels=1600),
     "leaf": Material("leaves over leaves", (0.25, 0.48, 0.18), 0.70, image="leaf.png", texels=640),
     "concrete": Material("smooth concrete with pores", (0.66, 0.66, 0.64), 0.85, image="concrete.png", texels=256),

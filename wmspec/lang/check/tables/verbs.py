@@ -155,7 +155,7 @@ _HIGH = PropertySpec((A_LENGTH,), "height to which it is raised", above=0, most=
 _SIDE = PropertySpec((DIRECTION,), "to which side, as the robot sees it: `left` or `right`", among=("left", "right"))
 _WHERE = PropertySpec(
     (POINT2,),
-    "grasp point in the object's own axes, relative to its middle; beside the object, the grasp misses",
+    "grasp point in the object's own axes, relative to its middle; the grasp misses if this point is beside the object",
     "(0 m, 0 m)",
 )
 _HANDLE = PropertySpec((OBJECT,), "the handle")
@@ -168,7 +168,7 @@ _ARM = {
     "push": Verb("pushes an object along its support", {"object": _GRIPPED, "direction": _DIRECTION, "distance": _FAR}, True),
     "pick": Verb("grasps an object and lifts it", {"object": _GRIPPED, "height": _HIGH, "at": _WHERE}, True),
     "grasp": Verb("grasps an object without moving it; the object may be on a support or in another hand", {"object": _GRIPPED, "at": _WHERE}, True),
-    "lift": Verb("raises a held object, or one end of an object that is not held", {"object": _GRIPPED, "height": _HIGH, "at": PropertySpec((POINT2,), "grasp point in the object's own axes, relative to its end; beside the object, the grasp misses", "(0 m, 0 m)")}, True),
+    "lift": Verb("raises a held object, or one end of an object that is not held", {"object": _GRIPPED, "height": _HIGH, "at": PropertySpec((POINT2,), "grasp point of an empty hand in the object's own axes, relative to the object's end; the grasp misses if this point is beside the object", "(0 m, 0 m)")}, True),
     "carry": Verb("moves a held object horizontally", {"object": _GRIPPED, "direction": _DIRECTION, "distance": _FAR}, True),
     "place": Verb("puts down the held object", {"object": _GRIPPED, "on": PropertySpec((OBJECT,), "the support"), "at": PropertySpec((POINT2,), "place on the support", "(0 m, 0 m)")}, True),
     "rotate": Verb("turns a held object about the vertical", {"object": _GRIPPED, "angle": PropertySpec((AN_ANGLE,), "angle, anticlockwise as seen from above")}, True),
@@ -187,7 +187,7 @@ ROBOTS: dict[str, dict[str, Verb]] = {
         "turn": Verb("drives to the next crossing, turns into the road on that side, and drives a little further", {"direction": _SIDE}, True),
         "change_lane": Verb("moves to the adjacent lane", {"direction": _SIDE}, True),
         "stop": Verb("brakes to a stop in its lane", {}, True),
-        "go_to": Verb("drives the shortest way along its roads to their point that is nearest to an object", {"to": PropertySpec((OBJECT,), "the object")}, True),
+        "go_to": Verb("drives the shortest way along its roads to the point of the roads that is nearest to an object", {"to": PropertySpec((OBJECT,), "the object")}, True),
     },
     "walker": {
         "move": Verb("walks straight ahead, at most up to an obstacle", {"distance": _FAR}, True),
