@@ -281,7 +281,7 @@ def arguments(verb: Verb) -> Iterator[str]:
 
 
 def row(name: str, slot: PropertySpec, default: str = "") -> tuple[str, ...]:
-    """Return a property or argument as a table row."""
+    """Return a property or argument as a table row; `default` replaces the default that the slot states."""
     kinds = either([str(kind) for kind in slot.types])
     left_out = f"`{slot.default}`" if slot.default is not None else "—" if slot.optional else "required"
     meaning = re.sub(r"; default: [^.;]*", "", slot.meaning) if default else slot.meaning

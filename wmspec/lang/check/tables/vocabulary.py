@@ -276,7 +276,7 @@ PROPERTIES: dict[str, dict[str, PropertySpec]] = {
         "surface_velocity": PropertySpec((Vector(SPEED, 3),), "of a fixed object that acts as a conveyor belt: velocity of its surface, in its own axes", optional=True),
         "passes": PropertySpec((List(OBJECT),), "objects with which it does not collide", optional=True),
         "on": PropertySpec((OBJECT,), "object on which it rests; `on: table at (x, y)` gives the place, relative to the middle of the table", optional=True),
-        "inside": PropertySpec((OBJECT,), "object in which it rests, at the place `at`, on the lowest of that object's parts", optional=True),
+        "inside": PropertySpec((OBJECT,), "object in which it rests, on the lowest of that object's parts at the place `at`", optional=True),
         "at": PropertySpec((POINT2, POINT3, PLACE), "place of its middle: (x, y) on its support or on the ground, or (x, y, z)", "(0 m, 0 m)"),
         "scatter": PropertySpec((POINT2,), "side lengths of the rectangle around `at` in which its place is drawn at random", optional=True, least=0),
         "gap": PropertySpec((A_LENGTH,), "smallest distance from other scattered objects on the same support", "1 cm", least=0),
