@@ -25,8 +25,8 @@ DATA = Path(__file__).parent / "data"
     ],
 )
 def test_a_design_that_gives_its_answer_away_fails(name: str, sees: str, tmp_path: Path) -> None:
-    wmspec.generate(DATA / f"{name}.wms", tmp_path / name, backend="mujoco", per_task=80, size=96, workers=0)
-    found = audit(tmp_path / name, 80, lambda task, count: None)
+    wmspec.generate(DATA / f"{name}.wms", tmp_path / name, backend="mujoco", per_task=200, size=96, workers=0)
+    found = audit(tmp_path / name, 200, lambda task, count: None)
     assert found.summaries[0].verdict == "fails"
     assert "shortcut" in found.summaries[0].why
     telling = [p for p in found.probes if p.family == sees and p.judged and not p.luck]
