@@ -44,5 +44,5 @@ def test_gallery_is_separate_from_the_tasks_of_the_paper() -> None:
 @pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
 def test_each_gives_questions(path: Path, tmp_path: Path) -> None:
     installed("mujoco")
-    made = wmspec.generate(path, tmp_path / "out", backend="mujoco", per_task=4, size=256, workers=0)
+    made = wmspec.generate(path, tmp_path / "out", backend="mujoco", per_task=12, size=256, workers=0)
     assert made.rows >= 0.9 * (made.rows + sum(made.rejected.values()))

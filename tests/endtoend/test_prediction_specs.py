@@ -77,5 +77,5 @@ def named(expression: Expr) -> set[object]:
 @pytest.mark.parametrize("path", PHYSICS, ids=lambda path: path.stem)
 def test_each_gives_questions(path: Path, tmp_path: Path) -> None:
     installed("mujoco")
-    made = wmspec.generate(path, tmp_path / "out", backend="mujoco", per_task=8, size=256, workers=0)
+    made = wmspec.generate(path, tmp_path / "out", backend="mujoco", per_task=40, size=256, workers=0)
     assert made.rows >= 0.9 * (made.rows + sum(made.rejected.values()))

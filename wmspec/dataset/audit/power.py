@@ -21,7 +21,7 @@ FALSE_ALARMS = 0.05
 #: Probability of detecting an existing shortcut.
 POWER = 0.8
 #: Sizes of injected shortcuts (accuracy above chance), and the number of injections by model.
-SHORTCUT_SIZES, INJECTIONS = (0.1, 0.2, 0.3), {"linear": 16, "forest": 8}
+SHORTCUT_SIZES, INJECTIONS = (0.1, 0.15, 0.2, 0.3), {"linear": 12, "forest": 6}
 
 
 #: Minimum number of values of a feature, and minimum share of questions with a single largest value, to hold a

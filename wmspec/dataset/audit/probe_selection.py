@@ -24,7 +24,7 @@ from wmspec.dataset.audit.classify import (
 from wmspec.dataset.audit.power import SHORTCUT_SIZES, gain_quantile, inject_shortcut
 
 #: Number of injections of a shortcut of each size, each into a random probe.
-INJECTIONS = 12
+INJECTIONS = 9
 
 
 @dataclass(frozen=True)
