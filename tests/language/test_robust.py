@@ -102,7 +102,7 @@ def test_random_words(words: list[str]) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=3000)
+@settings(max_examples=1000)
 @given(data=st.data())
 def test_heavily_mutated_specs(data: st.DataObject) -> None:
     """The same for longer; `benchmarks/fuzz.py` goes on from here, with limits of time and memory."""
