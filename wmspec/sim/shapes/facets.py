@@ -160,10 +160,9 @@ def translated(what: Facets, by: Vector) -> Facets:
 
 
 def facets(points: Array, normals: Array, st: Array, faces: NDArray[np.integer]) -> Facets:
-    """Return facets without degenerate triangles (at poles), which some engines reject."""
+    """Return facets without degenerate triangles (at poles), which some engines reject, and without unused points."""
     a, b, c = points[faces[:, 0]], points[faces[:, 1]], points[faces[:, 2]]
     twice = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     kept = faces[twice > 1e-9 * twice.max(initial=0.0)]
-    return Facets(
-        np.ascontiguousarray(points), np.ascontiguousarray(normals), np.ascontiguousarray(st), kept.astype(np.int32)
-    )
+    used, renumbered = np.unique(kept, return_inverse=True)
+    return Facets(points[used], normals[used], st[used], renumbered.reshape(-1, 3).astype(np.int32))
