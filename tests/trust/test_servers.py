@@ -5,6 +5,7 @@ from __future__ import annotations
 import http.client
 import socket
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 from http.server import BaseHTTPRequestHandler
@@ -42,6 +43,8 @@ def server() -> Iterator[_Small]:
 
 
 def status(server: _Small) -> int:
+    while server._opened:  # a visitor sees the end of a connection before its thread has freed the place
+        time.sleep(0.01)
     visitor = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=20)
     try:
         visitor.request("GET", "/")
