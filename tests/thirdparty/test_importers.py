@@ -51,15 +51,15 @@ def differences(bodies: tuple[Body, ...], found: dict[str, Any]) -> Iterator[str
         return
     for body in moving:
         # We take the round volume of a lathe, and split it into convex pieces; importers see a mesh.
-        turned = any(isinstance(geom.shape, Lathe) for geom in body.geoms)
-        close = 1e-2 if turned else 1e-4
+        has_lathe = any(isinstance(geom.shape, Lathe) for geom in body.geoms)
+        tolerance = 1e-2 if has_lathe else 1e-4
         for key, ours in properties(body).items():
-            if turned and key == "friction":
+            if has_lathe and key == "friction":
                 continue
             theirs = np.array(found[body.path][key])
             if key == "orientation" and theirs @ ours < 0:
                 theirs = -theirs
-            if theirs.shape != np.shape(ours) or not np.allclose(theirs, ours, rtol=close, atol=1e-6):
+            if theirs.shape != np.shape(ours) or not np.allclose(theirs, ours, rtol=tolerance, atol=1e-6):
                 yield f"{body.path}: {key} is {theirs.tolist()}, ours {np.asarray(ours).tolist()}"
 
 

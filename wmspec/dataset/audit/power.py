@@ -20,7 +20,8 @@ from wmspec.dataset.audit.model import Probe
 FALSE_ALARMS = 0.05
 #: Probability of detecting an existing shortcut.
 POWER = 0.8
-#: Sizes of injected shortcuts (accuracy above chance), and the number of injections by model.
+#: Sizes of injected shortcuts (accuracy above chance), and the number of injections by model. Gains are convex in the
+#: size: interpolated between sizes further apart, they are overestimated.
 SHORTCUT_SIZES, INJECTIONS = (0.1, 0.15, 0.2, 0.3), {"linear": 12, "forest": 6}
 
 
